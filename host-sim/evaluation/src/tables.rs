@@ -7,6 +7,7 @@ use clap::ValueEnum;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
+use smr_recordings::words::choice_name;
 
 /// The tables that there are; no command has all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -28,7 +29,7 @@ pub enum TableName {
 impl TableName {
     /// As on the command line, and its key in JSON.
     pub fn text(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        choice_name(&self)
     }
 }
 

@@ -5,7 +5,7 @@ use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
-use smr_recordings::{ColorFrame, GrayFrame, resized, resized_colors};
+use smr_recordings::{ColorFrame, GrayFrame, resized};
 
 /// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
 pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
@@ -62,7 +62,7 @@ pub(crate) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
 /// The same with no side longer than `side`, and with fewer bytes.
 pub(crate) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     let (width, height) = within((frame.width, frame.height), side);
-    color_jpeg_of(&resized_colors(frame.clone(), width, height), 75)
+    color_jpeg_of(&resized(frame.clone(), width, height), 75)
 }
 
 fn color_jpeg_of(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {

@@ -1,17 +1,9 @@
 //! The frames of a recording in its own colors and at their own times: what boxes are drawn on. Trackers see gray frames only.
 
-use super::resize::resized_colors;
-use super::{GrayFrame, images, video_color};
+use super::resize::resized;
+use super::{ColorFrame, GrayFrame, images, video_color};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// One frame in red, green and blue, rows without gaps.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ColorFrame {
-    pub width: u16,
-    pub height: u16,
-    pub pixels: Vec<[u8; 3]>,
-}
 
 impl From<&GrayFrame> for ColorFrame {
     fn from(GrayFrame { width, height, pixels }: &GrayFrame) -> Self {
@@ -89,7 +81,7 @@ impl ColorFrames {
         let stretch =
             (f64::from(frame.width) / f64::from(gray.width)) / (f64::from(frame.height) / f64::from(gray.height));
         let moment = moment.map(|moment| Moment { aspect: stretched(moment.aspect, stretch), ..moment });
-        (resized_colors(frame, gray.width, gray.height), moment)
+        (resized(frame, gray.width, gray.height), moment)
     }
 }
 

@@ -33,53 +33,36 @@ impl fmt::Display for Damaged {
 impl std::error::Error for Damaged {}
 
 /// The frames of `source`, checked; `at` is what they are called in errors.
-pub(super) fn frames(source: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, at: String) -> Frames {
-    let mut checked = Checked { source, at, number: 0, first: None };
-    let mut over = false;
+pub(super) fn frames(mut source: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, at: String) -> Frames {
+    let (mut number, mut first, mut over) = (0, None, false);
     Box::new(std::iter::from_fn(move || {
         if over {
             return None;
         }
-        let next = checked.next();
+        number += 1;
+        let next = match source.next() {
+            Some(Ok(frame)) => Some(same_size(frame, &mut first).with_context(|| format!("{at}, frame {number}"))),
+            Some(Err(mut error)) => {
+                if let Some(damaged) = error.downcast_mut::<Damaged>() {
+                    damaged.before = number - 1;
+                }
+                Some(Err(error))
+            }
+            None if number == 1 => Some(Err(anyhow!("{at} holds no frame: expected at least one"))),
+            None => None,
+        };
         over = !matches!(next, Some(Ok(_)));
         next
     }))
 }
 
-struct Checked<S> {
-    source: S,
-    at: String,
-    number: u64,
-    /// The size of the first frame.
-    first: Option<(u16, u16)>,
-}
-
-impl<S: Iterator<Item = Result<GrayFrame>>> Checked<S> {
-    fn next(&mut self) -> Option<Result<GrayFrame>> {
-        self.number += 1;
-        match self.source.next() {
-            Some(Ok(frame)) => {
-                Some(self.same_size(frame).with_context(|| format!("{}, frame {}", self.at, self.number)))
-            }
-            Some(Err(mut error)) => {
-                if let Some(damaged) = error.downcast_mut::<Damaged>() {
-                    damaged.before = self.number - 1;
-                }
-                Some(Err(error))
-            }
-            None if self.number == 1 => Some(Err(anyhow!("{} holds no frame: expected at least one", self.at))),
-            None => None,
-        }
-    }
-
-    fn same_size(&mut self, frame: GrayFrame) -> Result<GrayFrame> {
-        let GrayFrame { width, height, .. } = frame;
-        ensure!(width > 0 && height > 0, "it is {width}x{height}: expected at least one pixel");
-        let (first_width, first_height) = *self.first.get_or_insert((width, height));
-        let same = (width, height) == (first_width, first_height);
-        ensure!(same, "it is {width}x{height}: expected {first_width}x{first_height}, the size of the first");
-        Ok(frame)
-    }
+fn same_size(frame: GrayFrame, first: &mut Option<(u16, u16)>) -> Result<GrayFrame> {
+    let GrayFrame { width, height, .. } = frame;
+    ensure!(width > 0 && height > 0, "it is {width}x{height}: expected at least one pixel");
+    let (first_width, first_height) = *first.get_or_insert((width, height));
+    let same = (width, height) == (first_width, first_height);
+    ensure!(same, "it is {width}x{height}: expected {first_width}x{first_height}, the size of the first");
+    Ok(frame)
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use super::GrayFrame;
 use super::synthetic::Random;
+use crate::words::choice_name;
 use anyhow::{Result, anyhow, bail};
+use clap::ValueEnum;
 use std::fmt;
 use std::str::FromStr;
 
@@ -14,7 +16,7 @@ pub struct Fault {
     amount: u16,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// So many frames never come, every second one.
     Dropped,
@@ -45,22 +47,6 @@ const FRAMES: usize = 10;
 
 /// The seed of all that is random in a fault; with the number of the frame.
 const SEED: u64 = 0xFA17_0000;
-
-impl Kind {
-    const ALL: [(Self, &'static str); 11] = [
-        (Self::Dropped, "dropped"),
-        (Self::Repeated, "repeated"),
-        (Self::Torn, "torn"),
-        (Self::Black, "black"),
-        (Self::White, "white"),
-        (Self::Columns, "columns"),
-        (Self::Bits, "bits"),
-        (Self::Gain, "gain"),
-        (Self::Noise, "noise"),
-        (Self::Origin, "origin"),
-        (Self::Gap, "gap"),
-    ];
-}
 
 impl Fault {
     /// The list that `all` stands for.
@@ -175,12 +161,10 @@ impl FromStr for Fault {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let names = || Kind::ALL.map(|(_, name)| name).join(", ");
+        let names = || Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
         let (name, amount) =
             text.split_once(':').ok_or_else(|| anyhow!("expected NAME:N or all; names are {}", names()))?;
-        let Some((kind, _)) = Kind::ALL.into_iter().find(|(_, of_kind)| *of_kind == name) else {
-            bail!("there is no fault {name}: expected {}", names())
-        };
+        let Ok(kind) = Kind::from_str(name, false) else { bail!("there is no fault {name}: expected {}", names()) };
         let most = if kind == Kind::Bits { 1000 } else { 9999 };
         let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
         let amount = amount.ok_or_else(|| anyhow!("expected {name}:N with a whole number from 1 to {most}"))?;
@@ -190,8 +174,7 @@ impl FromStr for Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = Kind::ALL.into_iter().find(|(kind, _)| *kind == self.kind).map_or("", |(_, name)| name);
-        write!(f, "{name}:{}", self.amount)
+        write!(f, "{}:{}", choice_name(&self.kind), self.amount)
     }
 }
 

@@ -36,13 +36,12 @@ pub mod words;
 mod y4m;
 
 pub use boxes::BoundingBox;
-pub use color::{ColorFrame, ColorFrames, Colors, Moment};
+pub use color::{ColorFrames, Colors, Moment};
 pub use damage::Damaged;
 pub use found::recordings;
 pub use images::{decode_picture, read_picture};
 pub use part::FrameRange;
-pub use resize::Resize;
-pub use resize::{resized, resized_colors};
+pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
@@ -53,13 +52,19 @@ use std::io::{BufReader, stdin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// One 8-bit gray frame, rows without gaps.
+/// A frame, rows without gaps.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GrayFrame {
+pub struct Raster<P> {
     pub width: u16,
     pub height: u16,
-    pub pixels: Vec<u8>,
+    pub pixels: Vec<P>,
 }
+
+/// One frame in 8-bit gray: what trackers see.
+pub type GrayFrame = Raster<u8>;
+
+/// One frame in red, green and blue: what boxes are drawn on.
+pub type ColorFrame = Raster<[u8; 3]>;
 
 /// The most pixels of a frame: 16384x16384. Memory is taken for no more.
 const MOST_PIXELS: u64 = 1 << 28;
@@ -73,14 +78,29 @@ impl GrayFrame {
 
     /// The view of it that smr-core takes.
     pub fn frame(&self) -> smr_core::Frame<'_> {
+        smr_core::Frame::whole(self.image())
+    }
+
+    pub fn image(&self) -> smr_core::Image<'_> {
         let image = smr_core::Image::new(&self.pixels, self.width, self.height);
-        smr_core::Frame::whole(
-            image.expect("a GrayFrame is made with as many pixels as its size says, and at least one"),
-        )
+        image.expect("a GrayFrame is made with as many pixels as its size says, and at least one")
+    }
+
+    /// The level at this place; 0 outside, as the trackers see it.
+    pub fn level(&self, x: i32, y: i32) -> u8 {
+        let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return 0 };
+        let inside = x < self.width && y < self.height;
+        if inside { self.pixels[usize::from(y) * usize::from(self.width) + usize::from(x)] } else { 0 }
     }
 }
 
 pub type Frames = Box<dyn Iterator<Item = Result<GrayFrame>> + Send>;
+
+impl From<smr_core::Image<'_>> for GrayFrame {
+    fn from(image: smr_core::Image<'_>) -> Self {
+        Self { width: image.width(), height: image.height(), pixels: image.rows().flatten().copied().collect() }
+    }
+}
 
 /// A recording: its frames, one after the other, and the boxes known about it.
 pub struct Sequence {

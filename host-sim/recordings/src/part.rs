@@ -1,7 +1,7 @@
 //! A part of a recording: some of its frames, with their boxes.
 
 use super::{Frames, GrayFrame, Sequence};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -70,60 +70,33 @@ impl Sequence {
         let init =
             if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| length.min(range.last.unwrap_or(length)).saturating_sub(range.first - 1));
-        let part = Part { name: self.name.clone(), frames: self.frames, range, number: 0 };
+        let part = part(self.name.clone(), self.frames, range);
         Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
     }
 }
 
-struct Part {
-    name: String,
-    frames: Frames,
-    range: FrameRange,
-    /// Of the last frame that was read.
-    number: usize,
-}
-
-impl Part {
-    /// Reads up to the first frame of the part.
-    fn skip(&mut self) -> Option<Result<GrayFrame>> {
-        let first = self.range.first;
-        while self.number < first {
-            match self.frames.next() {
-                Some(Ok(frame)) => {
-                    self.number += 1;
-                    if self.number == first {
-                        return Some(Ok(frame));
-                    }
-                }
-                Some(Err(error)) => return Some(Err(error)),
-                None => {
-                    let (name, length) = (&self.name, self.number);
-                    // Nothing is asked twice: what follows an error is the end.
-                    self.number = usize::MAX;
-                    return Some(Err(anyhow::anyhow!(
-                        "{name}: there is no frame {first} (--frames {}): expected 1 to {length}",
-                        self.range
+/// The frames of `range`; an error if they end before it.
+fn part(name: String, mut frames: Frames, range: FrameRange) -> impl Iterator<Item = Result<GrayFrame>> + Send {
+    let (first, last) = (range.first, range.last.unwrap_or(usize::MAX));
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        while number < last {
+            number += 1;
+            match frames.next() {
+                Some(Ok(_)) if number < first => {}
+                None if number <= first => {
+                    let length = number - 1;
+                    // What follows an error is the end.
+                    number = usize::MAX;
+                    return Some(Err(anyhow!(
+                        "{name}: there is no frame {first} (--frames {range}): expected 1 to {length}"
                     )));
                 }
+                next => return next,
             }
         }
         None
-    }
-}
-
-impl Iterator for Part {
-    type Item = Result<GrayFrame>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.number < self.range.first {
-            return self.skip();
-        }
-        if self.number >= self.range.last.unwrap_or(usize::MAX) {
-            return None;
-        }
-        self.number += 1;
-        self.frames.next()
-    }
+    })
 }
 
 #[cfg(test)]

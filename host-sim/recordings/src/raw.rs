@@ -5,14 +5,17 @@ use super::{GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(super) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
 }
 
 /// The frames, and how many whole ones there are (unknown of a pipe).
-pub(super) fn open(file: &Path, size: (u16, u16)) -> Result<(Frames, Option<usize>)> {
+pub(super) fn open(
+    file: &Path,
+    size: (u16, u16),
+) -> Result<(impl Iterator<Item = Result<GrayFrame>> + Send + use<>, Option<usize>)> {
     let (width, height) = size;
     ensure!(width > 0 && height > 0, "--size {width}x{height}: expected at least 1x1");
     let cannot_open = || format!("cannot open {}", file.display());
@@ -21,40 +24,24 @@ pub(super) fn open(file: &Path, size: (u16, u16)) -> Result<(Frames, Option<usiz
     let dump = File::open(file).with_context(cannot_open)?;
     let data = dump.metadata().with_context(cannot_open)?;
     let length = data.is_file().then(|| usize::try_from(data.len() / frame).ok()).flatten();
-    Ok((Frames { dump: BufReader::new(dump), file: file.to_owned(), width, height, number: 0 }, length))
+    let (mut dump, name, mut number) = (BufReader::new(dump), file.display().to_string(), 0_u64);
+    let frames = std::iter::from_fn(move || {
+        number += 1;
+        read(&mut dump, size).with_context(|| format!("{name}, frame {number}")).transpose()
+    });
+    Ok((frames, length))
 }
 
-pub(super) struct Frames {
-    dump: BufReader<File>,
-    file: PathBuf,
-    width: u16,
-    height: u16,
-    number: u64,
-}
-
-impl Frames {
-    fn read(&mut self) -> Result<Option<GrayFrame>> {
-        let (width, height) = (self.width, self.height);
-        let expected = usize::from(width) * usize::from(height);
-        // Grows with what is there: a size typed wrongly must not take all memory.
-        let mut pixels = Vec::new();
-        let found = self.dump.by_ref().take(u64::from(width) * u64::from(height)).read_to_end(&mut pixels)?;
-        if found != 0 && found != expected {
-            let why = format!(
-                "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
-            );
-            return Err(Damaged::new(why).into());
-        }
-        Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
+fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<GrayFrame>> {
+    let expected = usize::from(width) * usize::from(height);
+    // Grows with what is there: a size typed wrongly must not take all memory.
+    let mut pixels = Vec::new();
+    let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
+    if found != 0 && found != expected {
+        let why = format!(
+            "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
+        );
+        return Err(Damaged::new(why).into());
     }
-}
-
-impl Iterator for Frames {
-    type Item = Result<GrayFrame>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.number += 1;
-        let read = self.read();
-        read.with_context(|| format!("{}, frame {}", self.file.display(), self.number)).transpose()
-    }
+    Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
 }

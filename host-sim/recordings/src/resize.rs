@@ -1,6 +1,6 @@
 //! A recording in another size, with its boxes.
 
-use super::{ColorFrame, GrayFrame, MOST_PIXELS, Sequence};
+use super::{GrayFrame, MOST_PIXELS, Raster, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::fmt;
@@ -77,7 +77,7 @@ impl Sequence {
         );
         let scale = (f64::from(width) / f64::from(first.width), f64::from(height) / f64::from(first.height));
         let frames = std::iter::once(Ok(first)).chain(frames);
-        let frames = frames.map(move |frame| Ok(resized(frame?, width, height)));
+        let frames = frames.map(move |frame: Result<GrayFrame>| Ok(resized(frame?, width, height)));
         let init = self.init.map(|init| init.scaled(scale));
         let scaled = |truth: Vec<Option<super::BoundingBox>>| {
             truth.iter().map(|entry| entry.map(|entry| entry.scaled(scale))).collect()
@@ -87,27 +87,38 @@ impl Sequence {
     }
 }
 
-/// The frame in another size, neither side of which may be 0.
-pub fn resized(frame: GrayFrame, width: u16, height: u16) -> GrayFrame {
-    if (frame.width, frame.height) == (width, height) {
-        return frame;
-    }
-    let mut pixels = vec![0; usize::from(width) * usize::from(height)];
-    let (from, to) = ((frame.width, frame.height), (width, height));
-    scale(resize::Pixel::Gray8, from, frame.pixels.as_gray(), to, pixels.as_gray_mut());
-    GrayFrame { width, height, pixels }
+/// A pixel that a frame in another size is made of.
+pub trait Scalable: Copy {
+    const BLACK: Self;
+
+    fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]);
 }
 
-/// The same of a frame in color.
-pub fn resized_colors(frame: ColorFrame, width: u16, height: u16) -> ColorFrame {
+impl Scalable for u8 {
+    const BLACK: Self = 0;
+
+    fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]) {
+        scale(resize::Pixel::Gray8, from, source.as_gray(), to, target.as_gray_mut());
+    }
+}
+
+impl Scalable for [u8; 3] {
+    const BLACK: Self = [0; 3];
+
+    fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]) {
+        let (source, target) = (source.as_flattened().as_rgb(), target.as_flattened_mut().as_rgb_mut());
+        scale(resize::Pixel::RGB8, from, source, to, target);
+    }
+}
+
+/// The frame in another size, neither side of which may be 0.
+pub fn resized<P: Scalable>(frame: Raster<P>, width: u16, height: u16) -> Raster<P> {
     if (frame.width, frame.height) == (width, height) {
         return frame;
     }
-    let mut pixels = vec![[0; 3]; usize::from(width) * usize::from(height)];
-    let (from, to) = ((frame.width, frame.height), (width, height));
-    let (source, target) = (frame.pixels.as_flattened().as_rgb(), pixels.as_flattened_mut().as_rgb_mut());
-    scale(resize::Pixel::RGB8, from, source, to, target);
-    ColorFrame { width, height, pixels }
+    let mut pixels = vec![P::BLACK; usize::from(width) * usize::from(height)];
+    P::scale((frame.width, frame.height), &frame.pixels, (width, height), &mut pixels);
+    Raster { width, height, pixels }
 }
 
 fn scale<F: resize::PixelFormat>(

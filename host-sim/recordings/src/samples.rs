@@ -1,7 +1,7 @@
 //! Decoded samples as a frame in gray or in color, and what may be wrong with a picture.
 
 use super::damage::Damaged;
-use super::{ColorFrame, GrayFrame, MOST_PIXELS};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
 use anyhow::{Error, Result, anyhow, ensure};
 
 pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
@@ -37,25 +37,24 @@ impl Samples {
     }
 
     pub fn gray(self) -> GrayFrame {
-        let Self { width, height, channels, samples } = self;
-        let pixels = match channels {
-            1 => samples,
-            2 => samples.iter().step_by(2).copied().collect(),
-            3 => samples.as_chunks().0.iter().map(|&rgb| luma(rgb)).collect(),
-            _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| luma([r, g, b])).collect(),
-        };
-        GrayFrame { width, height, pixels }
+        if self.channels == 1 {
+            return GrayFrame { width: self.width, height: self.height, pixels: self.samples };
+        }
+        self.pixels(luma)
     }
 
     pub fn colors(self) -> ColorFrame {
+        self.pixels(|rgb| rgb)
+    }
+
+    fn pixels<P>(self, of: impl Fn([u8; 3]) -> P) -> Raster<P> {
         let Self { width, height, channels, samples } = self;
         let pixels = match channels {
-            1 => samples.iter().map(|&gray| [gray; 3]).collect(),
-            2 => samples.iter().step_by(2).map(|&gray| [gray; 3]).collect(),
-            3 => samples.as_chunks().0.to_vec(),
-            _ => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| [r, g, b]).collect(),
+            3 => samples.as_chunks().0.iter().map(|&rgb| of(rgb)).collect(),
+            4 => samples.as_chunks().0.iter().map(|&[r, g, b, _alpha]| of([r, g, b])).collect(),
+            _ => samples.iter().step_by(channels).map(|&gray| of([gray; 3])).collect(),
         };
-        ColorFrame { width, height, pixels }
+        Raster { width, height, pixels }
     }
 }
 

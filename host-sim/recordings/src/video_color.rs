@@ -3,7 +3,8 @@
 //! A second ffmpeg decodes the same frames as [`super::video`], which says what is wrong with them. Sizes and times come from its filter
 //! `showinfo`, on standard error.
 
-use super::color::{ColorFrame, Moment};
+use super::ColorFrame;
+use super::color::Moment;
 use super::video::{ONE_THREAD, Patient, input};
 use crate::cleanup::Process;
 use std::io::{BufRead, BufReader, Read};

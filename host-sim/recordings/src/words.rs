@@ -1,7 +1,13 @@
 //! Errors as people read them: in words of their own, not in those of the system or of a library.
 
+use clap::ValueEnum;
 use std::error::Error;
 use std::io::{self, ErrorKind};
+
+/// A choice as it is typed on the command line.
+pub fn choice_name<T: ValueEnum>(choice: &T) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
 
 /// The error and its causes in one line.
 pub fn of(error: &anyhow::Error) -> String {

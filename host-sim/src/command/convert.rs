@@ -7,6 +7,7 @@ use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 use smr_pages::export::{Format, Writer, Written, is_whole};
 use smr_recordings::output::complain;
+use smr_recordings::words::choice_name;
 use smr_recordings::{BoundingBox, Sequence};
 use std::io::Write;
 use std::path::PathBuf;
@@ -41,7 +42,7 @@ struct Report {
     version: &'static str,
     sequence: String,
     out: PathBuf,
-    format: &'static str,
+    format: String,
     #[serde(flatten)]
     written: Written,
     /// The box to start from; null where none is known.
@@ -62,7 +63,7 @@ impl Convert {
         ensure!(
             !format.needs_boxes() || init.is_some(),
             "{name}: --format {} needs the box of the target in the first frame: give --init X,Y,W,H",
-            format.name()
+            choice_name(&format)
         );
         // A sequence of a toolkit is called as its folder.
         let own = if format.needs_boxes() { self.out.file_name() } else { self.out.file_stem() };
@@ -84,7 +85,7 @@ impl Convert {
             version: env!("CARGO_PKG_VERSION"),
             sequence: name,
             out: self.out,
-            format: format.name(),
+            format: choice_name(&format),
             written,
             init,
         };
@@ -97,7 +98,7 @@ impl Convert {
         match (self.format, of_file) {
             (Some(format), Some(of_file)) if format != of_file => bail!(
                 "--format {} into {}: expected a folder, or a file with the extension of the format",
-                format.name(),
+                choice_name(&format),
                 self.out.display()
             ),
             (format, of_file) => Ok(format.or(of_file).unwrap_or(Format::Png)),
@@ -108,7 +109,7 @@ impl Convert {
 fn line(report: &Report) -> String {
     let Report { out, written: Written { frames, width, height, bytes, boxes, list }, format, init, .. } = report;
     let mut line = format!("{}: {frames} frames of {width}x{height}, {bytes} bytes", out.display());
-    if *format == "raw" {
+    if format == "raw" {
         line += &format!(", read with --size {width}x{height}");
     }
     match (boxes.is_empty(), init) {

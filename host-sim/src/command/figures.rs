@@ -11,6 +11,7 @@ use smr_evaluation::{Origin, Variant};
 use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{Figure, METHODS, Plan, Wish};
 use smr_pages::report::{Choice, Film, Refusal, watch};
+use smr_recordings::words::choice_name;
 use smr_recordings::{FrameRange, output};
 use std::collections::BTreeSet;
 use std::fs;
@@ -142,7 +143,7 @@ impl Figures {
         let sheet = plan.draw(film)?;
         let mut files = Vec::new();
         for form in self.form.iter().copied() {
-            let file = self.out.join(format!("{}.{}", plan.figure, form.extension()));
+            let file = self.out.join(format!("{}.{}", plan.figure, choice_name(&form)));
             let bytes = sheet.file(form)?;
             output::write(&file, &bytes)?;
             files.push(File { file, bytes: bytes.len() });

@@ -7,12 +7,12 @@ use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, is_closed_pipe, progress};
 use anyhow::{Context, Result, bail, ensure};
-use clap::ValueEnum;
 use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::{Plan, Rate};
 use smr_recordings::output::{Output, complain, print};
+use smr_recordings::words::choice_name;
 use smr_recordings::{GrayFrame, Sequence};
 use std::io::{IsTerminal, Write, stdout};
 use std::ops::RangeInclusive;
@@ -102,7 +102,7 @@ impl Track {
         ensure!(
             !several || format == Format::Csv,
             "--format {}: its lines have no names, and there are {targets} targets: expected --format csv or --json",
-            format.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+            choice_name(&format)
         );
         Ok(Some(format))
     }

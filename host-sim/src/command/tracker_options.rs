@@ -10,6 +10,7 @@ use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
 use smr_core::unstable::{self, without};
 use smr_evaluation::{Configs, MethodKind, Variant};
+use smr_recordings::words::choice_name;
 use smr_reference::{Numbers, robust as reference};
 use std::fmt;
 use std::num::NonZeroU32;
@@ -147,8 +148,7 @@ pub enum Part {
 impl Part {
     /// As on the command line.
     pub fn name(self) -> String {
-        // Only a value that clap skips has no name there, and none is skipped.
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        choice_name(&self)
     }
 
     /// Whether the reference has it.
@@ -234,8 +234,7 @@ impl TrackerOptions {
     fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
         let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
         if let Some(preset) = self.config.filter(|preset| !methods.contains(&preset.method())) {
-            let (value, method) = (preset.to_possible_value(), preset.method().name());
-            let name = value.as_ref().map_or("", |value| value.get_name());
+            let (name, method) = (choice_name(&preset), preset.method().name());
             bail!("--config {name} is a preset of {method}, not of {}: use --method {method}", names(methods));
         }
         let taken = |option: &str| methods.iter().any(|method| taken_by(option).contains(method));

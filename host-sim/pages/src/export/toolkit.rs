@@ -8,19 +8,14 @@
 //!
 //! Without ground truth the file with boxes has one line, the box to start from, as in the test sets of GOT-10k.
 
-use crate::encode::{jpeg_of, png};
+use super::Format;
+use crate::encode::jpeg_of;
 use anyhow::{Context, Result};
 use smr_recordings::boxes::Form;
+use smr_recordings::words::choice_name;
 use smr_recordings::{BoundingBox, GrayFrame, output};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Toolkit {
-    Vot,
-    Otb,
-    Got10k,
-}
 
 /// Frames a second: a recording does not say how many it has.
 const RATE: u32 = 25;
@@ -38,77 +33,68 @@ pub(super) struct About<'a> {
     pub boxes: &'a [Option<BoundingBox>],
 }
 
-impl Toolkit {
-    /// The folder of the pictures in that of the recording, if they have one of their own.
-    pub const fn inner(self) -> Option<&'static str> {
-        match self {
-            Self::Vot => Some("color"),
-            Self::Otb => Some("img"),
-            Self::Got10k => None,
-        }
+/// The folder of the pictures in that of the recording, if they have one of their own.
+pub(super) const fn inner(format: Format) -> Option<&'static str> {
+    match format {
+        Format::Vot => Some("color"),
+        Format::Otb => Some("img"),
+        _ => None,
     }
+}
 
-    /// The name of the frame with this number; the first is 1.
-    pub fn picture(self, number: usize) -> String {
-        match self {
-            Self::Vot => format!("color/{number:08}.png"),
-            Self::Otb => format!("img/{number:04}.jpg"),
-            Self::Got10k => format!("{number:08}.jpg"),
-        }
+/// The name of the frame with this number; the first is 1.
+pub(super) fn picture(format: Format, number: usize) -> String {
+    match format {
+        Format::Vot => format!("color/{number:08}.png"),
+        Format::Otb => format!("img/{number:04}.jpg"),
+        Format::Got10k => format!("{number:08}.jpg"),
+        _ => format!("{number:05}.{}", choice_name(&format)),
     }
+}
 
-    /// The toolkits of OTB and GOT-10k look for files *.jpg alone.
-    pub fn encoded(self, frame: &GrayFrame) -> Result<Vec<u8>> {
-        match self {
-            Self::Vot => png(frame),
-            Self::Otb | Self::Got10k => jpeg_of(frame, QUALITY),
-        }
-    }
+/// The toolkits of OTB and GOT-10k look for files *.jpg alone.
+pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
+    jpeg_of(frame, QUALITY)
+}
 
-    /// The files beside the pictures: those with boxes first, the one with all boxes before all others.
-    pub fn files(self, about: &About<'_>) -> Vec<(&'static str, String)> {
-        let lines = |of: &dyn Fn(Option<&BoundingBox>) -> String| {
-            about.boxes.iter().map(|entry| of(entry.as_ref()) + "\n").collect::<String>()
-        };
-        let form = |form: Form| move |entry: Option<&BoundingBox>| form.line(entry);
-        // Their toolkits read four numbers in each line, and take NaN for a box.
-        let or_zeros = |form: Form| {
-            move |entry: Option<&BoundingBox>| entry.map_or("0,0,0,0".to_owned(), |of| form.line(Some(of)))
-        };
-        let mark = |of: &dyn Fn(&Option<BoundingBox>) -> u8| {
-            about.boxes.iter().map(|entry| format!("{}\n", of(entry))).collect::<String>()
-        };
-        match self {
-            Self::Vot => vec![("groundtruth.txt", lines(&form(Form::Vot))), ("sequence", vot_sequence(about))],
-            Self::Otb => vec![("groundtruth_rect.txt", lines(&or_zeros(Form::Otb)))],
-            Self::Got10k => {
-                let mut files = vec![("groundtruth.txt", lines(&or_zeros(Form::Vot)))];
-                if about.boxes.len() == about.frames {
-                    let is_cut = |of: &BoundingBox| {
-                        of.x < 0.0
-                            || of.y < 0.0
-                            || of.x + of.width > about.width.into()
-                            || of.y + of.height > about.height.into()
-                    };
-                    files.push(("absence.label", mark(&|entry| entry.is_none().into())));
-                    // How much of the target is covered is not known: 8 of 8 parts are visible, or none.
-                    files.push(("cover.label", mark(&|entry| if entry.is_some() { 8 } else { 0 })));
-                    files.push(("cut_by_image.label", mark(&|entry| entry.as_ref().is_some_and(is_cut).into())));
-                }
-                files.push(("meta_info.ini", got10k_meta(about)));
-                files
-            }
-        }
+/// The files beside the pictures: those with boxes first, the one with all boxes before all others.
+pub(super) fn files(format: Format, about: &About<'_>) -> Vec<(&'static str, String)> {
+    // Their toolkits read four numbers in each line, and take NaN for a box. VOT's knows a number alone.
+    let hidden = |form: Form| if format == Format::Vot { form.line(None) } else { "0,0,0,0".to_owned() };
+    let lines = |form: Form| {
+        let line = |entry: &Option<BoundingBox>| entry.map_or_else(|| hidden(form), |of| form.line(Some(&of)));
+        about.boxes.iter().map(|entry| line(entry) + "\n").collect::<String>()
+    };
+    let mark = |of: &dyn Fn(&Option<BoundingBox>) -> u8| {
+        about.boxes.iter().map(|entry| format!("{}\n", of(entry))).collect::<String>()
+    };
+    match format {
+        Format::Otb => return vec![("groundtruth_rect.txt", lines(Form::Otb))],
+        Format::Vot => return vec![("groundtruth.txt", lines(Form::Vot)), ("sequence", vot_sequence(about))],
+        _ => {}
     }
+    let mut files = vec![("groundtruth.txt", lines(Form::Vot))];
+    if about.boxes.len() == about.frames {
+        let (width, height) = (about.width.into(), about.height.into());
+        let is_cut =
+            |of: &BoundingBox| of.x < 0.0 || of.y < 0.0 || of.x + of.width > width || of.y + of.height > height;
+        files.push(("absence.label", mark(&|entry| entry.is_none().into())));
+        // How much of the target is covered is not known: 8 of 8 parts are visible, or none.
+        files.push(("cover.label", mark(&|entry| if entry.is_some() { 8 } else { 0 })));
+        files.push(("cut_by_image.label", mark(&|entry| entry.as_ref().is_some_and(is_cut).into())));
+    }
+    files.push(("meta_info.ini", got10k_meta(about)));
+    files
+}
 
-    /// The list of sequences that a folder with this one and others has, if the toolkit reads one.
-    ///
-    /// A folder above `out` that has such a list, or is not there yet, is taken for one of sequences.
-    pub fn list(self, out: &Path) -> Option<PathBuf> {
-        let above = out.parent().filter(|above| !above.as_os_str().is_empty())?;
-        let list = above.join("list.txt");
-        (self != Self::Otb && (list.is_file() || !above.exists())).then_some(list)
-    }
+/// The list of sequences that a folder with this one and others has, if the toolkit reads one.
+///
+/// A folder above `out` that has such a list, or is not there yet, is taken for one of sequences.
+pub(super) fn list(format: Format, out: &Path) -> Option<PathBuf> {
+    let above = out.parent().filter(|above| !above.as_os_str().is_empty())?;
+    let list = above.join("list.txt");
+    let reads_one = matches!(format, Format::Vot | Format::Got10k);
+    (reads_one && (list.is_file() || !above.exists())).then_some(list)
 }
 
 /// Adds the sequence `name` to `list`, if it is not in it.

@@ -1,11 +1,13 @@
 //! A recording as files that this program, others, and firmware read.
 
-use super::toolkit::{About, Toolkit, enlist};
-use super::{c_array, pgm, png};
+use super::toolkit::{About, enlist};
+use super::{c_array, pgm, png, toolkit};
 use anyhow::Result;
 use serde::Serialize;
+use smr_recordings::boxes::Form;
 use smr_recordings::output::{Folder, Output};
-use smr_recordings::{BoundingBox, GrayFrame, boxes};
+use smr_recordings::words::choice_name;
+use smr_recordings::{BoundingBox, GrayFrame};
 use std::path::{Path, PathBuf};
 
 /// What frames are written as.
@@ -30,32 +32,9 @@ pub enum Format {
 }
 
 impl Format {
-    /// As on the command line; of a picture or a file also its usual extension.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Pgm => "pgm",
-            Self::Y4m => "y4m",
-            Self::Raw => "raw",
-            Self::H => "h",
-            Self::Vot => "vot",
-            Self::Otb => "otb",
-            Self::Got10k => "got10k",
-        }
-    }
-
-    const fn toolkit(self) -> Option<Toolkit> {
-        match self {
-            Self::Vot => Some(Toolkit::Vot),
-            Self::Otb => Some(Toolkit::Otb),
-            Self::Got10k => Some(Toolkit::Got10k),
-            _ => None,
-        }
-    }
-
     /// True if it is a layout with boxes in it, without which it is of no use.
     pub const fn needs_boxes(self) -> bool {
-        self.toolkit().is_some()
+        matches!(self, Self::Vot | Self::Otb | Self::Got10k)
     }
 
     /// True if it is one file, not one for each frame.
@@ -82,17 +61,11 @@ pub struct Writer {
     name: String,
     format: Format,
     start: Option<BoundingBox>,
-    place: Place,
+    /// All frames; `None` of pictures.
+    file: Option<Output>,
+    /// Pictures or the file, and the boxes; `None` of a file alone.
+    folder: Option<Folder>,
     written: Written,
-}
-
-enum Place {
-    File(Output),
-    /// A folder with one file for the frames.
-    FileIn(Folder, Output),
-    Pictures(Folder),
-    /// A folder in the layout of a toolkit, and the list that it is to stand in.
-    Sequence(Toolkit, Folder, Option<PathBuf>),
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -115,71 +88,57 @@ impl Writer {
         if Format::of_file(out) != Some(format) {
             return Self::in_folder(out, format, name, start);
         }
-        Ok(Self::new(format, name, start, Place::File(Output::create(out)?)))
+        Ok(Self { file: Some(Output::create(out)?), ..Self::new(format, name, start) })
     }
 
-    /// Begins the recording called `name` in the folder `out`, in which there will be boxes, too.
+    /// Begins it in the folder `out`, in which there will be boxes, too.
     pub fn in_folder(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
-        let list = format.toolkit().and_then(|toolkit| toolkit.list(out));
+        let mut writer = Self::new(format, name, start);
+        writer.written.list = toolkit::list(format, out);
         // Files already there would become part of the recording, or be lost.
         let folder = Folder::create(out)?;
-        let place = if let Some(toolkit) = format.toolkit() {
-            if let Some(inner) = toolkit.inner() {
-                folder.folder(inner)?;
-            }
-            Place::Sequence(toolkit, folder, list)
-        } else if format.is_file() {
-            let file = folder.file(&format!("{name}.{}", format.name()))?;
-            Place::FileIn(folder, file)
-        } else {
-            Place::Pictures(folder)
-        };
-        Ok(Self::new(format, name, start, place))
+        if let Some(inner) = toolkit::inner(format) {
+            folder.folder(inner)?;
+        }
+        if format.is_file() {
+            writer.file = Some(folder.file(&format!("{name}.{}", choice_name(&format)))?);
+        }
+        Ok(Self { folder: Some(folder), ..writer })
     }
 
-    fn new(format: Format, name: &str, start: Option<BoundingBox>, place: Place) -> Self {
-        Self { name: name.to_owned(), format, start, place, written: Written::default() }
+    fn new(format: Format, name: &str, start: Option<BoundingBox>) -> Self {
+        Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() }
     }
 
-    /// Writes the next frame.
     pub fn frame(&mut self, frame: &GrayFrame) -> Result<()> {
+        let GrayFrame { width, height, pixels } = frame;
         let bytes = match self.format {
-            Format::Vot => Toolkit::Vot.encoded(frame)?,
-            Format::Otb => Toolkit::Otb.encoded(frame)?,
-            Format::Got10k => Toolkit::Got10k.encoded(frame)?,
-            Format::Png => png(frame)?,
+            Format::Png | Format::Vot => png(frame)?,
+            Format::Otb | Format::Got10k => toolkit::jpeg(frame)?,
             Format::Pgm => pgm(frame),
-            Format::Y4m => [b"FRAME\n", &frame.pixels[..]].concat(),
-            Format::Raw => frame.pixels.clone(),
+            Format::Y4m => [b"FRAME\n", &pixels[..]].concat(),
+            Format::Raw => pixels.clone(),
             Format::H => c_array::element(frame).into_bytes(),
         };
         if self.written.frames == 0 {
-            (self.written.width, self.written.height) = (frame.width, frame.height);
-            self.text(&match self.format {
-                Format::Y4m => format!("YUV4MPEG2 W{} H{} F25:1 Ip A1:1 Cmono\n", frame.width, frame.height),
-                Format::H => c_array::head(&self.name, frame, self.start.as_ref()),
-                _ => String::new(),
-            })?;
+            (self.written.width, self.written.height) = (*width, *height);
+            match self.format {
+                Format::Y4m => self.write(format!("YUV4MPEG2 W{width} H{height} F25:1 Ip A1:1 Cmono\n").as_bytes())?,
+                Format::H => self.write(c_array::head(&self.name, frame, self.start.as_ref()).as_bytes())?,
+                _ => {}
+            }
         }
         self.written.frames += 1;
-        self.written.bytes += bytes.len() as u64;
-        match &mut self.place {
-            Place::File(file) | Place::FileIn(_, file) => file.write(&bytes),
-            Place::Pictures(folder) => {
-                let name = format!("{:05}.{}", self.written.frames, self.format.name());
-                folder.write(&name, &bytes)
-            }
-            Place::Sequence(toolkit, folder, _) => folder.write(&toolkit.picture(self.written.frames), &bytes),
-        }
+        self.write(&bytes)
     }
 
-    /// Before or after all frames; pictures have no such text.
-    fn text(&mut self, text: &str) -> Result<()> {
-        self.written.bytes += text.len() as u64;
-        match &mut self.place {
-            Place::File(file) | Place::FileIn(_, file) => file.write(text.as_bytes()),
-            Place::Pictures(_) | Place::Sequence(..) => Ok(()),
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        self.written.bytes += bytes.len() as u64;
+        if let Some(file) = &mut self.file {
+            return file.write(bytes);
         }
+        let picture = toolkit::picture(self.format, self.written.frames);
+        self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
     /// Ends it. Into a folder go `init.txt` and, where there is ground truth, `gt.txt`, both in TLD form, or else the files of the toolkit: its
@@ -187,51 +146,30 @@ impl Writer {
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
-            self.text(&foot)?;
+            self.write(foot.as_bytes())?;
         }
-        let Self { name, start, place, mut written, .. } = self;
-        let folder = match place {
-            Place::Sequence(toolkit, folder, list) => {
-                let given = [start];
-                let of_frames = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
-                if of_frames[0] != start {
-                    // For this program; the toolkits start from the ground truth.
-                    let line = boxes::Form::Tld.line(start.as_ref()) + "\n";
-                    folder.write("init.txt", line.as_bytes())?;
-                    written.boxes.push("init.txt");
-                }
-                let Written { frames, width, height, .. } = written;
-                for (name, text) in toolkit.files(&About { name: &name, frames, width, height, boxes: of_frames }) {
-                    folder.write(name, text.as_bytes())?;
-                    written.boxes.push(name);
-                }
-                folder.finish()?;
-                if let Some(list) = &list {
-                    enlist(list, &name)?;
-                }
-                written.list = list;
-                return Ok(written);
-            }
-            Place::File(file) => {
-                file.finish()?;
-                return Ok(written);
-            }
-            Place::FileIn(folder, file) => {
-                file.finish()?;
-                folder
-            }
-            Place::Pictures(folder) => folder,
-        };
-        let line = |entry: &Option<BoundingBox>| boxes::Form::Tld.line(entry.as_ref()) + "\n";
-        let init = start.map(|start| line(&Some(start)));
-        let truth = truth.map(|truth| truth.iter().map(line).collect::<String>());
-        for (name, text) in [("init.txt", init), ("gt.txt", truth)] {
-            if let Some(text) = text {
-                folder.write(name, text.as_bytes())?;
-                written.boxes.push(name);
-            }
+        let Self { name, format, start, file, folder, mut written } = self;
+        file.map_or(Ok(()), Output::finish)?;
+        let Some(folder) = folder else { return Ok(written) };
+        let line = |entry: &Option<BoundingBox>| Form::Tld.line(entry.as_ref()) + "\n";
+        let mut files = Vec::new();
+        if format.needs_boxes() {
+            let given = [start];
+            let boxes = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
+            // For this program; the toolkits start from the ground truth.
+            files.extend((boxes[0] != start).then(|| ("init.txt", line(&start))));
+            let Written { frames, width, height, .. } = written;
+            files.extend(toolkit::files(format, &About { name: &name, frames, width, height, boxes }));
+        } else {
+            files.extend(start.map(|_| ("init.txt", line(&start))));
+            files.extend(truth.map(|truth| ("gt.txt", truth.iter().map(line).collect())));
+        }
+        for (file, text) in files {
+            folder.write(file, text.as_bytes())?;
+            written.boxes.push(file);
         }
         folder.finish()?;
+        written.list.as_ref().map_or(Ok(()), |list| enlist(list, &name))?;
         Ok(written)
     }
 }

@@ -42,13 +42,6 @@ impl Form {
             Self::Png => png(size, marks),
         }
     }
-
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -23,7 +23,7 @@ impl Difference {
     /// Outside the frame there are zeroes, as the trackers see it.
     pub fn new(frame: &GrayFrame, at: Rect, template: Image<'_>) -> Self {
         let row = |(y, row): (i32, &[u8])| {
-            let of = |(x, &g): (i32, &u8)| pixel(frame, x, y).abs_diff(g);
+            let of = |(x, &g): (i32, &u8)| frame.level(x, y).abs_diff(g);
             (at.x..).zip(row).map(of).collect::<Vec<u8>>()
         };
         let size = (template.width(), template.height());
@@ -48,14 +48,6 @@ impl Difference {
         let counting = self.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
         counting as f64 / self.pixels.len().max(1) as f64
     }
-}
-
-fn pixel(frame: &GrayFrame, x: i32, y: i32) -> u8 {
-    let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return 0 };
-    if x >= frame.width || y >= frame.height {
-        return 0;
-    }
-    frame.pixels[usize::from(y) * usize::from(frame.width) + usize::from(x)]
 }
 
 #[cfg(test)]

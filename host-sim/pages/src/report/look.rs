@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
 use smr_core::unstable::followed;
-use smr_core::{Frame, Image, Rect, Robust, State, Tracker};
+use smr_core::{Frame, Rect, Robust, State, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
@@ -61,8 +61,7 @@ impl<T: Looks> Method for Looking<T> {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
         let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?;
-        let Pixels { size: (width, height), pixels } = Pixels::of(image);
-        let (report, sight) = self.tracker.update(&GrayFrame { width, height, pixels })?;
+        let (report, sight) = self.tracker.update(&image.into())?;
         self.sight = Some(sight);
         Ok(report)
     }
@@ -112,14 +111,14 @@ impl Looks for Tracker<Paper> {
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
         let offsets = self.target().offsets().context("there is no target yet")?;
         // What is compared with, before this frame takes its place.
-        let template = Pixels::of(self.target().template().context("there is no template yet")?);
+        let template = GrayFrame::from(self.target().template().context("there is no template yet")?);
         let answer = Self::update(self, &frame.frame())?;
         let work = self.work();
         let found = self.workspace().found().context("the update is finished")?;
         let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
         let search = Search {
             window: Some(covered(&offsets, answer.bbox)),
-            difference: Difference::new(frame, peak, template.image()?),
+            difference: Difference::new(frame, peak, template.image()),
             alpha: answer.alpha,
         };
         let report = Report { work: Some(work), ..answer.into() };
@@ -186,26 +185,11 @@ impl Looks for Box<dyn Method> {
     }
 
     fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
-        let template = Pixels::of(self.template().context("there is no template yet")?);
+        let template = GrayFrame::from(self.template().context("there is no template yet")?);
         let report = self.as_mut().update(&frame.frame())?;
         let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
-        let difference = Difference::new(frame, at, template.image()?);
+        let difference = Difference::new(frame, at, template.image());
         Ok((report, Sight { bbox, search: Some(Search { window: None, difference, alpha: None }) }))
-    }
-}
-
-struct Pixels {
-    size: (u16, u16),
-    pixels: Vec<u8>,
-}
-
-impl Pixels {
-    fn of(image: Image<'_>) -> Self {
-        Self { size: (image.width(), image.height()), pixels: image.rows().flatten().copied().collect() }
-    }
-
-    fn image(&self) -> Result<Image<'_>> {
-        Ok(Image::new(&self.pixels, self.size.0, self.size.1)?)
     }
 }
 

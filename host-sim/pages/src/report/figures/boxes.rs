@@ -48,14 +48,7 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
     Ok(sheet)
 }
 
-/// Zeroes outside the frame.
 fn cut(frame: &GrayFrame, at: &Rect) -> Pixels {
-    let inside = |x: i32, y: i32| Some((u16::try_from(x).ok()?, u16::try_from(y).ok()?));
-    let pixel = |x: i32, y: i32| {
-        let (x, y) = inside(x, y).filter(|&(x, y)| x < frame.width && y < frame.height)?;
-        Some(frame.pixels[usize::from(y) * usize::from(frame.width) + usize::from(x)])
-    };
-    let rows = (at.y..).take(at.height.into());
-    let levels = rows.flat_map(|y| (at.x..).take(at.width.into()).map(move |x| (x, y)));
-    Pixels::Patch { size: (at.width, at.height), levels: levels.map(|(x, y)| pixel(x, y).unwrap_or(0)).collect() }
+    let places = (at.y..).take(at.height.into()).flat_map(|y| (at.x..).take(at.width.into()).map(move |x| (x, y)));
+    Pixels::Patch { size: (at.width, at.height), levels: places.map(|(x, y)| frame.level(x, y)).collect() }
 }

@@ -1,9 +1,8 @@
 //! Figure 2: what each method differs by from its template, in the place that won and in the true one; and how often.
 
-use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
+use super::sheet::{GAP, LINE, Sheet, template, wide};
 use super::{METHODS, asked, clearest};
 use crate::colors::{Color, color_of_method};
-use crate::report::axes::Axes;
 use crate::report::diagram::Stroke;
 use crate::report::difference::{BAR, BARS, Difference};
 use crate::report::film::{Film, Still};
@@ -75,14 +74,7 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
     let most = lines.iter().flat_map(|line| &line.2[..SHOWN]).fold(0.0, |most: f64, &part| most.max(part));
     let top = top + 2.0 * ROW + GAP + 10.0;
     let levels = (SHOWN * BAR) as f64;
-    let axes = Axes {
-        left: GAP + 60.0,
-        right: WIDTH - GAP,
-        top,
-        bottom: top + PLOT,
-        across: (0.0, levels),
-        up: (0.0, (most * 5.0).ceil().max(1.0) * 20.0),
-    };
+    let axes = wide(top, PLOT, (0.0, levels), (0.0, (most * 5.0).ceil().max(1.0) * 20.0));
     sheet.axes(&axes, ("difference in gray levels", "% of the pixels, line: its box, dashed: the true box"), 0);
     if let Some(alpha) = alpha {
         let x = axes.x(f64::from(alpha).min(levels));

@@ -1,9 +1,8 @@
 //! Figure 4: drift, as the distance from the true centre over the frames.
 
-use super::sheet::{GAP, LINE, Sheet, WIDTH, nice};
+use super::sheet::{GAP, LINE, Sheet, nice, wide};
 use super::{METHODS, SAD};
 use crate::colors::color_of_method;
-use crate::report::axes::Axes;
 use crate::report::diagram::Stroke;
 use crate::report::film::Film;
 use anyhow::{Result, ensure};
@@ -22,14 +21,7 @@ pub(super) fn draw(film: &Film) -> Sheet {
     let errors = [0, 1].map(|method| centre_errors(&film.trajectory(method), truth));
     let most = errors.iter().flatten().flatten().fold(4.0, |most: f64, &error| most.max(error));
     let top = 4.0 * GAP;
-    let axes = Axes {
-        left: GAP + 60.0,
-        right: WIDTH - GAP,
-        top,
-        bottom: top + PLOT,
-        across: (1.0, film.moments.len().max(2) as f64),
-        up: (0.0, nice(most)),
-    };
+    let axes = wide(top, PLOT, (1.0, film.moments.len().max(2) as f64), (0.0, nice(most)));
     let hidden = super::occlusion::spans(film);
     sheet.hidden(&axes, &hidden);
     sheet.axes(&axes, ("frame", "pixels"), usize::from(axes.up.1 < 20.0));

@@ -1,9 +1,8 @@
 //! Figure 5: the target is hidden slowly. What hides it gets into the template, and is followed then.
 
-use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
+use super::sheet::{GAP, LINE, Sheet, WIDTH, template, wide};
 use super::{METHODS, SAD, SMR};
 use crate::colors::color_of_method;
-use crate::report::axes::Axes;
 use crate::report::diagram::Stroke;
 use crate::report::film::{Film, Still};
 use anyhow::{Context, Result, ensure};
@@ -91,14 +90,7 @@ pub(super) fn draw(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Re
     let top = below + 2.0 * LINE + 10.0;
     let (from, to) =
         (hidden.0.saturating_sub(AROUND), (hidden.1 + AROUND).min(film.moments.len() - 1).max(hidden.0 + 1));
-    let axes = Axes {
-        left: GAP + 60.0,
-        right: WIDTH - GAP,
-        top,
-        bottom: top + PLOT,
-        across: (from as f64 + 1.0, to as f64 + 1.0),
-        up: (0.0, 1.0),
-    };
+    let axes = wide(top, PLOT, (from as f64 + 1.0, to as f64 + 1.0), (0.0, 1.0));
     sheet.hidden(&axes, &[hidden]);
     sheet.axes(&axes, ("frame", "IoU, shaded: hidden, dotted: correct above 0.25"), 2);
     let limit = axes.y(CORRECT);

@@ -132,6 +132,11 @@ impl Sheet {
     }
 }
 
+/// Axes as wide as a figure.
+pub(super) fn wide(top: f64, height: f64, across: (f64, f64), up: (f64, f64)) -> Axes {
+    Axes { left: GAP + 60.0, right: WIDTH - GAP, top, bottom: top + height, across, up }
+}
+
 /// What was compared with.
 pub(super) fn template(difference: &Difference) -> Pixels {
     Pixels::Patch { size: difference.size, levels: difference.template.clone() }
