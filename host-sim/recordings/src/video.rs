@@ -19,9 +19,6 @@ use std::time::Duration;
 /// How long ffmpeg may be silent, unless said otherwise.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Decodes on one thread: with several, what ffmpeg puts in place of damage is different in every run.
-pub(super) const ONE_THREAD: [&str; 2] = ["-threads", "1"];
-
 /// What is looked for in a folder. A file that is named is given to ffmpeg whatever its extension.
 const EXTENSIONS: [&str; 22] = [
     "mpg", "mpeg", "mp4", "m4v", "mov", "avi", "mkv", "webm", "wmv", "flv", "ts", "mts", "m2ts", "ogv", "3gp", "m1v",
@@ -135,7 +132,9 @@ struct Ended {
 
 impl Ffmpeg {
     fn start(program: &str, file: &Path, patience: Duration) -> Result<Self> {
-        let process = match Process::start(&mut command(program, file)) {
+        let mut command = command(program, "level+warning", file);
+        command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
+        let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
                 "{} needs ffmpeg to be decoded, and there is none on the PATH: install the package `ffmpeg` (5.1 or later)",
                 file.display()
@@ -185,15 +184,12 @@ pub fn input(file: &Path) -> OsString {
     input
 }
 
-fn command(program: &str, file: &Path) -> Command {
+/// An ffmpeg that decodes the file on one thread: with several, what it puts in place of damage is different in every run. What it writes and
+/// says is piped.
+pub(super) fn command(program: &str, level: &str, file: &Path) -> Command {
     let mut command = Command::new(program);
     // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
-    command
-        .args(["-nostdin", "-v", "level+warning", "-reinit_filter", "0"])
-        .args(ONE_THREAD)
-        .arg("-i")
-        .arg(input(file));
-    command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
+    command.args(["-nostdin", "-nostats", "-v", level, "-reinit_filter", "0", "-threads", "1", "-i"]).arg(input(file));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }

@@ -5,25 +5,21 @@
 
 use super::ColorFrame;
 use super::color::Moment;
-use super::video::{ONE_THREAD, Patient, input};
+use super::video::{Patient, command};
 use crate::cleanup::Process;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::Duration;
 
 /// The frames from the one with the number `first` on, no side longer than `side`. `None` if there is no ffmpeg.
 pub(super) fn open(file: &Path, first: usize, side: u16, patience: Duration) -> Option<Frames> {
-    let mut command = Command::new("ffmpeg");
-    command.args(["-nostdin", "-nostats", "-v", "level+info", "-reinit_filter", "0"]);
-    command.args(ONE_THREAD).arg("-i").arg(input(file));
+    let mut command = command("ffmpeg", "level+info", file);
     let skip = first - 1;
     let within = format!("scale='min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease");
     let filter = format!("select='gte(n,{skip})',{within},showinfo=checksum=0");
     command.args(["-vf", &filter, "-pix_fmt", "rgb24", "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let process = Process::start(&mut command).ok()?;
     let (said, pixels) = (process.complaints()?, Patient::new(process.output()?, patience));
     let (sender, shown) = channel();

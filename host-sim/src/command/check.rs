@@ -8,7 +8,6 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_core::Robust;
 use smr_evaluation::{CoreKind, Origin, Paper, lock};
-use smr_recordings;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

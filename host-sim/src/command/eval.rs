@@ -3,7 +3,7 @@
 use super::number::from;
 use super::places::Places;
 use super::recording_options::RecordingOptions;
-use super::robustness::{self, end, say_what_failed};
+use super::robustness::{self, count_failures, end, say_what_failed};
 use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, named, progress};
@@ -148,11 +148,7 @@ impl Eval {
             }
         }
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());
-        if evaluations.is_empty() && failures.len() == 1 {
-            // Nothing else was asked for: one line says it all.
-            return Err(failures.remove(0));
-        }
-        let failed = say_what_failed(&failures, &named(NAME));
+        let failed = count_failures(failures, evaluations.is_empty(), &named(NAME))?;
         say_what_to_know(&evaluations);
         let results = Results::new(&evaluations);
         self.tables.print(&results.tables(), |layout| results.text(layout))?;
@@ -226,10 +222,7 @@ impl Eval {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        if recordings == 1 && failures.len() == 1 {
-            return Err(failures.remove(0));
-        }
-        let failed = say_what_failed(&failures, &named(NAME));
+        let failed = count_failures(failures, recordings == 1, &named(NAME))?;
         self.tables.print(&all.tables(), |layout| all.text(layout))?;
         end(failed)
     }

@@ -26,12 +26,14 @@ pub fn measure(
         Progress::Done => bar.inc(1),
     });
     bar.finish_and_clear();
-    if robustness.is_empty() && robustness.failures.len() == 1 {
-        // Nothing else was asked for: one line says it all.
-        return Err(robustness.failures.remove(0));
-    }
-    let failed = say_what_failed(&robustness.failures, command);
+    let failed = count_failures(std::mem::take(&mut robustness.failures), robustness.is_empty(), command)?;
     Ok((robustness, failed))
+}
+
+/// Names what failed, and tells how much that is.
+/// Errors: All that was asked for is one thing, which failed: one line says it all.
+pub fn count_failures(mut failures: Vec<Error>, all: bool, command: &clap::Command) -> Result<usize> {
+    if all && failures.len() == 1 { Err(failures.remove(0)) } else { Ok(say_what_failed(&failures, command)) }
 }
 
 /// One line on standard error for everything that could not be measured; how many there are.

@@ -171,20 +171,10 @@ pub fn measure(
     let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
     while let Some(part) = parts.next() {
         let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, starts)).collect();
-        for case in read {
-            match case {
-                Ok(case) => held.push(case),
-                Err(error) => failures.push(error),
-            }
-        }
+        sort(read, &mut held, &mut failures);
         let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
         if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
-            for row in run_all(&held, variants, progress) {
-                match row {
-                    Ok(row) => rows.push(row),
-                    Err(error) => failures.push(error),
-                }
-            }
+            sort(run_all(&held, variants, progress), &mut rows, &mut failures);
             held.clear();
         }
     }
@@ -192,6 +182,13 @@ pub fn measure(
     rows.sort_by_key(place);
     let (means, calibration) = (means(&rows, variants), calibration(&rows, variants));
     Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
+}
+
+fn sort<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Error>) {
+    results.into_iter().for_each(|result| match result {
+        Ok(one) => good.push(one),
+        Err(error) => failures.push(error),
+    });
 }
 
 /// A recording and the starts in it.

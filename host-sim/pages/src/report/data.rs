@@ -2,13 +2,13 @@
 
 use super::difference::{BAR, BARS};
 use super::entrants::{Entrant, entrants};
-use super::film::Film;
+use super::film::{Film, Moment};
 use super::palette::TRUTH_LOOK;
 use super::pictures::{Comparison, Picture, Pictures};
 use crate::encode::base64;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
-use smr_evaluation::{Evidence, centre_errors, name_of, overlaps};
+use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
 /// The JSON, to stand in a page: no text in it can end the element that it is in.
@@ -38,7 +38,7 @@ fn recording(film: &Film) -> Result<Value> {
 
 fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     let answers = &entrant.answers;
-    let reports = |value: &dyn Fn(&smr_evaluation::Report) -> Option<f64>, digits: i32| {
+    let reports = |value: &dyn Fn(&Report) -> Option<f64>, digits: i32| {
         let values = entrant.method.map(|method| film.moments.iter().map(move |moment| value(&moment.reports[method])));
         values.map(|values| rounded(values, digits)).filter(|values| values.iter().any(|value| !value.is_null()))
     };
@@ -47,19 +47,18 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     let iou = truth.map(|truth| overlaps(answers, truth).with_context(|| film.name.clone())).transpose()?;
     let error = truth.map(|truth| centre_errors(answers, truth));
     let size = answers.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt()));
-    let lasts = entrant.method.map(|method| {
-        let last = |(index, moment): (usize, &super::film::Moment)| {
-            let lost = moment.reports[method].target.is_none() && index >= film.begins(method);
-            of_box(lost.then(|| &moment.lasts[method]))
-        };
-        film.moments.iter().enumerate().map(last).collect::<Vec<_>>()
+    let of_each = |value: &dyn Fn(usize, usize, &Moment) -> Value| {
+        let method = entrant.method?;
+        let moments = film.moments.iter().enumerate();
+        Some(moments.map(|(index, moment)| value(method, index, moment)).collect::<Vec<_>>())
+    };
+    let lasts = of_each(&|method, index, moment| {
+        let lost = moment.reports[method].target.is_none() && index >= film.begins(method);
+        of_box(lost.then(|| &moment.lasts[method]))
     });
     // Null before the target's first box.
-    let states = entrant.method.map(|method| {
-        let state = |(index, moment): (usize, &super::film::Moment)| {
-            (index >= film.begins(method)).then(|| name_of(moment.reports[method].state))
-        };
-        film.moments.iter().enumerate().map(state).collect::<Vec<_>>()
+    let states = of_each(&|method, index, moment| {
+        (index >= film.begins(method)).then(|| name_of(moment.reports[method].state)).into()
     });
     Ok(json!({
         "name": entrant.name,

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
 use smr_core::search::Window;
 use smr_core::unstable::followed;
-use smr_core::{Frame, Rect, Robust, State, Tracker};
+use smr_core::{Frame, Rect, Robust, State, Target, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
@@ -34,40 +34,37 @@ pub trait Shown: Method {
     fn sight(&mut self) -> Option<Sight>;
 }
 
+type Update<T> = fn(&mut T, &GrayFrame) -> Result<(Report, Sight)>;
+
 /// A tracker that keeps what it looks at.
 struct Looking<T> {
+    kind: MethodKind,
     tracker: T,
+    lock: fn(&mut T, &Frame<'_>, Rect) -> Result<()>,
+    update: Update<T>,
     sight: Option<Sight>,
 }
 
-trait Looks {
-    fn kind(&self) -> MethodKind;
-
-    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()>;
-
-    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)>;
-}
-
-impl<T: Looks> Method for Looking<T> {
+impl<T> Method for Looking<T> {
     fn kind(&self) -> MethodKind {
-        self.tracker.kind()
+        self.kind
     }
 
     fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
-        self.tracker.lock(frame, start)?;
+        (self.lock)(&mut self.tracker, frame, start)?;
         self.sight = Some(Sight { bbox: start.into(), search: None });
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
         let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?;
-        let (report, sight) = self.tracker.update(&image.into())?;
+        let (report, sight) = (self.update)(&mut self.tracker, &image.into())?;
         self.sight = Some(sight);
         Ok(report)
     }
 }
 
-impl<T: Looks> Shown for Looking<T> {
+impl<T> Shown for Looking<T> {
     fn sight(&mut self) -> Option<Sight> {
         self.sight.take()
     }
@@ -76,20 +73,28 @@ impl<T: Looks> Shown for Looking<T> {
 /// A tracker without a target.
 /// Errors: A number of the configuration that smr-core cannot use.
 pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
-    fn looking(tracker: impl Looks + 'static) -> Box<dyn Shown> {
-        Box::new(Looking { tracker, sight: None })
+    fn of_core<T: Target + 'static>(
+        kind: MethodKind,
+        config: T::Config,
+        update: Update<Tracker<T>>,
+    ) -> Result<Box<dyn Shown>> {
+        let lock = |tracker: &mut Tracker<T>, frame: &Frame<'_>, start| Ok(tracker.lock(frame, start).map(|_| ())?);
+        Ok(Box::new(Looking { kind, tracker: Tracker::new(config)?, lock, update, sight: None }))
     }
-    let configs = &variant.configs;
-    Ok(match variant.kind {
+    let (kind, configs) = (variant.kind, &variant.configs);
+    match kind {
         MethodKind::Smr => {
             let mut config = configs.paper;
             // It is drawn; where nothing depends on it, looking for it changes nothing else.
             config.runner_up = RunnerUp::Always;
-            looking(Tracker::<Paper>::new(config)?)
+            of_core(kind, config, paper)
         }
-        MethodKind::Robust => looking(Tracker::<Robust>::new(configs.robust)?),
-        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => looking(variant.build()?),
-    })
+        MethodKind::Robust => of_core(kind, configs.robust, robust),
+        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => {
+            let lock = |tracker: &mut Box<dyn Method>, frame: &Frame<'_>, start| tracker.lock(frame, start);
+            Ok(Box::new(Looking { kind, tracker: variant.build()?, lock, update: baseline, sight: None }))
+        }
+    }
 }
 
 /// A frame before the target's first box, which will be `start`.
@@ -98,99 +103,67 @@ pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
     (report, Sight { bbox: start.into(), search: None })
 }
 
-impl Looks for Tracker<Paper> {
-    fn kind(&self) -> MethodKind {
-        MethodKind::Smr
-    }
-
-    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
-        Self::lock(self, frame, start)?;
-        Ok(())
-    }
-
-    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
-        let offsets = self.target().offsets().context("there is no target yet")?;
-        // What is compared with, before this frame takes its place.
-        let template = GrayFrame::from(self.target().template().context("there is no template yet")?);
-        let answer = Self::update(self, &frame.frame())?;
-        let work = self.work();
-        let found = self.workspace().found().context("the update is finished")?;
-        let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
-        let search = Search {
-            window: Some(covered(&offsets, answer.bbox)),
-            difference: Difference::new(frame, peak, template.image()),
-            alpha: answer.alpha,
-        };
-        let report = Report { work: Some(work), ..answer.into() };
-        Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
-    }
+fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+    let offsets = tracker.target().offsets().context("there is no target yet")?;
+    // What is compared with, before this frame takes its place.
+    let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
+    let answer = tracker.update(&frame.frame())?;
+    let work = tracker.work();
+    let found = tracker.workspace().found().context("the update is finished")?;
+    let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
+    let search = Search {
+        window: Some(covered(&offsets, answer.bbox)),
+        difference: Difference::new(frame, peak, template.image()),
+        alpha: answer.alpha,
+    };
+    let report = Report { work: Some(work), ..answer.into() };
+    Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
 /// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
-impl Looks for Tracker<Robust> {
-    fn kind(&self) -> MethodKind {
-        MethodKind::Robust
-    }
-
-    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
-        Self::lock(self, frame, start)?;
-        Ok(())
-    }
-
-    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
-        let window = self.window();
-        let grid = self.target().grid().context("there is no grid yet")?;
-        let early = self.target().early_template().context("there is no early template yet")?;
-        let (columns, rows) = (grid.columns.into(), grid.rows.into());
-        let early = Patch { columns, rows, pixels: early.map(f64::from).collect() };
-        let answer = Self::update(self, &frame.frame())?;
-        let work = self.work();
-        let target = BoundingBox::from(answer.fine);
-        // The template lies where the target was followed to, not in the middle of the refined box.
-        let followed = BoundingBox::from(followed(self.target()).unwrap_or(answer.fine));
-        let step = f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0;
-        let lattice = Lattice {
-            x: followed.x + followed.width / 2.0 - 0.5,
-            y: followed.y + followed.height / 2.0 - 0.5,
-            step,
-            step_down: step,
-            columns,
-            rows,
-        };
-        let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
-        let numbers = Numbers::refined();
-        let seen = lattice.sample(&numbers, &picture);
-        let lit = relit(&numbers, &early, &seen);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
-        let byte = |level: f64| level as u8;
-        let pairs = seen.pixels.iter().zip(&lit.pixels);
-        let difference = Difference {
-            size: (grid.columns, grid.rows),
-            pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
-            template: lit.pixels.iter().copied().map(byte).collect(),
-        };
-        let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &seen)).into()) };
-        let report = Report { work: Some(work), ..answer.into() };
-        Ok((report, Sight { bbox: target, search: Some(search) }))
-    }
+fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+    let window = tracker.window();
+    let grid = tracker.target().grid().context("there is no grid yet")?;
+    let early = tracker.target().early_template().context("there is no early template yet")?;
+    let (columns, rows) = (grid.columns.into(), grid.rows.into());
+    let early = Patch { columns, rows, pixels: early.map(f64::from).collect() };
+    let answer = tracker.update(&frame.frame())?;
+    let work = tracker.work();
+    let target = BoundingBox::from(answer.fine);
+    // The template lies where the target was followed to, not in the middle of the refined box.
+    let followed = BoundingBox::from(followed(tracker.target()).unwrap_or(answer.fine));
+    let step = f64::from(grid.step) / 4096.0 * f64::from(answer.scale) / 65536.0;
+    let lattice = Lattice {
+        x: followed.x + followed.width / 2.0 - 0.5,
+        y: followed.y + followed.height / 2.0 - 0.5,
+        step,
+        step_down: step,
+        columns,
+        rows,
+    };
+    let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
+    let numbers = Numbers::refined();
+    let seen = lattice.sample(&numbers, &picture);
+    let lit = relit(&numbers, &early, &seen);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
+    let byte = |level: f64| level as u8;
+    let pairs = seen.pixels.iter().zip(&lit.pixels);
+    let difference = Difference {
+        size: (grid.columns, grid.rows),
+        pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
+        template: lit.pixels.iter().copied().map(byte).collect(),
+    };
+    let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &seen)).into()) };
+    let report = Report { work: Some(work), ..answer.into() };
+    Ok((report, Sight { bbox: target, search: Some(search) }))
 }
 
-impl Looks for Box<dyn Method> {
-    fn kind(&self) -> MethodKind {
-        self.as_ref().kind()
-    }
-
-    fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
-        self.as_mut().lock(frame, start)
-    }
-
-    fn update(&mut self, frame: &GrayFrame) -> Result<(Report, Sight)> {
-        let template = GrayFrame::from(self.template().context("there is no template yet")?);
-        let report = self.as_mut().update(&frame.frame())?;
-        let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
-        let difference = Difference::new(frame, at, template.image());
-        Ok((report, Sight { bbox, search: Some(Search { window: None, difference, alpha: None }) }))
-    }
+fn baseline(tracker: &mut Box<dyn Method>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+    let template = GrayFrame::from(tracker.template().context("there is no template yet")?);
+    let report = tracker.update(&frame.frame())?;
+    let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
+    let difference = Difference::new(frame, at, template.image());
+    Ok((report, Sight { bbox, search: Some(Search { window: None, difference, alpha: None }) }))
 }
 
 /// Every pixel that a box of the size of `target` covers at one offset or another.
