@@ -6,7 +6,7 @@
 //! - [`check`]: core against the references, score by score.
 //! - [`mod@replay`]: flight records of firmware, run again.
 //! - [`trax`]: both trackers behind the protocol of evaluation tools.
-//! - [`spread`]: many measurements as three numbers.
+//! - [`percentiles`]: many measurements as three numbers.
 //! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
@@ -14,6 +14,6 @@ pub mod check;
 pub mod command;
 #[cfg(feature = "emulator")]
 pub mod emulator;
+pub mod percentiles;
 pub mod replay;
-pub mod spread;
 pub mod trax;

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::words;
+use smr_recordings::messages;
 use smr_recordings::{BoundingBox, Frames, OpenOptions, Sequence};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -94,7 +94,7 @@ impl GrayFrames {
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
         let next = py.detach(|| self.0.lock().map(|mut frames| frames.next()).ok().flatten());
-        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(words::of(&error)))? else {
+        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(messages::of(&error)))? else {
             return Ok(None);
         };
         let shape = [usize::from(frame.height), usize::from(frame.width)];

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
-use smr_recordings::words;
+use smr_recordings::messages;
 use std::cell::RefCell;
 
 /// The paper's tracker with the same room as in host-sim.
@@ -35,7 +35,7 @@ thread_local! {
 
 /// A Python exception with the error text of the core or of host-sim.
 pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
-    PyValueError::new_err(words::of(&error.into()))
+    PyValueError::new_err(messages::of(&error.into()))
 }
 
 fn not_updated(error: UpdateError) -> PyErr {

@@ -6,7 +6,6 @@
 //! between. Results are [`Tables`] for programs, and text for people.
 
 mod baseline;
-mod build;
 mod configs;
 pub mod covered;
 pub mod faults;
@@ -14,14 +13,15 @@ mod layout;
 mod means;
 mod method;
 mod otb;
-mod protocol;
 pub mod published;
 mod refused;
 mod result_file;
 mod results;
 pub mod robustness;
 mod run;
+mod score;
 mod tables;
+mod trackers;
 mod vot;
 
 pub use configs::{Configs, Origin, Variant};
@@ -30,11 +30,11 @@ pub use layout::aligned;
 pub use layout::{NOTHING, cell, header};
 pub use method::{CoreKind, Evidence, Method, MethodKind, Report, name_of};
 pub use otb::{Curves, FARTHEST, NEAR, Otb, STEPS, centre_errors};
-pub use protocol::{CORRECT, Score, Trajectory, overlaps};
 pub use refused::Refused;
 pub use result_file::{ResultFile, result_files};
 pub use results::Results;
 pub use run::{Follower, Run, lock};
+pub use score::{CORRECT, Score, Trajectory, overlaps};
 pub use tables::{TableName, Tables};
 pub use vot::Vot;
 

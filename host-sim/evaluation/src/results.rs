@@ -3,7 +3,7 @@
 
 use super::layout::{NOTHING, cell, header};
 use super::means::{means, standard_errors};
-use super::protocol::Figure;
+use super::score::Figure;
 use super::tables::{Columns, TableName, Tables, with_errors};
 use super::{Contestant, Evaluation, Layout, Origin, Score, published};
 

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use smr_recordings::words::choice_name;
+use smr_recordings::messages::choice_name;
 
 /// The tables that there are; no command has all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

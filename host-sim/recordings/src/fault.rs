@@ -2,7 +2,7 @@
 
 use super::GrayFrame;
 use super::synthetic::Random;
-use crate::words::choice_name;
+use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
 use std::fmt;

@@ -1,6 +1,6 @@
 //! Files that are read whole: none is longer than its kind can be, and one that never ends is not waited for.
 
-use crate::words;
+use crate::messages;
 use anyhow::{Result, anyhow, ensure};
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -36,7 +36,7 @@ pub fn text(file: &Path, kind: &Kind) -> Result<String> {
 /// Errors: What is wrong with the file, without its name: it is not there, it cannot be read, it is too long, or it is
 /// a pipe that says nothing.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
-    let unreadable = |error: &io::Error| anyhow!("{}: expected {}", words::of_io(error), kind.expected);
+    let unreadable = |error: &io::Error| anyhow!("{}: expected {}", messages::of_io(error), kind.expected);
     let data = fs::metadata(file).map_err(|error| unreadable(&error))?;
     ensure!(!data.is_dir(), "it is a folder: expected {}", kind.expected);
     let most = u64::from(kind.most) << 20;

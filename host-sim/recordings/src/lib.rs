@@ -2,7 +2,7 @@
 //!
 //! A [`Sequence`] is a stream of gray frames and the boxes known about them; it is never in memory as a whole. Faults of a camera and
 //! covers can be put between ([`fault`], [`cover`]). Whoever reads and writes files shares how it is done: read up to a limit ([`input`]),
-//! written whole or not at all ([`output`]), removed if a signal comes ([`cleanup`]), with errors as people read them ([`words`]).
+//! written whole or not at all ([`output`]), removed if a signal comes ([`cleanup`]), with errors as people read them ([`messages`]).
 //! No tracker is run here.
 
 mod border;
@@ -12,16 +12,17 @@ mod color;
 pub mod cover;
 mod damage;
 pub mod fault;
-mod found;
+mod folders;
+mod frame_range;
 mod images;
 pub mod input;
 mod iou;
+pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
 mod missing;
 mod noise;
 pub mod output;
-mod part;
 mod periodic;
 mod pnm;
 mod raw;
@@ -32,15 +33,14 @@ mod start;
 pub mod synthetic;
 mod video;
 mod video_color;
-pub mod words;
 mod y4m;
 
 pub use boxes::BoundingBox;
 pub use color::{ColorFrames, Colors, Moment};
 pub use damage::Damaged;
-pub use found::recordings;
+pub use folders::recordings;
+pub use frame_range::FrameRange;
 pub use images::{decode_picture, read_picture};
-pub use part::FrameRange;
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use start::{Start, Target};
@@ -196,7 +196,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     };
     sequence.init = options.init.or(sequence.init);
     // It stands in tables, a line for each recording.
-    sequence.name = words::line(&sequence.name);
+    sequence.name = messages::line(&sequence.name);
     Ok(sequence)
 }
 

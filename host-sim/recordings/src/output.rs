@@ -1,7 +1,7 @@
 //! What this program writes: a file is written whole or not at all, and an error names it.
 
 use crate::cleanup::{self, Kept};
-use crate::words;
+use crate::messages;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -246,20 +246,20 @@ impl Exchange {
     }
 }
 
-/// Writes text to standard output, [in plain letters](words::plain).
+/// Writes text to standard output, [in plain letters](messages::plain).
 /// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
 pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let mut bytes = Vec::new();
     text(&mut bytes)?;
     let mut out = io::stdout().lock();
-    let plain = words::plain(&String::from_utf8_lossy(&bytes));
+    let plain = messages::plain(&String::from_utf8_lossy(&bytes));
     out.write_all(plain.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }
 
 /// Says something on standard error, in one line.
 #[allow(clippy::print_stderr)] // the one place
 pub fn complain(text: &str) {
-    eprintln!("{}", words::line(text));
+    eprintln!("{}", messages::line(text));
 }
 
 fn cannot_write(name: &Path) -> String {

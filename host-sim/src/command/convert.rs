@@ -1,13 +1,13 @@
 //! `host-sim convert`: a recording as files that other programs read and firmware replays.
 
-use super::places::{Places, Taken};
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
 use anyhow::{Result, bail, ensure};
 use serde::Serialize;
 use smr_pages::export::{Format, Writer, Written, is_whole};
+use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
-use smr_recordings::words::choice_name;
 use smr_recordings::{BoundingBox, Sequence};
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! The first thing to run: follows the target of a built-in recording, writes a page, and says what to type next.
 
-use super::places::{Places, Taken};
+use super::paths::{Places, Taken};
 use super::{Command, HostSim, Outcome, say};
 use anyhow::Result;
 use clap::Parser;

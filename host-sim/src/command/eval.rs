@@ -1,7 +1,7 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
 use super::number::from;
-use super::places::Places;
+use super::paths::Places;
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, count_failures, end, say_what_failed};
 use super::table_options::TableOptions;

@@ -12,7 +12,7 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use smr_evaluation::Refused;
 use smr_recordings::output::complain;
-use smr_recordings::{Damaged, cleanup, words};
+use smr_recordings::{Damaged, cleanup, messages};
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind};
@@ -94,7 +94,7 @@ fn misused(mut error: clap::Error) -> ExitCode {
 
 /// What is printed of an error of this command; a box that is refused and damage come with what the command has against them.
 pub(super) fn told(error: &anyhow::Error, command: &clap::Command) -> String {
-    let said = words::of(error);
+    let said = messages::of(error);
     let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));
     if let Some(box_) = error.downcast_ref::<Refused>() {
         return format!("{said}: {}", box_.way_out(has));

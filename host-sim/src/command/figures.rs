@@ -1,7 +1,7 @@
 //! `host-sim figures`: the paper's five figures of a recording.
 
 use super::number::from;
-use super::places::{Places, Taken};
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, say};
@@ -11,7 +11,7 @@ use smr_evaluation::{Origin, Variant};
 use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{Figure, METHODS, Plan, Wish};
 use smr_pages::report::{Choice, Film, Refusal, watch};
-use smr_recordings::words::choice_name;
+use smr_recordings::messages::choice_name;
 use smr_recordings::{FrameRange, output};
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,14 +1,14 @@
 //! `host-sim frame`: the box to start from is dragged on a page, or read off a frame with its coordinates.
 
 use super::number::from;
-use super::places::{Places, Taken};
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{BUDGET, Outcome, progress, say};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
 use smr_recordings::output::{self, Output, complain};
-use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, words};
+use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, messages};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -136,7 +136,7 @@ impl Frame {
         let picked = report::pick(shots, &choosing, least, budget);
         bar.finish_and_clear();
         if let Some(damage) = damage {
-            complain(&format!("note: the page ends before damage: {}", words::of(&damage)));
+            complain(&format!("note: the page ends before damage: {}", messages::of(&damage)));
         }
         let picked = picked?;
         output.end(picked.page.as_bytes())?;

@@ -8,12 +8,11 @@ mod demo;
 mod eval;
 mod exit_code;
 mod figures;
-mod film;
 mod frame;
 #[cfg(any(test, not(feature = "emulator")))]
 mod not_built;
 pub mod number;
-mod places;
+mod paths;
 pub mod progress;
 #[cfg(feature = "emulator")]
 pub mod qemu_options;
@@ -29,6 +28,7 @@ mod target;
 mod track;
 pub mod tracker_options;
 mod trax;
+mod video;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -36,7 +36,7 @@ pub use exit_code::{Outcome, program};
 use exit_code::{is_closed_pipe, obey, told};
 #[cfg(not(feature = "emulator"))]
 use not_built::NotBuilt;
-use places::Places;
+use paths::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
 use std::io::{self, Write};

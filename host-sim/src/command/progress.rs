@@ -1,7 +1,7 @@
 //! How far a command has got: on standard error, and only if it is a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use smr_recordings::words;
+use smr_recordings::messages;
 
 /// A bar of so many frames; without their number they are counted.
 pub fn bar(name: &str, frames: Option<usize>) -> ProgressBar {
@@ -17,5 +17,5 @@ pub fn of(name: &str, count: Option<usize>, what: &str) -> ProgressBar {
         None => (ProgressBar::new_spinner(), format!("{{msg}} {{spinner}} {{pos}} {what}, {{per_sec}}")),
     };
     let style = ProgressStyle::with_template(&template);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(words::line(name))
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(messages::line(name))
 }

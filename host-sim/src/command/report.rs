@@ -1,7 +1,7 @@
 //! `host-sim report`: recordings as people look at them, a page or a picture.
 
 use super::number::from;
-use super::places::{Places, Taken};
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{BUDGET, Outcome, progress};

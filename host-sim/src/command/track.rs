@@ -1,18 +1,18 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::answer_line::{Answer, Format, Printer};
-use super::film::{Film, Shown};
-use super::places::Places;
+use super::paths::Places;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
+use super::video::{Film, Shown};
 use super::{Outcome, is_closed_pipe, progress};
 use anyhow::{Context, Result, bail, ensure};
 use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::{Plan, Rate};
+use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::words::choice_name;
 use smr_recordings::{GrayFrame, Sequence};
 use std::io::{IsTerminal, Write, stdout};
 use std::ops::RangeInclusive;

@@ -10,7 +10,7 @@ use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
 use smr_core::unstable::{self, without};
 use smr_evaluation::{Configs, MethodKind, Variant};
-use smr_recordings::words::choice_name;
+use smr_recordings::messages::choice_name;
 use smr_reference::{Numbers, robust as reference};
 use std::fmt;
 use std::num::NonZeroU32;

@@ -10,7 +10,7 @@ pub mod firmware;
 pub mod protocol;
 pub mod qemu;
 
-use crate::spread::Spread;
+use crate::percentiles::Spread;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use protocol::{Header, Hello, Record, Remembered, Stack, Taken};
 use qemu::Qemu;

@@ -1,6 +1,6 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
-use crate::replay::answered;
+use crate::replay::answer_values;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use smr_core::{Answer, FineRect, Rect, Target, Tracker};
@@ -230,7 +230,7 @@ impl Remembered {
         let answer = Answer {
             bbox: fine.whole(),
             fine,
-            state: answered::state(word()).context("from the firmware")?,
+            state: answer_values::state(word()).context("from the firmware")?,
             confidence: word().try_into()?,
             ratio: word().try_into()?,
             runner_up_ratio: some(word())?,
@@ -253,7 +253,7 @@ impl Remembered {
     /// Every value, by the name that people read.
     pub fn described(&self) -> impl Iterator<Item = (&'static str, String)> {
         let hash = ("hash of the saved target", format!("{:08x}", self.hash));
-        answered::values(&self.answer).into_iter().chain([hash])
+        answer_values::values(&self.answer).into_iter().chain([hash])
     }
 }
 

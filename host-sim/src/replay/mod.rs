@@ -2,13 +2,13 @@
 //!
 //! - [`entries`]: the entries of a record.
 //! - [`config`]: the configuration in it.
-//! - [`answered`]: an answer, as it is compared.
+//! - [`answer_values`]: an answer, as it is compared.
 
-pub mod answered;
+pub mod answer_values;
 pub mod config;
 pub mod entries;
 
-use answered::described;
+use answer_values::described;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use config::Configured;
 use entries::{Entries, Entry, Next};
@@ -293,7 +293,7 @@ impl<T: Target> Run<T> {
         let window = self.window.take().context("an answer without a window before it")?;
         let recorded = read_answer(from)?;
         let replayed = self.update(&window)?;
-        let pairs = answered::values(&recorded).into_iter().zip(answered::values(&replayed));
+        let pairs = answer_values::values(&recorded).into_iter().zip(answer_values::values(&replayed));
         let differing = |((field, recorded), (_, replayed)): ((&'static str, String), (_, String))| {
             (recorded != replayed).then(|| Difference::new(field, recorded, replayed))
         };
@@ -331,7 +331,7 @@ fn read_answer(from: &mut Fields<'_>) -> Result<Answer> {
     Ok(Answer {
         bbox: fine.whole(),
         fine,
-        state: answered::state(state.into())?,
+        state: answer_values::state(state.into())?,
         confidence,
         ratio,
         runner_up_ratio: if_there(2, runner_up),

@@ -4,7 +4,7 @@ use super::message::Message;
 use super::{image, region};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_evaluation::{Follower, Method, Report};
-use smr_recordings::{BoundingBox, GrayFrame, words};
+use smr_recordings::{BoundingBox, GrayFrame, messages};
 use std::io::{BufRead, Read, Write};
 use std::ops::RangeInclusive;
 
@@ -44,7 +44,7 @@ pub fn serve<F: Fn() -> Result<Box<dyn Method>>>(
             Ok(Next::Answers(answers)) => answers,
             Ok(Next::Over) => return Ok(()),
             Err(error) => {
-                let quit = Message::new("quit").property("trax.reason", words::of(&error));
+                let quit = Message::new("quit").property("trax.reason", messages::of(&error));
                 // That nobody hears it any more is no news.
                 let _ = send(&mut output, &quit);
                 return Err(error);

@@ -6,7 +6,7 @@ use host_sim::emulator::Recording;
 use host_sim::emulator::firmware;
 use host_sim::emulator::protocol::TooBig;
 use host_sim::emulator::qemu::{Qemu, Setup};
-use host_sim::spread::Spread;
+use host_sim::percentiles::Spread;
 use serde::{Serialize, Serializer};
 use smr_core::similarity::Backend;
 use smr_evaluation::{CoreKind, Origin};

@@ -4,7 +4,7 @@ use super::case::{self, Case, Size, Triple};
 use super::searches;
 use crate::clock::{Budget, Patience, timed};
 use anyhow::Result;
-use host_sim::spread::Spread;
+use host_sim::percentiles::Spread;
 use serde::Serialize;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;

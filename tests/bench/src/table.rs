@@ -5,7 +5,7 @@ use super::goal::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
-use host_sim::spread::Spread;
+use host_sim::percentiles::Spread;
 use smr_core::paper::Radius;
 use smr_evaluation::{NOTHING, aligned, cell, header};
 

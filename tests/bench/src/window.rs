@@ -3,7 +3,7 @@
 use super::case;
 use super::sad::Sad;
 use super::searches::{Searches, Timed, Way};
-use host_sim::spread::Spread;
+use host_sim::percentiles::Spread;
 use serde::{Serialize, Serializer};
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;

@@ -5,16 +5,16 @@
 //! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
 
 mod c_array;
-mod draw;
-mod encoded;
-mod film;
+mod ffmpeg;
+mod frame_times;
 mod matroska;
-mod timeline;
+mod overlay;
 mod toolkit;
+mod video;
 mod writer;
 
 pub use crate::encode::{pgm, png};
-pub use draw::Overlay;
-pub use film::{Film, Plan};
-pub use timeline::Rate;
+pub use frame_times::Rate;
+pub use overlay::Overlay;
+pub use video::{Film, Plan};
 pub use writer::{Format, Writer, Written, is_whole};

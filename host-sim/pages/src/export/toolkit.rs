@@ -12,7 +12,7 @@ use super::Format;
 use crate::encode::jpeg_of;
 use anyhow::{Context, Result};
 use smr_recordings::boxes::Form;
-use smr_recordings::words::choice_name;
+use smr_recordings::messages::choice_name;
 use smr_recordings::{BoundingBox, GrayFrame, output};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,8 +5,8 @@ use super::{c_array, pgm, png, toolkit};
 use anyhow::Result;
 use serde::Serialize;
 use smr_recordings::boxes::Form;
+use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Folder, Output};
-use smr_recordings::words::choice_name;
 use smr_recordings::{BoundingBox, GrayFrame};
 use std::path::{Path, PathBuf};
 

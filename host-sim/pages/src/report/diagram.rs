@@ -1,7 +1,7 @@
 //! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
 
 use super::canvas::{self, Canvas, Dashes, FONT, pixel};
-use super::pixels::Pixels;
+use super::image::Pixels;
 use crate::colors::{Color, PAPER, WHITE};
 use anyhow::{Result, bail};
 use embedded_graphics::geometry::Point;

@@ -1,8 +1,8 @@
 //! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
 
-use super::look::{self, Shown, Sight};
-use super::pictures::Pictures;
-use super::reel::{Choice, Reel};
+use super::player_frames::Pictures;
+use super::search::{self, Shown, Sight};
+use super::strip_frames::{Choice, Reel};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
@@ -161,7 +161,7 @@ pub fn watch_all(
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
             let begun = report.zip(follower.method.sight());
-            Ok(begun.unwrap_or_else(|| look::not_begun(targets[*target].starts[0].1)))
+            Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].starts[0].1)))
         };
         let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
@@ -212,7 +212,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
             variant.name = format!("{name}, {}", method.name);
         }
         let starts = locked.starts.iter().map(|&(index, start)| (index + first, start)).collect();
-        Ok(Pair { follower: Follower::new(look::shown(method)?, starts), variant, target })
+        Ok(Pair { follower: Follower::new(search::shown(method)?, starts), variant, target })
     };
     all.map(pair).collect()
 }

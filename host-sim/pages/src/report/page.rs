@@ -1,12 +1,12 @@
 //! The whole report as one HTML page that needs nothing else: `page.html` filled in, with style, scripts, pictures and figures.
 
-use super::data::data;
-use super::entrants::{Entrant, entrants, place_files};
 use super::film::{Film, Locked};
+use super::page_data::data;
 use super::palette::{Look, TRUTH_LOOK, looks};
-use super::pictures;
+use super::player_frames::Pictures;
 use super::scores::{Measured, Scores};
-use super::tile::Tile;
+use super::strip_tile::Tile;
+use super::trackers::{Entrant, entrants, place_files};
 use crate::colors::{Color, color_of};
 use anyhow::{Result, ensure};
 use minijinja::Environment;
@@ -86,7 +86,7 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
         }
         let pictured = films.iter_mut().filter_map(|film| film.pictures.as_mut());
         let largest = pictured.max_by_key(|pictures| pictures.bytes());
-        let shrunk = largest.map(pictures::Pictures::shrink).transpose()?.unwrap_or(false);
+        let shrunk = largest.map(Pictures::shrink).transpose()?.unwrap_or(false);
         let bytes = page.len().div_ceil(1_000_000);
         ensure!(shrunk, "the page has {bytes} MB with next to no frames: expected --budget {bytes} or more");
     }

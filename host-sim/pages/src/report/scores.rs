@@ -1,7 +1,7 @@
 //! The scores of all methods: the tables and plots of the page, for its template.
 
-use super::entrants::{Entrant, entrants};
 use super::film::Film;
+use super::trackers::{Entrant, entrants};
 use anyhow::Result;
 use serde::Serialize;
 use smr_evaluation::{Curves, FARTHEST, NEAR, Otb, Score};

@@ -13,12 +13,12 @@ mod gradients;
 mod learning;
 mod lighting;
 mod numbers;
-mod place;
 mod refinement;
 mod refiner;
 mod response;
 mod rounding;
 mod sampling;
+mod target_box;
 mod verification;
 
 pub use confidence::Decision;
@@ -30,11 +30,11 @@ pub use sampling::{Lattice, Patch, Picture, Shape};
 use confidence::{FULL, confidence, decision, evidence, running_mean};
 use gradients::features;
 use learning::{Coded, Filter, Sample};
-use place::{Place, sweep, whole_box};
 use refinement::Displaced;
 use refiner::Refiner;
 use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
+use target_box::{Place, sweep, whole_box};
 use verification::Similarity;
 
 pub struct Step {

@@ -1,10 +1,10 @@
 //! Figure 1: the boxes of SMR and SAD in one frame, with what each compared.
 
-use super::sheet::{GAP, LINE, Sheet, template};
+use super::drawing::{GAP, LINE, Sheet, template};
 use super::{METHODS, asked, clearest};
 use crate::colors::color_of_method;
 use crate::report::film::{Film, Still};
-use crate::report::pixels::Pixels;
+use crate::report::image::Pixels;
 use anyhow::{Context, Result};
 use smr_core::Rect;
 use smr_recordings::GrayFrame;

@@ -1,13 +1,13 @@
 //! Figure 2: what each method differs by from its template, in the place that won and in the true one; and how often.
 
-use super::sheet::{GAP, LINE, Sheet, template, wide};
+use super::drawing::{GAP, LINE, Sheet, template, wide};
 use super::{METHODS, asked, clearest};
 use crate::colors::{Color, color_of_method};
 use crate::report::diagram::Stroke;
 use crate::report::difference::{BAR, BARS, Difference};
 use crate::report::film::{Film, Still};
-use crate::report::look::Search;
-use crate::report::pixels::Pixels;
+use crate::report::image::Pixels;
+use crate::report::search::Search;
 use anyhow::{Context, Result, ensure};
 use smr_core::{Image, Rect};
 use smr_recordings::BoundingBox;

@@ -1,6 +1,6 @@
 //! Figure 4: drift, as the distance from the true centre over the frames.
 
-use super::sheet::{GAP, LINE, Sheet, nice, wide};
+use super::drawing::{GAP, LINE, Sheet, nice, wide};
 use super::{METHODS, SAD};
 use crate::colors::color_of_method;
 use crate::report::diagram::Stroke;

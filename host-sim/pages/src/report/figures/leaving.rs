@@ -1,7 +1,7 @@
 //! Figure 3: the target leaves the frame and its padding; the template is not updated meanwhile.
 
 use super::SMR;
-use super::sheet::{GAP, LINE, Sheet, WIDTH, template};
+use super::drawing::{GAP, LINE, Sheet, WIDTH, template};
 use crate::colors::color_of;
 use crate::report::film::{Film, Still};
 use anyhow::{Context, Result};

@@ -4,10 +4,10 @@
 
 mod boxes;
 mod differences;
+mod drawing;
 mod drift;
 mod leaving;
 mod occlusion;
-mod sheet;
 
 use super::film::{Film, Still};
 use anyhow::{Context, Result, bail, ensure};
@@ -16,7 +16,7 @@ use smr_recordings::FrameRange;
 use std::fmt;
 use std::str::FromStr;
 
-pub use sheet::Sheet;
+pub use drawing::Sheet;
 
 /// Who is in them.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];

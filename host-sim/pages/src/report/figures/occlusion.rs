@@ -1,6 +1,6 @@
 //! Figure 5: the target is hidden slowly. What hides it gets into the template, and is followed then.
 
-use super::sheet::{GAP, LINE, Sheet, WIDTH, template, wide};
+use super::drawing::{GAP, LINE, Sheet, WIDTH, template, wide};
 use super::{METHODS, SAD, SMR};
 use crate::colors::color_of_method;
 use crate::report::diagram::Stroke;

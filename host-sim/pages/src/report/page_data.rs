@@ -1,10 +1,10 @@
 //! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
 
 use super::difference::{BAR, BARS};
-use super::entrants::{Entrant, entrants};
 use super::film::{Film, Moment};
 use super::palette::TRUTH_LOOK;
-use super::pictures::{Comparison, Picture, Pictures};
+use super::player_frames::{Comparison, Picture, Pictures};
+use super::trackers::{Entrant, entrants};
 use crate::encode::base64;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};

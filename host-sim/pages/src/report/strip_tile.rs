@@ -1,9 +1,9 @@
 //! One frame with all its boxes, for the page's template.
 
-use super::entrants::look_of;
+use super::coinciding_boxes::turns;
 use super::film::{Film, Still};
 use super::palette::TRUTH_LOOK;
-use super::turns::turns;
+use super::trackers::look_of;
 use crate::encode;
 use anyhow::Result;
 use serde::Serialize;

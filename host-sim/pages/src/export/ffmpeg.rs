@@ -1,8 +1,8 @@
 //! A video, written by an ffmpeg that takes frames with their times, and the sound of the recording.
 
-use super::draw::Overlay;
+use super::frame_times::Timeline;
 use super::matroska;
-use super::timeline::Timeline;
+use super::overlay::Overlay;
 use anyhow::{Context, Result, bail, ensure};
 use smr_recordings::cleanup::Process;
 use smr_recordings::output::Output;

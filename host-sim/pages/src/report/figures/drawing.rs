@@ -6,7 +6,7 @@ use crate::report::canvas::width_of;
 use crate::report::diagram::{Form, Mark, Stroke};
 use crate::report::difference::Difference;
 use crate::report::film::{Film, Still};
-use crate::report::pixels::Pixels;
+use crate::report::image::Pixels;
 use anyhow::Result;
 use smr_recordings::BoundingBox;
 

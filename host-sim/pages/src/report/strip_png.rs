@@ -1,9 +1,9 @@
 //! The film strip as one picture: what a README shows.
 
 use super::canvas::{Canvas, Dashes, FONT, coarse_frame, line, pixel};
+use super::coinciding_boxes::turns;
 use super::film::{Film, Still};
 use super::palette::color_of_file;
-use super::turns::turns;
 use crate::colors::{BLACK, Color, PAPER, TRUTH, WHITE, color_of, color_of_method};
 use anyhow::Result;
 use embedded_graphics::draw_target::DrawTargetExt;

@@ -1,8 +1,8 @@
 //! Frames that were drawn on, as something to watch: an MP4 or GIF file (through ffmpeg), or a folder of PNG pictures.
 
-use super::draw::Overlay;
-use super::encoded::{Encoded, Kind};
-use super::timeline::{Rate, Timeline};
+use super::ffmpeg::{Encoded, Kind};
+use super::frame_times::{Rate, Timeline};
+use super::overlay::Overlay;
 use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
 use smr_recordings::Moment;

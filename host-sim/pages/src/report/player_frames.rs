@@ -1,8 +1,8 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
 use super::difference::{BARS, Difference};
-use super::look::Sight;
-use super::pixels::Pixels;
+use super::image::Pixels;
+use super::search::Sight;
 use crate::encode;
 use anyhow::Result;
 use smr_recordings::{GrayFrame, decode_picture};
