@@ -2,16 +2,15 @@
 
 use super::film::{Film, Locked};
 use super::page_data::data;
-use super::palette::{Look, TRUTH_LOOK, looks};
+use super::palette::{TRUTH_LOOK, looks};
 use super::player_frames::Pictures;
 use super::scores::{Measured, Scores};
-use super::strip_tile::Tile;
-use super::trackers::{Entrant, entrants, place_files};
-use crate::colors::{Color, color_of};
+use super::strip_tile::tile;
+use super::trackers::{entrants, place_files};
+use crate::colors::color_of;
 use anyhow::{Result, ensure};
-use minijinja::Environment;
-use minijinja::value::Serde;
-use serde::Serialize;
+use minijinja::value::{Serde, Value};
+use minijinja::{Environment, context};
 use smr_core::{Rect, State};
 use smr_evaluation::name_of;
 
@@ -32,45 +31,11 @@ const TEMPLATES: [(&str, &str); 13] = [
 ];
 
 /// What the foot of the page says.
-#[derive(Serialize)]
 pub struct About {
     pub title: String,
     pub command_line: String,
     /// All that the methods were built with, as JSON.
     pub options: String,
-}
-
-/// What the template fills in.
-#[derive(Serialize)]
-struct Page<'a> {
-    #[serde(flatten)]
-    about: &'a About,
-    version: &'static str,
-    /// The colors of states, as variables of the style.
-    colors: [(&'static str, Color); 3],
-    looks: Vec<Look>,
-    truth: usize,
-    recordings: Vec<Recording<'a>>,
-    scores: Option<Scores<'a>>,
-    data: String,
-}
-
-#[derive(Serialize)]
-struct Recording<'a> {
-    name: &'a str,
-    notes: &'a [String],
-    first: usize,
-    frames: usize,
-    width: u16,
-    height: u16,
-    /// What each target is locked on.
-    starts: Vec<String>,
-    /// How many frames the first method has in each state.
-    states: Vec<(&'static str, usize)>,
-    entrants: Vec<Entrant>,
-    has_truth: bool,
-    changes_left_out: usize,
-    stills: Vec<Tile>,
 }
 
 /// The page, of at most `budget` bytes: frames get smaller, then fewer, until it is.
@@ -96,43 +61,45 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
     let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
-    let page = Page {
-        about,
-        version: env!("CARGO_PKG_VERSION"),
-        colors: states,
-        looks: looks(),
-        truth: TRUTH_LOOK,
-        recordings: films.iter().map(Recording::new).collect::<Result<_>>()?,
-        scores: Scores::new(&measured),
-        data: data(films)?,
+    let page = context! {
+        title => about.title.as_str(),
+        command_line => about.command_line.as_str(),
+        options => about.options.as_str(),
+        version => env!("CARGO_PKG_VERSION"),
+        // Variables of the style.
+        colors => Serde(states),
+        looks => Serde(looks()),
+        truth => TRUTH_LOOK,
+        recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
+        scores => Serde(Scores::new(&measured)),
+        data => data(films)?,
     };
     let mut templates = Environment::new();
     for (name, text) in TEMPLATES {
         templates.add_template(name, text)?;
     }
-    Ok(templates.get_template("page.html")?.render(Serde(page))?)
+    Ok(templates.get_template("page.html")?.render(page)?)
 }
 
-impl<'a> Recording<'a> {
-    fn new(film: &'a Film) -> Result<Self> {
-        let begun = || film.moments.iter().skip(film.begins(0));
-        let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
-        let states = film.methods[0].kind.states();
-        Ok(Self {
-            name: &film.name,
-            notes: &film.notes,
-            first: film.first,
-            frames: film.moments.len(),
-            width: film.size.0,
-            height: film.size.1,
-            starts: film.targets.iter().map(|target| starts(film, target)).collect(),
-            states: states.iter().map(|&state| (name_of(state), count(state))).collect(),
-            entrants: entrants(film),
-            has_truth: film.truth.is_some(),
-            changes_left_out: film.changes_left_out,
-            stills: film.stills.iter().map(|still| Tile::new(film, still)).collect::<Result<_>>()?,
-        })
-    }
+fn recording(film: &Film) -> Result<Value> {
+    let begun = || film.moments.iter().skip(film.begins(0));
+    let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
+    let states = film.methods[0].kind.states().iter().map(|&state| (name_of(state), count(state)));
+    Ok(context! {
+        name => film.name.as_str(),
+        notes => Serde(&film.notes),
+        first => film.first,
+        frames => film.moments.len(),
+        width => film.size.0,
+        height => film.size.1,
+        starts => film.targets.iter().map(|target| starts(film, target)).collect::<Vec<_>>(),
+        // How many frames the first method has in each.
+        states => Serde(states.collect::<Vec<_>>()),
+        entrants => Serde(entrants(film)),
+        has_truth => film.truth.is_some(),
+        changes_left_out => film.changes_left_out,
+        stills => film.stills.iter().map(|still| tile(film, still)).collect::<Result<Vec<_>>>()?,
+    })
 }
 
 /// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`

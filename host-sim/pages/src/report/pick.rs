@@ -2,9 +2,7 @@
 
 use crate::encode::{self, base64};
 use anyhow::{Context, Result, bail, ensure};
-use minijinja::Environment;
-use minijinja::value::Serde;
-use serde::Serialize;
+use minijinja::{Environment, context};
 use serde_json::json;
 use smr_recordings::{BoundingBox, ColorFrame};
 
@@ -44,22 +42,6 @@ pub struct Picked {
     /// The number of the last frame, and how many are in the page.
     pub last: usize,
     pub pictures: usize,
-}
-
-/// What the template fills in.
-#[derive(Serialize)]
-struct Page<'a> {
-    name: &'a str,
-    width: u16,
-    height: u16,
-    first: usize,
-    last: usize,
-    /// One frame of so many is kept.
-    every: usize,
-    /// The command that makes this page with another frame.
-    again: String,
-    version: &'static str,
-    data: String,
 }
 
 /// Frames as JPEG files with their numbers, spread evenly over the recording.
@@ -169,22 +151,22 @@ impl Choosing {
             "report": command("report", "-o report.html"),
             "frames": pictures.iter().map(|(number, jpeg)| json!([number, base64(jpeg)])).collect::<Vec<_>>(),
         });
-        let page = Page {
-            name: &self.name,
-            width,
-            height,
-            first: self.first,
-            last,
-            every,
-            again: format!("{again} NUMBER {rest}"),
-            version: env!("CARGO_PKG_VERSION"),
-            data: data.to_string().replace('<', "\\u003c"),
+        let page = context! {
+            name => self.name.as_str(),
+            width => width,
+            height => height,
+            first => self.first,
+            last => last,
+            every => every,
+            again => format!("{again} NUMBER {rest}"),
+            version => env!("CARGO_PKG_VERSION"),
+            data => data.to_string().replace('<', "\\u003c"),
         };
         let mut templates = Environment::new();
         for (name, text) in TEMPLATES {
             templates.add_template(name, text)?;
         }
-        templates.get_template("pick.html")?.render(Serde(page)).context("the page cannot be filled in")
+        templates.get_template("pick.html")?.render(page).context("the page cannot be filled in")
     }
 }
 

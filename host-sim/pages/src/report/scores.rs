@@ -24,7 +24,6 @@ struct Table<'a> {
 #[derive(Serialize)]
 struct Column {
     title: String,
-    /// After the decimal point.
     digits: usize,
     /// `None` where nobody is better than another.
     best: Option<f64>,
