@@ -4,7 +4,6 @@
 use super::Layout;
 use super::layout::NOTHING;
 use clap::ValueEnum;
-use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 use smr_recordings::messages::choice_name;
@@ -154,11 +153,7 @@ struct Row<'a> {
 
 impl Serialize for Row<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.columns.len()))?;
-        for (column, value) in self.columns.iter().zip(self.values) {
-            map.serialize_entry(column, value)?;
-        }
-        map.end()
+        serializer.collect_map(self.columns.iter().zip(self.values))
     }
 }
 

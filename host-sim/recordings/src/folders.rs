@@ -15,36 +15,28 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
         return Ok(vec![path.to_owned()]);
     }
     let entries = folders(path).with_context(|| format!("{}: neither a recording nor a folder", path.display()))?;
-    let mut search = Search { found: Vec::new(), seen: path.canonicalize().into_iter().collect() };
-    search.look_into(entries)?;
-    if search.found.is_empty() {
+    let mut found = Vec::new();
+    look_into(entries, &mut found, &mut path.canonicalize().into_iter().collect())?;
+    if found.is_empty() {
         bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
     }
-    Ok(search.found)
+    Ok(found)
 }
 
-struct Search {
-    found: Vec<PathBuf>,
-    /// By their real names: a link to a folder above would be followed for ever.
-    seen: HashSet<PathBuf>,
-}
-
-impl Search {
-    /// What is a recording is not looked into.
-    fn look_into(&mut self, entries: Vec<PathBuf>) -> Result<()> {
-        for folder in entries {
-            let cannot_list = || format!("cannot list the folder {}", folder.display());
-            if !self.seen.insert(folder.canonicalize().with_context(cannot_list)?) {
-                continue;
-            }
-            if crate::is_sequence(&folder) {
-                self.found.push(folder);
-            } else {
-                self.look_into(folders(&folder).with_context(cannot_list)?)?;
-            }
+/// What is a recording is not looked into. Folders are `seen` by their real names: a link to a folder above would be followed for ever.
+fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
+    for folder in entries {
+        let cannot_list = || format!("cannot list the folder {}", folder.display());
+        if !seen.insert(folder.canonicalize().with_context(cannot_list)?) {
+            continue;
         }
-        Ok(())
+        if crate::is_sequence(&folder) {
+            found.push(folder);
+        } else {
+            look_into(folders(&folder).with_context(cannot_list)?, found, seen)?;
+        }
     }
+    Ok(())
 }
 
 /// The folders in a folder. Hidden ones are not meant.

@@ -39,7 +39,7 @@ fn open_with(program: &str, file: &Path, patience: Duration) -> Result<Frames> {
     let mut stream = ffmpeg.output();
     // No byte at all means that ffmpeg has ended, and knows why.
     if stream.fill_buf().with_context(|| format!("cannot read {name} through ffmpeg"))?.is_empty() {
-        let Ended { status, said } = ffmpeg.end()?;
+        let (status, said) = ffmpeg.end()?;
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
         ensure!(said.last.is_empty() && status.success(), "ffmpeg cannot decode {name}: {}", said.or(status));
         bail!("{name} holds no frame that ffmpeg decodes");
@@ -125,11 +125,6 @@ struct Ffmpeg {
     patience: Duration,
 }
 
-struct Ended {
-    status: ExitStatus,
-    said: Said,
-}
-
 impl Ffmpeg {
     fn start(program: &str, file: &Path, patience: Duration) -> Result<Self> {
         let mut command = command(program, "level+warning", file);
@@ -152,19 +147,18 @@ impl Ffmpeg {
         Patient::new(self.process.output().expect("standard output is piped"), self.patience)
     }
 
-    fn end(&mut self) -> Result<Ended> {
+    fn end(&mut self) -> Result<(ExitStatus, Said)> {
         let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
         let Some(status) = status else {
             return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
         };
-        let said = self.said.recv_timeout(self.patience).unwrap_or_default();
-        Ok(Ended { status, said })
+        Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
     }
 
     /// ffmpeg conceals what is damaged or missing, goes on, and ends without an error code: what it has complained about is
     /// damage, because such pixels are not those of the recording.
     fn verdict(&mut self) -> Result<()> {
-        let Ended { status, said } = self.end()?;
+        let (status, said) = self.end()?;
         let file = &self.file;
         ensure!(
             !said.changed,

@@ -41,8 +41,8 @@ pub fn serve<F: Fn() -> Result<Box<dyn Method>>>(
     let mut session = Session { server, objects: Vec::new(), new: Vec::new(), frames: 0 };
     loop {
         let answers = match read(&mut input).and_then(|message| session.answer(message)) {
-            Ok(Next::Answers(answers)) => answers,
-            Ok(Next::Over) => return Ok(()),
+            Ok(Some(answers)) => answers,
+            Ok(None) => return Ok(()),
             Err(error) => {
                 let quit = Message::new("quit").property("trax.reason", messages::of(&error));
                 // That nobody hears it any more is no news.
@@ -93,11 +93,6 @@ fn read(input: &mut impl BufRead) -> Result<Option<Message>> {
     }
 }
 
-enum Next {
-    Answers(Vec<Message>),
-    Over,
-}
-
 struct Session<'a, F> {
     server: &'a Server<F>,
     objects: Vec<Object>,
@@ -111,11 +106,12 @@ struct Session<'a, F> {
 type Object = (Follower, BoundingBox);
 
 impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
-    fn answer(&mut self, message: Option<Message>) -> Result<Next> {
-        let Some(Message { name, arguments, .. }) = message else { return Ok(Next::Over) };
+    /// `None` at the end of the session.
+    fn answer(&mut self, message: Option<Message>) -> Result<Option<Vec<Message>>> {
+        let Some(Message { name, arguments, .. }) = message else { return Ok(None) };
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let answers = match (name.as_str(), &arguments[..]) {
-            ("quit", []) => return Ok(Next::Over),
+            ("quit", []) => return Ok(None),
             // Both forms are taken whatever was said in the introduction: the number of arguments tells which one it is.
             ("initialize", [picture, target]) => {
                 let target = region::parse(target)?;
@@ -146,7 +142,7 @@ impl<F: Fn() -> Result<Box<dyn Method>>> Session<'_, F> {
             }
             _ => bail!("the message {name:?}: expected initialize, frame or quit"),
         };
-        Ok(Next::Answers(answers))
+        Ok(Some(answers))
     }
 
     fn reset(&mut self) {
