@@ -5,7 +5,7 @@ use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
-use smr_recordings::{ColorFrame, GrayFrame, resized};
+use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 
 /// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
 pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
@@ -43,55 +43,39 @@ pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }
 
-/// The frame as a JPEG: a page with many frames must stay small, and they are only looked at.
-pub(crate) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
-    jpeg_of(frame, 88)
-}
+/// The quality of a JPEG that is looked at for itself, of 100. A page with many frames must stay small.
+pub(crate) const GOOD: u8 = 88;
+/// The quality of one of many.
+pub(crate) const ENOUGH: u8 = 75;
 
-/// A frame of a film as a JPEG with no side longer than `side`. It has fewer bytes than one that is looked at for itself.
-pub(crate) fn jpeg_within(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
-    let (width, height) = within((frame.width, frame.height), side);
-    jpeg_of(&resized(frame.clone(), width, height), 75)
-}
-
-/// A frame in its colors as a JPEG, to be looked at for itself.
-pub(crate) fn color_jpeg(frame: &ColorFrame) -> Result<Vec<u8>> {
-    color_jpeg_of(frame, 88)
-}
-
-/// The same with no side longer than `side`, and with fewer bytes.
-pub(crate) fn color_jpeg_within(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
-    let (width, height) = within((frame.width, frame.height), side);
-    color_jpeg_of(&resized(frame.clone(), width, height), 75)
-}
-
-fn color_jpeg_of(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
+/// The frame in its colors as a JPEG.
+pub(crate) fn color_jpeg(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
     let ColorFrame { width, height, ref pixels } = *frame;
     // Without colors it takes fewer bytes.
     if pixels.iter().all(|&[red, green, blue]| red == green && green == blue) {
         let pixels = pixels.iter().map(|&[gray, ..]| gray).collect();
-        return jpeg_of(&GrayFrame { width, height, pixels }, quality);
+        return jpeg(&GrayFrame { width, height, pixels }, quality);
     }
     let mut bytes = Vec::new();
     Encoder::new(&mut bytes, quality).encode(pixels.as_flattened(), width, height, ColorType::Rgb)?;
     Ok(bytes)
 }
 
-/// The frame as a JPEG; 100 is the best quality.
-pub(crate) fn jpeg_of(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
+/// The frame as a JPEG.
+pub(crate) fn jpeg(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     Encoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, ColorType::Luma)?;
     Ok(bytes)
 }
 
-/// The size with no side longer than `side`.
-fn within((width, height): (u16, u16), side: u16) -> (u16, u16) {
-    let longest = u32::from(width.max(height)).max(1);
+/// The frame with no side longer than `side`.
+pub(crate) fn within<P: Scalable>(frame: &Raster<P>, side: u16) -> Raster<P> {
+    let longest = u32::from(frame.width.max(frame.height)).max(1);
     let fit = |length: u16| {
         let fitted = u32::from(length) * u32::from(side) / longest;
         if longest <= side.into() { length } else { u16::try_from(fitted).unwrap_or(side).max(1) }
     };
-    (fit(width), fit(height))
+    resized(frame.clone(), fit(frame.width), fit(frame.height))
 }
 
 /// A URI that holds the bytes themselves: a page with it needs no other file.
@@ -121,7 +105,7 @@ mod tests {
         assert!(pgm(&frame).starts_with(b"P5\n3 2\n255\n\0"));
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
-        let read = decode_picture(&jpeg(&frame).unwrap()).unwrap();
+        let read = decode_picture(&jpeg(&frame, GOOD).unwrap()).unwrap();
         assert!(read.pixels.iter().all(|pixel| pixel.abs_diff(100) <= 2));
     }
 }

@@ -92,7 +92,7 @@ impl From<FineRect> for BoundingBox {
     }
 }
 
-/// `x,y,width,height`, as [`BoundingBox::from_str`] reads it. For files, see [`tld_line`].
+/// `x,y,width,height`, as [`BoundingBox::from_str`] reads it. For files, see [`Form`].
 impl fmt::Display for BoundingBox {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
@@ -145,11 +145,6 @@ impl Form {
             Self::Vot => format!("{x},{y},{width},{height}"),
         }
     }
-}
-
-/// The line of a file in TLD form that holds this box: `x1,y1,x2,y2`, or `NaN,NaN,NaN,NaN`.
-pub fn tld_line(entry: Option<&BoundingBox>) -> String {
-    Form::Tld.line(entry)
 }
 
 /// Reads a file in TLD form: one box a line, `None` for NaN.
@@ -429,7 +424,7 @@ mod tests {
 
         #[test]
         fn what_is_written_is_read_back(entries in proptest::collection::vec(proptest::option::of(any_box()), 0..20)) {
-            let lines: Vec<String> = entries.iter().map(|entry| tld_line(entry.as_ref())).collect();
+            let lines: Vec<String> = entries.iter().map(|entry| Form::Tld.line(entry.as_ref())).collect();
             prop_assert_eq!(parse(&lines.join("\n"), tld_entry).unwrap(), entries);
         }
 

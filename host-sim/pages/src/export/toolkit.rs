@@ -9,7 +9,7 @@
 //! Without ground truth the file with boxes has one line, the box to start from, as in the test sets of GOT-10k.
 
 use super::Format;
-use crate::encode::jpeg_of;
+use crate::encode;
 use anyhow::{Context, Result};
 use smr_recordings::boxes::Form;
 use smr_recordings::messages::choice_name;
@@ -54,7 +54,7 @@ pub(super) fn picture(format: Format, number: usize) -> String {
 
 /// The toolkits of OTB and GOT-10k look for files *.jpg alone.
 pub(super) fn jpeg(frame: &GrayFrame) -> Result<Vec<u8>> {
-    jpeg_of(frame, QUALITY)
+    encode::jpeg(frame, QUALITY)
 }
 
 /// The files beside the pictures: those with boxes first, the one with all boxes before all others.

@@ -34,7 +34,7 @@ impl Pixels {
 
     fn embedded(&self) -> Result<(String, bool)> {
         if let Self::Frame(frame) = self {
-            return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame)?), true));
+            return Ok((encode::data_uri("image/jpeg", &encode::jpeg(frame, encode::GOOD)?), true));
         }
         Ok((encode::data_uri("image/png", &self.png()?), false))
     }

@@ -74,7 +74,7 @@ pub fn pick(
     for (number, frame) in (first..).zip(frames) {
         last = number;
         if number == choosing.shown {
-            shown = Some((number, encode::color_jpeg(large.as_ref().unwrap_or(&frame))?));
+            shown = Some((number, encode::color_jpeg(large.as_ref().unwrap_or(&frame), encode::GOOD)?));
         }
         kept.offer(number, &frame, budget)?;
     }
@@ -95,7 +95,7 @@ pub fn pick(
 impl Frames {
     fn offer(&mut self, number: usize, frame: &ColorFrame, budget: usize) -> Result<()> {
         if (number - self.first).is_multiple_of(self.every) {
-            self.kept.push((number, encode::color_jpeg_within(frame, SIDE)?));
+            self.kept.push((number, encode::color_jpeg(&encode::within(frame, SIDE), encode::ENOUGH)?));
         }
         while (self.kept.len() > MOST || self.bytes() > budget) && self.thin() {}
         Ok(())

@@ -55,7 +55,7 @@ impl Pictures {
             return Ok(());
         }
         let comparisons = sights.iter().map(comparison).collect::<Result<_>>()?;
-        let jpeg = encode::jpeg_within(frame, self.side)?;
+        let jpeg = small(frame, self.side)?;
         let side = frame.width.max(frame.height).min(self.side);
         self.kept.push(Picture { index, side, jpeg, comparisons });
         while self.bytes() > self.limit && self.shrink()? {}
@@ -78,7 +78,7 @@ impl Pictures {
         if side > SMALL {
             self.side = (side / 2).max(SMALL);
             for picture in &mut self.kept {
-                picture.jpeg = encode::jpeg_within(&decode_picture(&picture.jpeg)?, self.side)?;
+                picture.jpeg = small(&decode_picture(&picture.jpeg)?, self.side)?;
                 picture.side = self.side;
             }
             return Ok(true);
@@ -90,6 +90,10 @@ impl Pictures {
         self.kept.retain(|picture| picture.index.is_multiple_of(self.every));
         Ok(true)
     }
+}
+
+fn small(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
+    encode::jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
 impl Picture {
