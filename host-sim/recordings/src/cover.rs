@@ -1,7 +1,7 @@
 //! What a camera shows while something covers its lens, or while it delivers another scene's frame: nothing of the target.
 
 use super::GrayFrame;
-use super::synthetic::Random;
+use super::random::Random;
 
 /// What every frame shows while the target cannot be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

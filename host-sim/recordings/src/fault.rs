@@ -1,7 +1,7 @@
 //! Faults as cameras have them, put into frames that are whole: always the same for the same seed.
 
 use super::GrayFrame;
-use super::synthetic::Random;
+use super::random::Random;
 use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;

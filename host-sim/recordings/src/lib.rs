@@ -25,6 +25,7 @@ mod noise;
 pub mod output;
 mod periodic;
 mod pnm;
+pub mod random;
 mod raw;
 mod resize;
 mod samples;

@@ -3,7 +3,7 @@
 //! Every pixel of every frame is random by itself. The box stands in the middle throughout, with room around it for the
 //! paper's window wherever an update has moved it within another.
 
-use super::synthetic::Random;
+use super::random::Random;
 use super::{BoundingBox, GrayFrame, Sequence};
 
 pub const NAME: &str = "noise";

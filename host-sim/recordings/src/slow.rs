@@ -1,7 +1,8 @@
 //! Generated recordings of one target each that moves slowly on ordinary ground: dark, bright, textured, smooth and noisy, so that what
 //! is measured on them is measured on each kind of target. Integers only, own random numbers, fixed seeds.
 
-use super::synthetic::{Keys, PIXEL, Random, Texture, between};
+use super::random::Random;
+use super::synthetic::{Keys, PIXEL, Texture, between};
 use super::{BoundingBox, GrayFrame, Sequence};
 
 /// Frames in each.

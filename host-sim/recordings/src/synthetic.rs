@@ -15,6 +15,7 @@
 //! | 196 to 203 | it comes back, in the light it left in; from 200 on by more than half |
 //! | 204 to 239 | it moves on to the middle, while the light falls |
 
+use super::random::Random;
 use super::{BoundingBox, GrayFrame, Sequence};
 use std::sync::LazyLock;
 
@@ -183,36 +184,6 @@ static TEXTURES: LazyLock<Textures> = LazyLock::new(|| Textures {
     background: Texture::new(2, (16, 8), (40, 200)),
     post: Texture::new(3, (32, 4), (20, 120)),
 });
-
-/// SplitMix64 (Steele, Lea, Flood 2014).
-pub struct Random(pub u64);
-
-impl Random {
-    /// A number from 0 to one below `end`; 0 if there is none.
-    pub fn below(&mut self, end: i64) -> i64 {
-        let product = u128::from(self.next()) * u128::from(end.max(0).cast_unsigned());
-        i64::try_from(product >> 64).unwrap_or(0)
-    }
-
-    /// A place in a list of so many entries.
-    pub fn place(&mut self, entries: usize) -> usize {
-        let product = u128::from(self.next()) * entries as u128;
-        usize::try_from(product >> 64).unwrap_or(0)
-    }
-
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
-    pub(super) fn noise(&mut self) -> i32 {
-        let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
-        (a + b + c + d - 4 * 255 / 2 + 32) >> 6
-    }
-}
 
 #[cfg(test)]
 mod tests {

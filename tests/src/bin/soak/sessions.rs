@@ -15,7 +15,7 @@ use smr_core::similarity::Backend;
 use smr_core::{Answer, Frame, Rect, Robust, Target, Tracker, paper, robust};
 use smr_evaluation::CoreKind;
 use smr_recordings::GrayFrame;
-use smr_recordings::synthetic::Random;
+use smr_recordings::random::Random;
 use smr_reference::{Numbers, robust as reference};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

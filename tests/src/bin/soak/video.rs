@@ -4,7 +4,7 @@
 use smr_core::Rect;
 use smr_recordings::GrayFrame;
 use smr_recordings::fault::Fault;
-use smr_recordings::synthetic::Random;
+use smr_recordings::random::Random;
 
 /// Width and height of a frame in pixels.
 pub const WIDTH: u16 = 160;
