@@ -18,12 +18,7 @@ enum Thing {
 }
 
 /// All there is at present, by the number of its [`Kept`].
-struct Things {
-    next: u64,
-    all: BTreeMap<u64, Thing>,
-}
-
-static THINGS: Mutex<Things> = Mutex::new(Things { next: 0, all: BTreeMap::new() });
+static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 
 /// A signal has come: this program removes what is left, and ends.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -38,7 +33,7 @@ pub struct Kept(u64);
 
 impl Drop for Kept {
     fn drop(&mut self) {
-        locked(&THINGS).all.remove(&self.0);
+        locked(&THINGS).remove(&self.0);
     }
 }
 
@@ -46,9 +41,8 @@ impl Drop for Kept {
 fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
     let mut things = locked(&THINGS);
     let made = make()?;
-    let number = things.next;
-    things.next += 1;
-    things.all.insert(number, thing(&made));
+    let number = things.last_key_value().map_or(0, |(last, _)| last + 1);
+    things.insert(number, thing(&made));
     Ok((made, Kept(number)))
 }
 
@@ -199,12 +193,12 @@ fn end_by(signal: i32) -> ! {
     // Held to the end: nothing new is begun.
     let things = locked(&THINGS);
     // First the programs, which write into the files.
-    for thing in things.all.values() {
+    for thing in things.values() {
         if let Thing::Process(child) = thing {
             end(child);
         }
     }
-    for thing in things.all.values() {
+    for thing in things.values() {
         // What is not there any more has its name, or is gone already.
         let _ = match thing {
             Thing::File(file) => fs::remove_file(file),
@@ -232,7 +226,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let count = || {
             locked(&THINGS)
-                .all
                 .values()
                 .filter(|thing| matches!(thing, Thing::File(file) if file.starts_with(folder.path())))
                 .count()

@@ -2,6 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The paths that are recordings, and of the others the recordings in them and in their folders, in natural order.
@@ -39,20 +41,24 @@ fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet
     Ok(())
 }
 
-/// The folders in a folder. Hidden ones are not meant.
-fn folders(path: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let mut folders =
-        std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>()?;
-    let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-    folders.retain(|entry| entry.is_dir() && !hidden(entry));
+/// The folders in a folder.
+fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut folders = entries(path)?;
+    folders.retain(|entry| entry.is_dir());
     folders.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(folders)
+}
+
+/// What is in a folder. Hidden files and folders are not meant: systems leave thumbnails and such there.
+pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
+    let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    Ok(entries?.into_iter().filter(|path| !hidden(path)).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
 
     #[test]
     fn a_folder_of_recordings_is_taken_in_natural_order() {

@@ -371,18 +371,10 @@ pub fn is_of_boxes(file: &Path) -> bool {
     boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
 
-/// What is in a folder but for folders: files, links to nothing, pipes and devices. Hidden ones are not meant: systems leave thumbnails and
-/// such there.
+/// What is in a folder but for folders: files, links to nothing, pipes and devices.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let cannot_list = || format!("cannot list the folder {}", folder.display());
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).with_context(cannot_list)? {
-        let path = entry.with_context(cannot_list)?.path();
-        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        if !hidden && !path.is_dir() {
-            files.push(path);
-        }
-    }
+    let mut files = folders::entries(folder).with_context(|| format!("cannot list the folder {}", folder.display()))?;
+    files.retain(|path| !path.is_dir());
     files.sort();
     Ok(files)
 }
