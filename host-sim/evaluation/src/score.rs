@@ -1,4 +1,4 @@
-//! The protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
+//! The score of a tracker on a recording, by the protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
 
 use super::Report;
 use super::otb::Otb;

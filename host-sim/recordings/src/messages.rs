@@ -1,4 +1,5 @@
-//! Errors as people read them: in words of their own, not in those of the system or of a library.
+//! What people read: errors in words of their own, not in those of the system or of a library, text without control characters, and the names
+//! of choices.
 
 use clap::ValueEnum;
 use std::error::Error;

@@ -171,10 +171,10 @@ pub fn measure(
     let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
     while let Some(part) = parts.next() {
         let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, starts)).collect();
-        sort(read, &mut held, &mut failures);
+        separate(read, &mut held, &mut failures);
         let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
         if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
-            sort(run_all(&held, variants, progress), &mut rows, &mut failures);
+            separate(run_all(&held, variants, progress), &mut rows, &mut failures);
             held.clear();
         }
     }
@@ -184,7 +184,8 @@ pub fn measure(
     Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
 }
 
-fn sort<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Error>) {
+/// Those that are good, and the failures of the others.
+fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Error>) {
     results.into_iter().for_each(|result| match result {
         Ok(one) => good.push(one),
         Err(error) => failures.push(error),

@@ -1,4 +1,4 @@
-//! When the frames of a film are shown: at their own times, or at a steady rate.
+//! A rate of frames, and when the frames of a video are shown: at their own times, or at a steady rate.
 
 use anyhow::{Error, Result, ensure};
 use smr_recordings::Moment;

@@ -1,4 +1,4 @@
-//! One frame with all its boxes, for the page's template.
+//! One frame of the film strip with all its boxes, for the page's template.
 
 use super::coinciding_boxes::turns;
 use super::film::{Film, Still};
