@@ -2,6 +2,7 @@
 
 use crate::missing::recordings;
 use crate::program::{PROGRAM, host_sim, utf8};
+use crate::tables;
 use serde_json::{Value, json};
 use std::fs;
 use std::process::Command;
@@ -131,6 +132,7 @@ fn eval_of_a_covered_lens_reports_as_json() {
     let said = host_sim(&["eval", "--covered", "--method", "robust", "--json"]);
     assert_eq!(said.code, Some(0));
     let report = said.json();
+    tables::are_flat("eval --covered", &report, &[("measured", 25), ("means", 5)]);
     let covers = report["means"].as_array().unwrap();
     let names: Vec<_> = covers.iter().map(|row| &row["cover"]).collect();
     assert_eq!(names, ["black", "white", "gray", "noise", "frozen"]);

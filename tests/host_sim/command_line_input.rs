@@ -206,7 +206,8 @@ fn options_that_nothing_takes_are_refused() {
 fn robustness_is_compared_with_what_was_measured_before() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("former.json");
-    let arguments = ["eval", "synthetic", "noise", "--robustness", "--single-start", "--method", "sad,lk"];
+    let arguments =
+        ["eval", "synthetic", "noise", "--frames", "..60", "--robustness", "--single-start", "--method", "sad,lk"];
     let former = host_sim(&[&arguments[..], &["--json"]].concat());
     assert_eq!((former.code, former.err.as_str()), (Some(0), ""));
     fs::write(&file, &former.out).unwrap();

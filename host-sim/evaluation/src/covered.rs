@@ -226,6 +226,8 @@ mod tests {
         let csv = results.tables().csv(TableName::Means).unwrap();
         assert_eq!(csv.lines().count(), 1 + Cover::ALL.len());
         assert!(csv.contains("\nrobust,gray,4,2,3,300,2,2,1,robust,"), "{csv}");
+        let csv = results.tables().csv(TableName::Measured).unwrap();
+        assert!(csv.contains("\nrobust,gray,never,false,300,,10\n"), "{csv}");
     }
 
     #[test]
