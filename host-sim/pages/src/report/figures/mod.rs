@@ -154,6 +154,7 @@ mod tests {
     use smr_evaluation::{Configs, Variant};
     use smr_recordings::{OpenOptions, Sequence, synthetic};
     use std::path::Path;
+    use std::sync::OnceLock;
 
     fn open(name: &str) -> Sequence {
         smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap()
@@ -166,9 +167,15 @@ mod tests {
             .unwrap()
     }
 
-    /// Both files, read back.
-    fn drawn(name: &str, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
-        let plan = Plan::new(figure, &watched(open(name), &[]), wish).unwrap();
+    /// What happens in the built-in recording, without pictures.
+    fn synthetic() -> &'static Film {
+        static FILM: OnceLock<Film> = OnceLock::new();
+        FILM.get_or_init(|| watched(open(synthetic::NAME), &[]))
+    }
+
+    /// Both files of a figure of `film`, which is of the recording `name`, read back.
+    fn drawn(name: &str, film: &Film, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
+        let plan = Plan::new(figure, film, wish).unwrap();
         let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
         let svg = String::from_utf8(sheet.file(Form::Svg).unwrap()).unwrap();
         let png = Canvas::decoded(&sheet.file(Form::Png).unwrap());
@@ -179,7 +186,7 @@ mod tests {
     #[test]
     fn all_five_from_the_built_in_recordings() {
         for figure in Figure::ALL {
-            let (plan, svg, png) = drawn(synthetic::NAME, figure, &Wish::default());
+            let (plan, svg, png) = drawn(synthetic::NAME, synthetic(), figure, &Wish::default());
             let colors = [crate::colors::SMR, crate::colors::SAD];
             for color in colors.iter().skip(usize::from(figure == Figure::Leaving)) {
                 assert!(png.pixels.contains(color), "{figure}: {color:?}");
@@ -192,19 +199,20 @@ mod tests {
             );
             assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{figure}");
         }
-        let (plan, ..) = drawn("border", Figure::Leaving, &Wish::default());
+        let (plan, ..) = drawn("border", &watched(open("border"), &[]), Figure::Leaving, &Wish::default());
         assert!(plan.frames.len() > 1, "{plan:?}");
     }
 
     #[test]
     fn the_frame_can_be_chosen() {
         for figure in [Figure::Boxes, Figure::Differences] {
-            let (plan, svg, _) = drawn(synthetic::NAME, figure, &Wish { frame: Some(59), ..Wish::default() });
+            let (plan, svg, _) =
+                drawn(synthetic::NAME, synthetic(), figure, &Wish { frame: Some(59), ..Wish::default() });
             assert_eq!(plan.frames, [59]);
             assert!(svg.contains("frame 60"), "{figure}");
-            let film = watched(open(synthetic::NAME), &[]);
             for frame in [0, 240] {
-                let error = Plan::new(figure, &film, &Wish { frame: Some(frame), ..Wish::default() }).unwrap_err();
+                let error =
+                    Plan::new(figure, synthetic(), &Wish { frame: Some(frame), ..Wish::default() }).unwrap_err();
                 let expected = format!("frame {} compares nothing: expected 2 to 240", frame + 1);
                 assert!(format!("{error:#}").ends_with(&expected), "{error:#}");
             }
@@ -213,34 +221,31 @@ mod tests {
 
     #[test]
     fn what_the_recording_does_not_have_is_said() {
-        let error = |sequence: Sequence, figure, wish: &Wish| {
-            format!("{:#}", Plan::new(figure, &watched(sequence, &[]), wish).unwrap_err())
-        };
-        let blind = || Sequence { truth: None, ..open(synthetic::NAME) };
+        let error = |film: &Film, figure, wish: &Wish| format!("{:#}", Plan::new(figure, film, wish).unwrap_err());
+        let blind = watched(Sequence { truth: None, ..open(synthetic::NAME) }, &[]);
         for figure in [Figure::Differences, Figure::Drift, Figure::Occlusion] {
-            let said = error(blind(), figure, &Wish::default());
+            let said = error(&blind, figure, &Wish::default());
             assert!(said.starts_with("synthetic: no figure ") && said.contains("needs ground truth"), "{said}");
         }
         // Boxes need none, nor does leaving.
         for figure in [Figure::Boxes, Figure::Leaving] {
-            assert!(Plan::new(figure, &watched(blind(), &[]), &Wish::default()).is_ok(), "{figure}");
+            assert!(Plan::new(figure, &blind, &Wish::default()).is_ok(), "{figure}");
         }
-        let still = error(open("noise"), Figure::Leaving, &Wish::default());
+        let still = error(&watched(open("noise"), &[]), Figure::Leaving, &Wish::default());
         assert!(still.contains("never reaches over the border"), "{still}");
-        let hidden = error(open(synthetic::NAME), Figure::Differences, &Wish { frame: Some(185), hidden: None });
+        let hidden = error(synthetic(), Figure::Differences, &Wish { frame: Some(185), hidden: None });
         assert!(hidden.contains("frame 186"), "{hidden}");
-        let all = || open(synthetic::NAME);
-        let visible = Sequence { truth: Some(vec![all().truth.unwrap()[0]; 240]), ..all() };
-        let said = error(visible, Figure::Occlusion, &Wish::default());
+        let mut visible = open(synthetic::NAME);
+        visible.truth = visible.truth.map(|truth| vec![truth[0]; 240]);
+        let said = error(&watched(visible, &[]), Figure::Occlusion, &Wish::default());
         assert!(said.contains("--hidden A..B"), "{said}");
         let late = Wish { hidden: Some("200..300".parse().unwrap()), frame: None };
-        assert!(error(all(), Figure::Occlusion, &late).contains("expected frames of 2..240"));
+        assert!(error(synthetic(), Figure::Occlusion, &late).contains("expected frames of 2..240"));
     }
 
     #[test]
     fn the_hidden_span_is_the_one_of_the_ground_truth_or_the_one_that_is_given() {
-        let film = watched(open(synthetic::NAME), &[]);
-        let plan = |wish: &Wish| Plan::new(Figure::Occlusion, &film, wish).unwrap();
+        let plan = |wish: &Wish| Plan::new(Figure::Occlusion, synthetic(), wish).unwrap();
         assert_eq!(plan(&Wish::default()).hidden, Some((173, 199)));
         assert_eq!(plan(&Wish { hidden: Some("82..130".parse().unwrap()), frame: None }).hidden, Some((81, 129)));
     }
