@@ -261,7 +261,8 @@ mod tests {
     fn the_same_again_and_no_fault_is_no_fault() {
         let faults = ["black:3", "gain:100"].map(|text| text.parse().unwrap());
         let mut first = measured("synthetic", &faults);
-        assert_eq!(first, measured("synthetic", &faults));
+        let again = measured("synthetic", &faults);
+        assert_eq!(first, again);
         for of_tracker in first.0.chunks(3) {
             let [none, black, gain] = of_tracker else { panic!("{of_tracker:?}") };
             // A gain of 1 changes nothing.
@@ -274,7 +275,7 @@ mod tests {
         assert_eq!(csv.lines().count(), 1 + 2 * 3);
         assert!(csv.starts_with("tracker,fault,fault_frames,runs,"), "{csv}");
         let runs = first.0[0].runs.len();
-        first.add(measured("synthetic", &faults));
+        first.add(again);
         assert_eq!(first.0[0].runs.len(), 2 * runs);
     }
 }
