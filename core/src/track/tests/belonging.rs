@@ -157,12 +157,10 @@ impl<T: Learning> Scene<T> {
 
     /// Compares the model with `resume`, for every target in every workspace.
     fn check(&mut self) {
-        for target in 0..self.targets.len() {
-            for workspace in 0..self.workspaces.len() {
-                let belongs = self.belongs(target, workspace);
-                let slot = &mut self.targets[target];
-                let (memory, job) = &mut self.workspaces[workspace];
-                let job = job.as_ref().filter(|_| belongs);
+        for slot in &mut self.targets {
+            let state = slot.state();
+            for (memory, job) in &mut self.workspaces {
+                let job = job.as_ref().filter(|job| job.other == slot.other && job.state == state);
                 let frame = whole(&self.frames[job.map_or(0, |job| job.frame)]);
                 let locks = job.is_some_and(|job| matches!(job.state, State::Locking(..)));
                 assert_eq!(slot.target.resume(memory, &frame).is_ok(), job.is_some() && !locks);
