@@ -128,8 +128,12 @@ fn compare<T: Target>(config: T::Config) -> (u32, u32) {
 }
 
 #[test]
-fn what_is_not_asked_for_is_not_read() {
+fn the_papers_tracker_reads_only_what_it_asks_for() {
     assert_eq!(compare::<SmallPaper>(paper::Config::camera()), (39 * 29, 0));
+}
+
+#[test]
+fn the_robust_tracker_reads_only_what_it_asks_for() {
     let (frames, sweeps) = compare::<Robust>(robust::Config::refined());
     assert_eq!(frames, 39 * 29);
     assert!(sweeps > 100, "a second window is asked for in {sweeps} frames");
