@@ -344,7 +344,7 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, part by part.
+   * The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, tile by tile.
    */
   SMR_TRACKING = 0,
   /**
@@ -784,7 +784,7 @@ typedef struct smr_answer {
   uint16_t confidence;
   /**
    * How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-   * robust tracker: the fourth lowest ratio of the 16 parts of the early template.
+   * robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
    */
   uint16_t ratio;
   /**

@@ -7,7 +7,7 @@ use smr_core::{Answer, State};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, part by part.
+    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, tile by tile.
     SMR_TRACKING = 0,
     /// The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the robust tracker.
     SMR_LEAVING = 1,
@@ -35,7 +35,7 @@ pub struct smr_answer {
     /// the early template's agreement and 1/3 the filter's response.
     pub confidence: u16,
     /// How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-    /// robust tracker: the fourth lowest ratio of the 16 parts of the early template.
+    /// robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if there is none.
     pub runner_up_ratio: u16,

@@ -41,18 +41,18 @@ impl<const N: usize> Coded<N> {
         self.shift = unit + shift;
     }
 
-    /// Computes one part of the responses at all offsets, in units of 2^`shift`. Returns true after the last part.
+    /// Computes one piece of the responses at all offsets, in units of 2^`shift`. Returns true after the last piece.
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,
         packed: &mut Packed,
         spare: &mut [i32],
         Window { cells, layout }: Window<'_>,
-        part: usize,
+        piece: usize,
         out: &mut [[i32; S]; S],
     ) -> bool {
-        products.responses(part..part + 1, packed, spare, cells, layout, &self.numbers, out);
-        part + 1 >= products.parts(layout, self.numbers.len())
+        products.responses(piece..piece + 1, packed, spare, cells, layout, &self.numbers, out);
+        piece + 1 >= products.parts(layout, self.numbers.len())
     }
 
     /// Converts responses from units of 2^`shift` * 2^-16 / 16384 to 1/16384: times 2^(`shift` - 16), clamped to

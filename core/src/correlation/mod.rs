@@ -30,16 +30,16 @@ pub(crate) struct Window<'a> {
     pub(crate) layout: Layout,
 }
 
-/// Adds one part of the gradient. Returns true after the last part. `packed` and `spare` are scratch memory.
+/// Adds one piece of the gradient. Returns true after the last piece. `packed` and `spare` are scratch memory.
 pub(crate) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,
     spare: &mut [i32],
     Window { cells, layout }: Window<'_>,
     errors: &[[i16; S]],
-    part: usize,
+    piece: usize,
     gradient: &mut [i32],
 ) -> bool {
-    products.gather(part..part + 1, packed, spare, cells, layout, errors, gradient);
-    part + 1 >= products.gather_parts(layout, gradient.len())
+    products.gather(piece..piece + 1, packed, spare, cells, layout, errors, gradient);
+    piece + 1 >= products.gather_parts(layout, gradient.len())
 }

@@ -130,7 +130,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
-            (part(column, self.shape.columns, columns), part(row, self.shape.rows, rows));
+            (side_from(column, self.shape.columns, columns), side_from(row, self.shape.rows, rows));
         Tile { column, row, columns, rows }
     }
 
@@ -141,7 +141,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
         let per_group = pixels + 2 + (1 << shape.halvings);
-        let (across, down) = (shape.parts(shape.columns, window.0), shape.parts(shape.rows, window.1));
+        let (across, down) = (shape.sides(shape.columns, window.0), shape.sides(shape.rows, window.1));
         let tiles = down.flat_map(|rows| across.clone().map(move |columns| (columns, rows)));
         let most = tiles.map(|(columns, rows)| {
             let tile = Tile { column: 0, row: 0, columns, rows };
@@ -163,53 +163,53 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.remaining = Remaining::NONE;
     }
 
-    /// The part of `tile` in which groups remain; `None` if there are none.
-    pub(super) fn part(&self, tile: &Tile) -> Option<Tile> {
-        let part = |[first, last]: [u16; 2], all: usize| {
+    /// The rest of `tile`: the rectangle in which groups remain; `None` if there are none.
+    pub(super) fn rest(&self, tile: &Tile) -> Option<Tile> {
+        let side = |[first, last]: [u16; 2], all: usize| {
             let (from, end) = (SIDE * usize::from(first), SIDE * usize::from(last) + SIDE);
             Some((from, end.min(all).checked_sub(from)?))
         };
-        let (column, columns) = part(self.remaining.columns, tile.columns)?;
-        let (row, rows) = part(self.remaining.rows, tile.rows)?;
+        let (column, columns) = side(self.remaining.columns, tile.columns)?;
+        let (row, rows) = side(self.remaining.rows, tile.rows)?;
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for a `part` of `tile`.
-    pub(super) fn rows(&self, tile: &Tile, part: &Tile, pass: usize) -> Range<usize> {
-        let first = part.row - tile.row;
-        let [first, end] = [first, first + self.shape.rows_of(part.rows)]
+    /// The rows of ranges that a pass needs for the `rest` of `tile`.
+    pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
+        let first = rest.row - tile.row;
+        let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
             .map(|rows| (rows + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings);
         first..end
     }
 
-    /// The pixels under the offsets of a tile or a part; `None` if some are outside the frame or not in memory.
-    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, part: &Tile) -> Option<Image<'a>> {
+    /// The pixels under the offsets of a tile or of its rest; `None` if some are outside the frame or not in memory.
+    pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, rest: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
             return None; // each row finds its own pixels, which takes little time and less flash
         }
-        let (x, y) = window.position(part.column, part.row);
+        let (x, y) = window.position(rest.column, rest.row);
         let side = |blocks: usize| u16::try_from(blocks + SIDE - 1).unwrap_or(u16::MAX);
-        let (width, height) = (self.shape.columns_of(part.columns), self.shape.rows_of(part.rows));
+        let (width, height) = (self.shape.columns_of(rest.columns), self.shape.rows_of(rest.rows));
         frame.patch(Rect::new(x, y, side(width), side(height)))
     }
 
-    /// Computes up to `most` rows of ranges for a `part` of `tile` from row `row` on, if the backend can compute
-    /// several at a time. Returns the number of rows. `pixels` are those of the part.
+    /// Computes up to `most` rows of ranges for the `rest` of `tile` from row `row` on, if the backend can compute
+    /// several at a time. Returns the number of rows. `pixels` are those of the rest.
     pub(super) fn compute_rows(
         &mut self,
         pixels: Image<'_>,
-        (tile, part): (&Tile, &Tile),
+        (tile, rest): (&Tile, &Tile),
         pass: usize,
         row: usize,
         most: usize,
         scorer: &Scorer<'_>,
     ) -> usize {
         let (stride, passes) = (self.shape.stride_of(tile.columns), self.passes());
-        let rows = self.rows(tile, part, pass).end.saturating_sub(row).min(most);
+        let rows = self.rows(tile, rest, pass).end.saturating_sub(row).min(most);
         let pixels_down = rows.saturating_sub(1) * passes + SIDE;
-        let down = tile.row + pass + row * passes - part.row;
+        let down = tile.row + pass + row * passes - rest.row;
         let pixels = pixels.every(down, 1).and_then(|rest| rest.first(pixels_down));
-        let start = row * stride + part.column - tile.column;
+        let start = row * stride + rest.column - tile.column;
         let (low, high) = self.bytes.0.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
         let (low, high) = (low.get_mut(start..), high.get_mut(start..));
         let (Some(pixels), Some(low), Some(high)) = (pixels, low, high) else { return 0 };
@@ -217,28 +217,28 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         if scorer.ranges_of_rows(pixels, passes, to) { rows } else { 0 }
     }
 
-    /// The ranges in a row of a tile or a part.
-    pub(super) fn ranges_in_row(&self, part: &Tile) -> u32 {
-        u32::try_from(self.shape.columns_of(part.columns)).unwrap_or(u32::MAX / 2)
+    /// The ranges in a row of a tile or of its rest.
+    pub(super) fn ranges_in_row(&self, rest: &Tile) -> u32 {
+        u32::try_from(self.shape.columns_of(rest.columns)).unwrap_or(u32::MAX / 2)
     }
 
-    /// Computes a row of ranges for a `part` of `tile`; returns their number. `pixels` are those of the part.
+    /// Computes a row of ranges for the `rest` of `tile`; returns their number. `pixels` are those of the rest.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
         frame: &Frame<'_>,
         pixels: Option<Image<'_>>,
         window: &Window,
-        (tile, part): (&Tile, &Tile),
+        (tile, rest): (&Tile, &Tile),
         pass: usize,
         row: usize,
         scorer: &Scorer<'_>,
     ) -> u32 {
-        let width = self.shape.columns_of(part.columns);
-        let start = row * self.shape.stride_of(tile.columns) + part.column - tile.column;
+        let width = self.shape.columns_of(rest.columns);
+        let start = row * self.shape.stride_of(tile.columns) + rest.column - tile.column;
         let down = tile.row + pass + row * self.passes();
-        let place = window.position(part.column, down);
-        let pixels = pixels.and_then(|pixels| pixels.every(down - part.row, 1));
+        let place = window.position(rest.column, down);
+        let pixels = pixels.and_then(|pixels| pixels.every(down - rest.row, 1));
         let (low, high) = self.bytes.0.split_at_mut_checked(half(PIXELS)).unwrap_or_default();
         let [low, high] = [low, high].map(|ranges| {
             ranges.get_mut(start..).and_then(|rest| rest.get_mut(..width.next_multiple_of(WORD))).unwrap_or_default()
@@ -325,7 +325,7 @@ impl Shape {
     }
 
     /// The sizes of the tiles on an axis of `all` offsets, the largest being `most`: see [`Ranges::tile`].
-    fn parts(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
+    fn sides(&self, most: usize, all: usize) -> impl Iterator<Item = usize> + Clone {
         (0..all).step_by(most.max(1)).map(move |from| most.min(all - from).max(SIDE.min(all)))
     }
 
@@ -360,7 +360,7 @@ impl Shape {
 /// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, the first one is
 /// earlier.
 #[cfg_attr(smr_small, inline(never))]
-fn part(from: usize, most: usize, all: usize) -> (usize, usize) {
+fn side_from(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
 }
@@ -425,13 +425,13 @@ fn ranges_at_border(
     low: &mut [u8],
     high: &mut [u8],
 ) {
-    const PART: u16 = 16; // the copy is on the stack
-    const COLUMNS: u16 = PART + 3;
+    const AT_ONCE: u16 = 16; // the copy is on the stack
+    const COLUMNS: u16 = AT_ONCE + 3;
     let (mut x, mut at) = (x, 0);
     while at < width {
         let mut copy = [[0; COLUMNS as usize]; SIDE];
         // Reads only the pixels that are needed: others may not be in memory.
-        let columns = u16::try_from((width - at).min(PART.into()) + SIDE - 1).unwrap_or(u16::MAX);
+        let columns = u16::try_from((width - at).min(AT_ONCE.into()) + SIDE - 1).unwrap_or(u16::MAX);
         let seen = Rect::new(x, y, columns, 4).intersection(frame.bounds());
         if let Some(pixels) = frame.patch(seen) {
             let right = usize::try_from(seen.x.saturating_sub(x)).unwrap_or(0);
@@ -442,11 +442,11 @@ fn ranges_at_border(
             }
         }
         if let Ok(copy) = Image::new(copy.as_flattened(), COLUMNS, 4) {
-            let part = at..low.len().min(at + usize::from(PART));
-            let (low, high) = (low.get_mut(part.clone()), high.get_mut(part));
-            ranges_of(copy, PART.into(), scorer, low.unwrap_or_default(), high.unwrap_or_default());
+            let blocks = at..low.len().min(at + usize::from(AT_ONCE));
+            let (low, high) = (low.get_mut(blocks.clone()), high.get_mut(blocks));
+            ranges_of(copy, AT_ONCE.into(), scorer, low.unwrap_or_default(), high.unwrap_or_default());
         }
-        x = x.saturating_add(PART.into());
-        at += usize::from(PART);
+        x = x.saturating_add(AT_ONCE.into());
+        at += usize::from(AT_ONCE);
     }
 }

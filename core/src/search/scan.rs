@@ -300,18 +300,18 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
             self.tile = self.ranges.tile(&scene.window, column, row);
             self.ranges.begin_tile(&self.tile, area(scene));
         }
-        if let Some(part) = self.ranges.part(&self.tile) {
-            let pixels = self.ranges.pixels(&scene.frame, &scene.window, &part);
-            let rows = self.ranges.rows(&self.tile, &part, pass);
+        if let Some(rest) = self.ranges.rest(&self.tile) {
+            let pixels = self.ranges.pixels(&scene.frame, &scene.window, &rest);
+            let rows = self.ranges.rows(&self.tile, &rest, pass);
             let next = next.max(rows.start);
-            let next = next + self.compute_several(scene, pixels, &part, pass, next);
+            let next = next + self.compute_several(scene, pixels, &rest, pass, next);
             for next in next..rows.end {
                 if self.is_spent() {
                     self.place.next = next;
                     return;
                 }
                 let Scene { frame, window, scorer, .. } = scene;
-                let ranges = self.ranges.compute_row(frame, pixels, window, (&self.tile, &part), pass, next, scorer);
+                let ranges = self.ranges.compute_row(frame, pixels, window, (&self.tile, &rest), pass, next, scorer);
                 self.spend(2 * ranges);
             }
         }
@@ -328,15 +328,15 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         &mut self,
         scene: &Scene<'_>,
         pixels: Option<Image<'_>>,
-        part: &Tile,
+        rest: &Tile,
         pass: usize,
         next: usize,
     ) -> usize {
         let Some(pixels) = pixels.filter(|_| Scorer::RANGES_OF_ROWS) else { return 0 };
-        let a_row = 2 * self.ranges.ranges_in_row(part);
+        let a_row = 2 * self.ranges.ranges_in_row(rest);
         let most = self.granted.saturating_sub(self.work).div_ceil(a_row.max(1));
         let most = usize::try_from(most).unwrap_or(usize::MAX);
-        let rows = self.ranges.compute_rows(pixels, (&self.tile, part), pass, next, most, scene.scorer);
+        let rows = self.ranges.compute_rows(pixels, (&self.tile, rest), pass, next, most, scene.scorer);
         self.spend(a_row * words(rows));
         rows
     }

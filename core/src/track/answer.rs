@@ -6,7 +6,7 @@ use crate::image::{FineRect, Rect};
 ///
 /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
 /// |---|---|---|
-/// | tracking | the target was found inside the picture | the early template agrees, part by part |
+/// | tracking | the target was found inside the picture | the early template agrees, tile by tile |
 /// | leaving | it was found partly outside the picture | never |
 /// | uncertain | never | the early template hardly agrees |
 /// | lost | the peak did not exceed the runner-up enough | it has not agreed for some frames |
@@ -71,7 +71,7 @@ pub struct Answer {
     pub confidence: u16,
     /// How similar the target in the box is to the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
-    /// lowest ratio of the 16 parts of the early template; 0 if the patch has too little contrast or is clipped.
+    /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no
     /// decision depended on it ([`RunnerUp`](crate::paper::RunnerUp)), and always from [`Robust`](crate::Robust).

@@ -80,10 +80,10 @@ pub(super) const DAMPING: u32 = 6;
 
 // Verification.
 
-/// Parts on a side of the template: 4 x 4.
-pub(super) const PARTS: u16 = 4;
-/// The rank, from the lowest, of the part's ratio that is the agreement. With 4, three parts may be hidden.
-/// R with the least part (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
+/// Tiles on a side of the template: 4 x 4.
+pub(super) const TILES: u16 = 4;
+/// The rank, from the lowest, of the tile's ratio that is the agreement. With 4, three tiles may be hidden.
+/// R with the least tile (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
 /// *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
 /// The least and the most alpha, in gray levels.

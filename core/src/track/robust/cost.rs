@@ -143,7 +143,7 @@ impl Shape {
         let scale = (2 * SCALE_REACH as u32 + 1) * (2 * SCALE_REACH as u32 + 1) * self.weights();
         let all = [
             LINES * columns * SAMPLED + read(columns, LINES),
-            // Some backends multiply two rows of cells at a time. The last part also codes or changes the weights.
+            // Some backends multiply two rows of cells at a time. The last piece also codes or changes the weights.
             (2 * span + CODED) * self.weights(),
             // The errors.
             self.offsets() + CODED * self.weights(),

@@ -29,8 +29,8 @@ impl Gaussian {
     /// The label's Gaussian: sigma is a tenth of the root of the target's area.
     pub(super) fn label(grid: &Grid) -> Self {
         // A pixel of the grid is 64 units, so sigma^2 = 64^2 * 0.1^2 * pixels.
-        let [part, of] = LABEL_WIDTH;
-        Self::new(root(grid.pixels() * 4096 * part / of).max(1).into())
+        let [width, of] = LABEL_WIDTH;
+        Self::new(root(grid.pixels() * 4096 * width / of).max(1).into())
     }
 
     /// The learning window's Gaussians across and down: sigma is half of the target's side.
@@ -46,7 +46,7 @@ impl Gaussian {
     #[inline(never)]
     pub(super) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;
-        usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&part| part.into())
+        usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&value| value.into())
     }
 
     /// The value at an offset on one axis of a search. `target` is the target's distance from the middle, in units of

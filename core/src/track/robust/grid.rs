@@ -83,9 +83,9 @@ fn step(area: u32) -> u32 {
 /// and so are 20 steps.
 #[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
-    let [part, of] = COVER;
+    let [cover, of] = COVER;
     let size = u32::from(size) << PIXEL_BITS;
-    let cells = (part * size + of / 2 * step) / (of * step).max(1);
+    let cells = (cover * size + of / 2 * step) / (of * step).max(1);
     u16::try_from(cells).unwrap_or(MOST_SIDE).clamp(LEAST_SIDE, MOST_SIDE)
 }
 

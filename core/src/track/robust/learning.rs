@@ -122,8 +122,8 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);
     let reach = u16::try_from(span / 2).unwrap_or(0);
     let mut across = [0; SPAN];
-    for (offset, part) in rolled(across.iter_mut().enumerate()) {
-        *part = label.at_offset(offset, target.0, reach);
+    for (offset, value) in rolled(across.iter_mut().enumerate()) {
+        *value = label.at_offset(offset, target.0, reach);
     }
     let mut largest = 0;
     errors.as_flattened_mut().fill(0);
@@ -148,8 +148,8 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
     for (y, row) in slopes.chunks_mut(usize::from(grid.across.max(1)) * CHANNELS).enumerate() {
         let down = down.at(from_middle(y, grid.down));
         for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
-            let part = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
-            descent += i64::from(scale_by(cell, part));
+            let factor = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
+            descent += i64::from(scale_by(cell, factor));
         }
     }
     descent
@@ -168,12 +168,12 @@ pub(super) struct Learning {
 enum Phase {
     /// Computes the errors.
     Errors,
-    /// Adds a part of the gradient.
-    Gradient { part: usize, error_shift: u32 },
+    /// Adds a piece of the gradient.
+    Gradient { piece: usize, error_shift: u32 },
     /// Computes the direction.
     Direction { error_shift: u32 },
-    /// Computes a part of the responses to the direction.
-    Curvature { part: usize, descent: i64 },
+    /// Computes a piece of the responses to the direction.
+    Curvature { piece: usize, descent: i64 },
 }
 
 impl Learning {
@@ -181,7 +181,7 @@ impl Learning {
         Self { target, rate, phase: Phase::Errors }
     }
 
-    /// Does one unit of work. Returns the length of the step after the last unit; only then is `direction` valid.
+    /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid.
     pub(super) fn advance(
         &mut self,
         training: &Training<'_>,
@@ -196,31 +196,31 @@ impl Learning {
             Phase::Errors => {
                 let error_shift = scratch.code_errors(training, self.target);
                 work.spend(units(layout.span.pow(2)) + CODED * weights(grid));
-                self.phase = Phase::Gradient { part: 0, error_shift };
+                self.phase = Phase::Gradient { piece: 0, error_shift };
             }
-            Phase::Gradient { part, error_shift } => {
-                work.spend(units(products.gather_work(part, layout, count)));
+            Phase::Gradient { piece, error_shift } => {
+                work.spend(units(products.gather_work(piece, layout, count)));
                 let Scratch { gradient, responses, errors } = scratch;
                 let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), responses.as_flattened_mut());
-                let done = add_gradient(*products, packed, spare, *window, errors, part, gradient);
+                let done = add_gradient(*products, packed, spare, *window, errors, piece, gradient);
                 self.phase = if done {
                     Phase::Direction { error_shift }
                 } else {
-                    Phase::Gradient { part: part + 1, error_shift }
+                    Phase::Gradient { piece: piece + 1, error_shift }
                 };
             }
             Phase::Direction { error_shift } => {
                 let descent = scratch.code_direction(training, error_shift, direction);
                 work.spend(SLOPED * weights(grid));
-                self.phase = Phase::Curvature { part: 0, descent };
+                self.phase = Phase::Curvature { piece: 0, descent };
             }
-            Phase::Curvature { part, descent } => {
-                work.spend(units(products.work(part, layout, count)));
-                if direction.respond(*products, packed, &mut scratch.gradient, *window, part, &mut scratch.responses) {
+            Phase::Curvature { piece, descent } => {
+                work.spend(units(products.work(piece, layout, count)));
+                if direction.respond(*products, packed, &mut scratch.gradient, *window, piece, &mut scratch.responses) {
                     work.spend(CODED * weights(grid));
                     return Some(scratch.step_length(direction.numbers(), descent, self.rate));
                 }
-                self.phase = Phase::Curvature { part: part + 1, descent };
+                self.phase = Phase::Curvature { piece: piece + 1, descent };
             }
         }
         None
@@ -320,14 +320,14 @@ mod tests {
             }
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
-            let mut parts = 0..;
+            let mut pieces = 0..;
             while !responses.advance(
                 &coded,
                 products,
                 &mut packed,
                 &mut scratch.gradient,
                 window,
-                parts.next().unwrap(),
+                pieces.next().unwrap(),
                 &mut work,
             ) {}
         }

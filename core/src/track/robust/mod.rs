@@ -1,7 +1,7 @@
 //! Beyond the paper: a tracker for targets that change in light, size and view. It reports when it is uncertain.
 //!
 //! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough
-//! evidence. SMR verifies the target: an early template, which learns very slowly, is compared part by part. All
+//! evidence. SMR verifies the target: an early template, which learns very slowly, is compared tile by tile. All
 //! numbers are integers. Every frame costs about the same.
 //!
 //! ```text

@@ -201,8 +201,8 @@ impl Model<'_> {
         matches!(pipeline.stage, Stage::Done)
     }
 
-    /// Does one unit of work. After the last unit of a stage, a separate function that is not inlined begins the next
-    /// stage. So a unit of work does not reserve the stack for the beginnings of all stages.
+    /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
+    /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
     fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
@@ -225,11 +225,11 @@ impl Model<'_> {
                     }
                 }
             }
-            Stage::Response(purpose, part) => {
+            Stage::Response(purpose, piece) => {
                 let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
                 let (window, spare) = (self.window(cells), &mut learning.gradient);
-                let done = responses.advance(coded, self.products(), extractor.packed(), spare, window, *part, work);
-                *part += 1;
+                let done = responses.advance(coded, self.products(), extractor.packed(), spare, window, *piece, work);
+                *piece += 1;
                 match *purpose {
                     _ if !done => {}
                     Purpose::Lock => pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE)),
@@ -447,14 +447,14 @@ impl Model<'_> {
         self.memory.filter.code(&mut buffers.coded);
         let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
-        let mut parts = 0..;
+        let mut pieces = 0..;
         while !responses.advance(
             coded,
             self.products(),
             extractor.packed(),
             &mut learning.gradient,
             self.window(cells),
-            parts.next().unwrap_or(0),
+            pieces.next().unwrap_or(0),
             work,
         ) {}
         responses.rows
@@ -478,6 +478,6 @@ fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, ..
 /// The target's place from the middle of a window, in units of 1/256 cell.
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
-    let part = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
-    (part(target.x, centre.x), part(target.y, centre.y))
+    let cells = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
+    (cells(target.x, centre.x), cells(target.y, centre.y))
 }

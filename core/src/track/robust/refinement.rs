@@ -119,11 +119,11 @@ impl Sums {
         let (first, second, third) = (b * c - f * f, a * c - e * e, a * b - d * d);
         let (one_two, one_three, two_three) = (e * f - d * c, d * f - e * b, d * e - f * a);
         let determinant = products([first, one_two, one_three], [a, d, e]);
-        let part = |row| part(products(row, errors), determinant);
-        let growth = -32 * part([one_three, two_three, third]);
+        let solve = |row| solution(products(row, errors), determinant);
+        let growth = -32 * solve([one_three, two_three, third]);
         (
-            -part([first, one_two, one_three]),
-            -part([one_two, second, two_three]),
+            -solve([first, one_two, one_three]),
+            -solve([one_two, second, two_three]),
             growth.clamp(-MOST_GROWTH, MOST_GROWTH),
         )
     }
@@ -142,7 +142,7 @@ fn products(some: [i32; 3], others: [i32; 3]) -> i64 {
 
 /// `sum` / `determinant`, within +-`MOST_MOVE`; 0 if the determinant is not positive.
 #[inline(never)]
-fn part(sum: i64, determinant: i64) -> i32 {
+fn solution(sum: i64, determinant: i64) -> i32 {
     let times = if determinant > 0 { quotient(sum, determinant) } else { 0 };
     i32::try_from(times.clamp(-MOST_MOVE, MOST_MOVE)).unwrap_or(0)
 }

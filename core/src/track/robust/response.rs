@@ -61,7 +61,7 @@ impl Responses {
         *self = Self { span, ..const { Self::new() } };
     }
 
-    /// Computes one part of the responses of coded weights, without penalty. True after the last part.
+    /// Computes one piece of the responses of coded weights, without penalty. True after the last piece.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(super) fn advance(
@@ -71,12 +71,12 @@ impl Responses {
         packed: &mut Packed,
         spare: &mut [i32],
         window: Window<'_>,
-        part: usize,
+        piece: usize,
         work: &mut UnderWay,
     ) -> bool {
         self.span = window.layout.span;
-        work.spend(units(products.work(part, window.layout, weights.numbers().len())));
-        let done = weights.respond(products, packed, spare, window, part, &mut self.rows);
+        work.spend(units(products.work(piece, window.layout, weights.numbers().len())));
+        let done = weights.respond(products, packed, spare, window, piece, &mut self.rows);
         if done {
             weights.scale(&mut self.rows);
         }
@@ -103,13 +103,13 @@ pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
             }
         }
     }
-    let part = |before: Option<i32>, after: Option<i32>| match (before, after) {
+    let vertex = |before: Option<i32>, after: Option<i32>| match (before, after) {
         (Some(before), Some(after)) => top(before, response, after),
         _ => (0, 0),
     };
     // An index that wraps below 0 is outside, where `at` gives `None`.
-    let (right, across) = part(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
-    let (below, down) = part(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
+    let (right, across) = vertex(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
+    let (below, down) = vertex(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
     let cells = |at: usize| i32::try_from(2 * at + 1).unwrap_or(0) - i32::try_from(span).unwrap_or(0);
     let height = response.saturating_add(across).saturating_add(down);
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
@@ -141,8 +141,8 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
     let away = |at: usize| u32::try_from(at).map_or(0, |at| at.abs_diff(reach).pow(2));
     let edge = (reach * reach).max(1);
-    let part = 256 - DISTANCE_PENALTY * (away(x) + away(y)).min(edge) / edge;
-    let less = (i64::from(response.max(0)) * i64::from(part)) >> 8;
+    let kept = 256 - DISTANCE_PENALTY * (away(x) + away(y)).min(edge) / edge;
+    let less = (i64::from(response.max(0)) * i64::from(kept)) >> 8;
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 

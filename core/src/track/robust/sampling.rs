@@ -64,15 +64,15 @@ impl Axis {
         // Nothing overflows (see above). Not `clamp`: the compiler would link its panic.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
         let position = position.unsigned_abs();
-        let [part, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
-        (low(position >> PIXEL_BITS), part)
+        let [fraction, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
+        (low(position >> PIXEL_BITS), fraction)
     }
 
     /// The block of a sample, the next block, and its weight in units of 1/256.
     #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
-        let (block, part) = self.place(number);
-        (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), part)
+        let (block, fraction) = self.place(number);
+        (block, block.saturating_add(1).min(low(self.end.unsigned_abs() >> PIXEL_BITS)), fraction)
     }
 }
 
@@ -136,8 +136,8 @@ impl Lattice {
         scratch.columns.clear();
         // There is room for COLUMNS.
         for column in 0..self.columns {
-            let (block, part) = across.place(column);
-            scratch.columns.push(block.wrapping_sub(left), part);
+            let (block, fraction) = across.place(column);
+            scratch.columns.push(block.wrapping_sub(left), fraction);
         }
         (scratch.made, scratch.read, scratch.sampled) = ([None; 2], 0, 0);
     }
@@ -230,15 +230,15 @@ impl Sampler<'_> {
     /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
     #[inline(never)]
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
-        let (upper, lower, part) = self.scratch.down.at(number);
+        let (upper, lower, fraction) = self.scratch.down.at(number);
         // Blocks are counted from the first pixel that is read, not from the frame's edge.
         let (top, _) = self.scratch.down.place(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
         let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, sampled, .. } } = self;
-        mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), part, mixed);
-        // No block follows the last one; its part is 0.
+        mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), fraction, mixed);
+        // No block follows the last one; its fraction is 0.
         columns.mix(mixed, out);
         *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
@@ -262,36 +262,36 @@ impl Sampler<'_> {
     }
 }
 
-/// Mixes two rows: upper * (256 - part) + lower * part, less `BIAS`. At most 255 * 256.
+/// Mixes two rows: upper * (256 - fraction) + lower * fraction, less `BIAS`. At most 255 * 256.
 #[cfg(not(smr_helium))]
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
+fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     // Mixes two 16-bit numbers at a time. Subtracting 2^15 inverts the highest bit.
     const EVEN: u32 = 0x00FF_00FF;
     const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
-    let part = u32::from(part);
-    let rest = 256 - part;
+    let fraction = u32::from(fraction);
+    let rest = 256 - fraction;
     let (uppers, upper) = upper.as_chunks::<4>();
     let (lowers, lower) = lower.as_chunks::<4>();
     let (start, end) = mixed.split_at_mut_checked(4 * uppers.len()).unwrap_or_default();
     let (start, _) = start.as_chunks_mut::<4>();
     for ((mixed, &upper), &lower) in rolled(start.iter_mut().zip(uppers).zip(lowers)) {
         let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
-        let even = ((upper & EVEN) * rest + (lower & EVEN) * part) ^ BOTH;
-        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * part) ^ BOTH;
+        let even = ((upper & EVEN) * rest + (lower & EVEN) * fraction) ^ BOTH;
+        let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * fraction) ^ BOTH;
         *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
     }
     for ((mixed, &upper), &lower) in rolled(end.iter_mut().zip(upper).zip(lower)) {
-        *mixed = low(u32::from(upper) * rest + u32::from(lower) * part) ^ BIAS;
+        *mixed = low(u32::from(upper) * rest + u32::from(lower) * fraction) ^ BIAS;
     }
 }
 
 /// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight.
 #[cfg(smr_helium)]
 #[inline(never)] // inlined, it would not be vectorized
-fn mix(upper: &[u8], lower: &[u8], part: u8, mixed: &mut MixedRow) {
-    let part = u16::from(part);
+fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
+    let fraction = u16::from(fraction);
     for ((mixed, &upper), &lower) in mixed.iter_mut().zip(upper).zip(lower) {
-        *mixed = (u16::from(upper) * (256 - part)).wrapping_add(u16::from(lower) * part) ^ BIAS;
+        *mixed = (u16::from(upper) * (256 - fraction)).wrapping_add(u16::from(lower) * fraction) ^ BIAS;
     }
 }
 
@@ -370,14 +370,14 @@ mod tests {
     /// A sampler with arithmetic of its own: the samples, and the number of pixels read.
     fn plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) -> (std::vec::Vec<u8>, usize) {
         let side = (0..).map(|places| 1_i64 << places).find(|side| lattice.step < 2 * PIXEL * side).unwrap();
-        let parts = match side {
+        let read = match side {
             1 => std::vec![0],
             2 => std::vec![0, 1],
             _ => std::vec![side / 4, side * 3 / 4],
         };
         let places = |centre: i64, count: u16, size: u16| -> std::vec::Vec<(i64, i64, i64)> {
             let first = centre - (i64::from(count) - 1) * lattice.step / 2;
-            let middle = parts.iter().sum::<i64>() * PIXEL / i64::try_from(parts.len()).unwrap();
+            let middle = read.iter().sum::<i64>() * PIXEL / i64::try_from(read.len()).unwrap();
             let last = (i64::from(size) / side).max(1) - 1;
             let place = |number: i64| {
                 let at = (first - middle).div_euclid(side) + number * lattice.step.div_euclid(side);
@@ -391,7 +391,7 @@ mod tests {
             i64::from(pixels[usize::try_from(y * i64::from(width) + x).unwrap()])
         };
         let mean = |column: i64, row: i64| {
-            let all = parts.iter().flat_map(|y| parts.iter().map(move |x| (side * column + x, side * row + y)));
+            let all = read.iter().flat_map(|y| read.iter().map(move |x| (side * column + x, side * row + y)));
             let (sum, count) = all.fold((0, 0), |(sum, count), (x, y)| (sum + pixel(x, y), count + 1));
             (sum + count / 2) / count
         };
@@ -403,7 +403,7 @@ mod tests {
         let sampled = down.iter().flat_map(|row| across.iter().map(move |column| mixed(row, column))).collect();
         let rows: std::collections::BTreeSet<i64> = down.iter().flat_map(|&(upper, lower, _)| [upper, lower]).collect();
         let columns = usize::try_from(across.last().unwrap().1 - across[0].0 + 1).unwrap();
-        (sampled, columns * rows.len() * parts.len() * parts.len())
+        (sampled, columns * rows.len() * read.len() * read.len())
     }
 
     fn samples_as_plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) {

@@ -72,7 +72,7 @@ impl ScaleSearch {
         Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
     }
 
-    /// Does one unit of work. Returns the best scale after the last unit.
+    /// Does one piece of work. Returns the best scale after the last piece.
     pub(super) fn advance(
         &mut self,
         tools: &Tools<'_>,
@@ -105,10 +105,10 @@ impl ScaleSearch {
 fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
     let Scratch { extractor, cells, learning: learning::Scratch { gradient, responses, .. } } = scratch;
     let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
-    let mut parts = 0..;
+    let mut pieces = 0..;
     let mut respond =
-        |part| tools.weights.respond(tools.products, extractor.packed(), gradient, window, part, responses);
-    while !respond(parts.next().unwrap_or(0)) {}
+        |piece| tools.weights.respond(tools.products, extractor.packed(), gradient, window, piece, responses);
+    while !respond(pieces.next().unwrap_or(0)) {}
     let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
     tools.weights.scale(rows);
     peak(rows, OFFSETS, false).height.into()

@@ -1,14 +1,14 @@
 //! Verification: compares the early template with the patch at the peak, to tell whether the target is there.
 //!
 //! The view around the peak is sampled. The early template is displaced to its best fit
-//! ([`displacement`](super::displacement)), and both are compared part by part:
+//! ([`displacement`](super::displacement)), and both are compared tile by tile:
 //!
 //! ```text
-//! agreement = the fourth lowest of the SMR ratios of 4x4 parts, in units of 1/65535
+//! agreement = the fourth lowest of the SMR ratios of 4x4 tiles, in units of 1/65535
 //! ```
 //!
 //! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. With the fourth
-//! lowest part, three parts may be hidden or turned away, but not four. The template is first adapted to the light of
+//! lowest tile, three tiles may be hidden or turned away, but not four. The template is first adapted to the light of
 //! the patch ([`lighting`](super::lighting)). A patch with too little contrast, or clipped to black or white, shows no
 //! target (`similarity/contrast.rs`).
 //!
@@ -17,7 +17,7 @@
 use super::config::Config;
 #[cfg(feature = "refiner")]
 use super::constants::REFINED_FROM;
-use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, PARTS, RANK};
+use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, TILES};
 use super::cost::{COMPARED, RELIT, VIEWED};
 use super::displacement::{Displacement, Search, in_view};
 use super::grid::Grid;
@@ -220,7 +220,7 @@ impl Verification {
         Self { candidate, search: Search::new(), phase: Phase::View(view) }
     }
 
-    /// Does one unit of work. Returns the result after the last unit.
+    /// Does one piece of work. Returns the result after the last piece.
     pub(super) fn advance(
         &mut self,
         reference: &Reference<'_>,
@@ -264,16 +264,16 @@ impl Verification {
     }
 }
 
-/// The fourth lowest ratio of the parts.
+/// The fourth lowest ratio of the tiles.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; RANK];
-    for (row, column) in (0..PARTS).flat_map(|row| (0..PARTS).map(move |column| (row, column))) {
-        let cut = |side: u16, number: u16| number * side / PARTS;
+    for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
+        let cut = |side: u16, number: u16| number * side / TILES;
         let (left, top) = (cut(patch.width(), column), cut(patch.height(), row));
         let (right, bottom) = (cut(patch.width(), column + 1), cut(patch.height(), row + 1));
-        let part = Rect::new(left.into(), top.into(), right - left, bottom - top);
-        let (Some(patch), Some(relit)) = (patch.crop(part), relit.crop(part)) else { continue };
-        let mut ratio = u16::try_from(scorer.score(patch, relit).unwrap_or(0) / part.area().max(1)).unwrap_or(u16::MAX);
+        let tile = Rect::new(left.into(), top.into(), right - left, bottom - top);
+        let (Some(patch), Some(relit)) = (patch.crop(tile), relit.crop(tile)) else { continue };
+        let mut ratio = u16::try_from(scorer.score(patch, relit).unwrap_or(0) / tile.area().max(1)).unwrap_or(u16::MAX);
         for least in &mut least {
             if ratio < *least {
                 core::mem::swap(&mut ratio, least);
@@ -311,17 +311,17 @@ mod tests {
         u8::try_from(at * 37 % 200).unwrap()
     }
 
-    /// The agreement if the first `hidden` of the 16 parts show something else.
+    /// The agreement if the first `hidden` of the 16 tiles show something else.
     fn with_hidden(hidden: usize) -> u16 {
         let template: Pixels<u8> = (0..256).map(pixel).collect();
-        let part = |at: usize| at / 64 * 4 + at % 16 / 4;
+        let tile = |at: usize| at / 64 * 4 + at % 16 / 4;
         let patch: Pixels<u8> =
-            (0..256).map(|at| if part(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
+            (0..256).map(|at| if tile(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
         agreement(&template, &patch)
     }
 
     #[test]
-    fn three_parts_may_be_hidden_but_not_four() {
+    fn three_tiles_may_be_hidden_but_not_four() {
         assert_eq!(with_hidden(0), u16::MAX);
         assert!(with_hidden(3) > 60_000, "{}", with_hidden(3));
         assert!(with_hidden(4) < 40_000, "{}", with_hidden(4));

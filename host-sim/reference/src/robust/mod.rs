@@ -276,7 +276,7 @@ impl Reference {
     }
 
     fn expected(&self) -> Place {
-        let part = if self.numbers.parts.velocity { self.numbers.velocity_part } else { 0.0 };
+        let part = if self.numbers.parts.velocity { self.numbers.velocity_fraction } else { 0.0 };
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
     }
 

@@ -46,15 +46,15 @@ pub struct Numbers {
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
-    /// The part of the best length that a step has: in an update, and in a lock.
+    /// The fraction of the best length that a step has: in an update, and in a lock.
     pub step: f64,
     pub first_step: f64,
     /// Steps of a lock. An update takes one.
     pub first_steps: usize,
     /// How much less a response counts at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
-    /// Motion: the part of the velocity that is added to the last place, and the weight of the last move in the velocity.
-    pub velocity_part: f64,
+    /// Motion: the fraction of the velocity that is added to the last place, and the weight of the last move in the velocity.
+    pub velocity_fraction: f64,
     pub velocity_rate: f64,
     /// Scale search: the factor between scales, what the other scales' responses count in units of 1/256, and their reach in cells.
     pub scale_step: f64,
@@ -69,12 +69,12 @@ pub struct Numbers {
     /// The most that the contrast of the template is changed by.
     pub most_gain: f64,
     pub alpha_bounds: (f64, f64),
-    /// A patch can show the target if its contrast is at least this part of the early template's, and at most this part of its pixels is
+    /// A patch can show the target if its contrast is at least this fraction of the early template's, and at most this fraction of its pixels is
     /// cut off at black or white.
     pub least_contrast: f64,
     pub most_cut_off: f64,
-    /// Verification: parts on a side, and which of their sorted ratios counts (1 is the least).
-    pub parts_across: i64,
+    /// Verification: tiles on a side, and which of their sorted ratios counts (1 is the least).
+    pub tiles_across: i64,
     pub counted_ratio: usize,
     /// Displacement: the most on each axis, and the step of the first nine, in pixels of the grid.
     pub margin: i64,
@@ -136,7 +136,7 @@ impl Numbers {
             first_step: 5.0 / 8.0,
             first_steps: 25,
             distance_penalty: 77.0,
-            velocity_part: 0.5,
+            velocity_fraction: 0.5,
             velocity_rate: 0.5,
             scale_step: 66_847.0 / 65_536.0,
             scale_gain: 252.0,
@@ -148,7 +148,7 @@ impl Numbers {
             alpha_bounds: (8.0, 100.0),
             least_contrast: 0.25,
             most_cut_off: 0.5,
-            parts_across: 4,
+            tiles_across: 4,
             counted_ratio: 4,
             margin: 3,
             coarse_step: 2,

@@ -1,4 +1,4 @@
-//! Agreement: the early template in the light of the frame against what is seen, part by part.
+//! Agreement: the early template in the light of the frame against what is seen, tile by tile.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
@@ -18,16 +18,16 @@ impl Similarity {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// The ratio of the parts that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
+    /// The ratio of the tiles that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
         let lit = relit(numbers, early, seen);
-        let (alpha, across) = (threshold(numbers, seen), numbers.parts_across);
+        let (alpha, across) = (threshold(numbers, seen), numbers.tiles_across);
         let mut ratios: Vec<f64> = (0..across * across)
-            .map(|part| {
+            .map(|tile| {
                 let cut = |side: i64, number: i64| number * side / across;
-                let (left, top) = (cut(seen.columns, part % across), cut(seen.rows, part / across));
-                let (right, bottom) = (cut(seen.columns, part % across + 1), cut(seen.rows, part / across + 1));
-                let cut = |patch: &Patch| patch.cut(left, top, right - left, bottom - top).expect("parts lie in it");
+                let (left, top) = (cut(seen.columns, tile % across), cut(seen.rows, tile / across));
+                let (right, bottom) = (cut(seen.columns, tile % across + 1), cut(seen.rows, tile / across + 1));
+                let cut = |patch: &Patch| patch.cut(left, top, right - left, bottom - top).expect("tiles lie in it");
                 (self.score(&cut(seen), &cut(&lit), alpha) / real((right - left) * (bottom - top))).floor()
             })
             .collect();

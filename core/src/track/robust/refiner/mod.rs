@@ -40,7 +40,7 @@ pub(super) enum Refinement {
 }
 
 impl Refinement {
-    /// Does one unit of work. Returns the network's estimate after the last unit. `first` is the crop of the first
+    /// Does one piece of work. Returns the network's estimate after the last piece. `first` is the crop of the first
     /// frame, `cells` scratch memory.
     pub(super) fn advance(
         &mut self,

@@ -37,12 +37,12 @@ const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6
 pub(crate) const REFINER_WEIGHTS: &[u8] = FILE;
 
 /// The biases and the weights of all layers.
-static BIASES: [[u8; 4]; ALL_BIASES] = parts().0;
-static WEIGHTS: [i8; ALL_WEIGHTS] = parts().1;
+static BIASES: [[u8; 4]; ALL_BIASES] = split().0;
+static WEIGHTS: [i8; ALL_WEIGHTS] = split().1;
 
 /// Splits the file into biases and weights, at compile time.
 #[allow(clippy::indexing_slicing)] // at compile time
-const fn parts() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
+const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     let (mut biases, mut weights) = ([[0; 4]; ALL_BIASES], [0; ALL_WEIGHTS]);
     let (mut at, mut bias, mut weight, mut number) = (0, 0, 0, 0);
     while number < LAYERS.len() {
@@ -168,7 +168,7 @@ impl Layers {
         Self { number: 0, row: 0 }
     }
 
-    /// Computes a row of a convolution, or both full layers. Returns the outputs after the last unit.
+    /// Computes a row of a convolution, or both full layers. Returns the outputs after the last piece.
     #[inline(never)]
     pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
