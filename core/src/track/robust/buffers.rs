@@ -1,29 +1,31 @@
-//! Scratch memory of all stages.
+//! The memory of all stages in one frame. Stages share it, one after the other:
 //!
-//! Stages share memory:
+//! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
+//! |---|---|---|---|---|---|---|---|
+//! | begin | | | | writes the weights | | | measures the template |
+//! | features | samples, sums cells | writes features | | | | | |
+//! | response | lends its sums | reads | writes | reads | spare | | |
+//! | verification | samples the view | | | | | | writes |
+//! | refinement | | | | | | | reads |
+//! | scale | samples, lends its sums | | | reads | spare; responses at a scale | features at a scale | |
+//! | learning | lends its sums | reads | reads | writes the direction | errors, gradient | | |
+//! | refiner | samples the crop | its patches and layers | | | | | |
+//! | end of an update | | | | reads the direction | | | reads the view |
+//! | lock: first crop | samples it | | | | | writes it, until the end of the lock | |
 //!
-//! | memory | contents |
-//! |---|---|
-//! | `cells` | features of the search window; then those of redetection's, or the refiner's patches and layers |
-//! | `responses` | responses to `cells`; learning reads them |
-//! | `coded` | the filter's weights; from the direction of a step of learning on, that direction |
-//! | `learning.gradient` | scratch memory of responses; in learning, the gradient |
-//! | `learning.responses` | responses at one scale; in learning, errors, scratch memory, responses to the direction |
-//! | `scale_cells` | features at one scale; in a lock, the refiner's first crop until the end of the lock |
-//! | `extractor` | sampling of windows, views, crops; sums of cells; between windows, unpacked bytes for products |
-//! | `verification` | the view, and the relit template; at the end, the early template learns from the view |
+//! Redetection writes over `large`, `responses` and `comparison`; then nothing is learned.
 
 use super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
 use super::gradients::Extractor;
-use super::learning;
+use super::learning::Sums;
 use super::response::Responses;
 use super::scale;
-use super::verification;
+use super::verification::Comparison;
 use crate::correlation::Coded;
 use heapless::Vec;
 
 /// Bytes of the largest search window: the longest filter has the longest margin.
-const CELLS: usize =
+const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// The memory that the stages fill and read. The [module](self) says which stage uses it when.
@@ -31,17 +33,17 @@ const CELLS: usize =
 // stack and copies it.
 #[repr(C)]
 pub(super) struct Buffers {
-    /// Features of the present window.
-    pub(super) cells: Vec<i8, CELLS>,
-    /// The filter's responses to `cells`.
+    /// Bytes for the features of a search window, or for the refiner.
+    pub(super) large: Vec<i8, LARGE>,
+    /// The filter's responses to the features in `large`.
     pub(super) responses: Responses,
     /// The filter's weights, coded; during a step of learning, from its direction on, that direction.
     pub(super) coded: Coded<WEIGHTS>,
-    pub(super) learning: learning::Scratch,
-    /// Features at one scale of the scale search.
-    pub(super) scale_cells: scale::Cells,
+    pub(super) sums: Sums,
+    /// Bytes for the features at one scale, or for the refiner's first crop.
+    pub(super) small: scale::Cells,
     pub(super) extractor: Extractor,
-    pub(super) verification: verification::Scratch,
+    pub(super) comparison: Comparison,
 }
 
 impl Buffers {
@@ -50,12 +52,12 @@ impl Buffers {
         // The extractor is a constant, so that it is not built on the stack.
         Self {
             extractor: const { Extractor::new() },
-            cells: Vec::new(),
+            large: Vec::new(),
             responses: Responses::new(),
-            scale_cells: Vec::new(),
+            small: Vec::new(),
             coded: Coded::new(),
-            learning: learning::Scratch::new(),
-            verification: verification::Scratch::new(),
+            sums: Sums::new(),
+            comparison: Comparison::new(),
         }
     }
 }

@@ -20,7 +20,7 @@
 
 use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::cost::SAMPLED;
-use super::sampling::{COLUMNS, Lattice, Scratch};
+use super::sampling::{COLUMNS, Lattice, Sampling};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
 use crate::track::update::UnderWay;
@@ -36,7 +36,7 @@ const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
 /// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
 pub(super) struct Extractor {
-    sampling: Scratch,
+    sampling: Sampling,
     lines: [[u8; COLUMNS]; SIDE],
     /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
     sums: Packed,
@@ -50,7 +50,7 @@ impl Extractor {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
-            sampling: Scratch::new(),
+            sampling: Sampling::new(),
             lines: [[0; COLUMNS]; SIDE],
             sums: Packed::new(),
             energies: [[0; ROW]; 3],
@@ -58,12 +58,12 @@ impl Extractor {
         }
     }
 
-    /// The memory of the sums, which the filter's products use between two windows.
-    pub(super) fn packed(&mut self) -> &mut Packed {
+    /// Lends the memory of the sums to the filter's products, between two windows.
+    pub(super) fn lend_sums(&mut self) -> &mut Packed {
         &mut self.sums
     }
 
-    pub(super) fn sampling(&mut self) -> &mut Scratch {
+    pub(super) fn sampling(&mut self) -> &mut Sampling {
         &mut self.sampling
     }
 

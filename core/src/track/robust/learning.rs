@@ -42,27 +42,27 @@ pub(super) struct Training<'a> {
     pub(super) products: Products,
 }
 
-/// Scratch memory of learning. The scale search uses `gradient` and `responses` too, and the filter's responses use
-/// `gradient`.
-pub(super) struct Scratch {
-    /// The gradient. Between two gradients it is scratch memory of responses.
-    pub(super) gradient: [i32; WEIGHTS],
-    /// The errors before they are coded; scratch memory while the gradient is summed; then the responses to the
+/// Sums for each weight and for each offset. Other stages use them too, while nothing is learned: see
+/// [`buffers`](super::buffers).
+pub(super) struct Sums {
+    /// The gradient. While responses are computed, their spare memory.
+    pub(super) per_weight: [i32; WEIGHTS],
+    /// The errors before they are coded; spare memory while the gradient is summed; then the responses to the
     /// direction.
-    pub(super) responses: [[i32; SPAN]; SPAN],
-    errors: [[i16; SPAN]; SPAN],
+    pub(super) per_offset: [[i32; SPAN]; SPAN],
+    coded_errors: [[i16; SPAN]; SPAN],
 }
 
-impl Scratch {
+impl Sums {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { gradient: [0; WEIGHTS], responses: [[0; SPAN]; SPAN], errors: [[0; SPAN]; SPAN] }
+        Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
     }
 
     /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
     #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
-        let Self { gradient, responses: errors, errors: coded } = self;
+        let Self { per_weight: gradient, per_offset: errors, coded_errors: coded } = self;
         let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
         ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
         rolled(gradient.iter_mut()).for_each(|sum| *sum = 0);
@@ -86,12 +86,12 @@ impl Scratch {
         let weights = training.filter.weights();
         // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
         // without a response must be 0.
-        self.responses.as_flattened_mut().fill(0);
+        self.per_offset.as_flattened_mut().fill(0);
         for unit in [16 + error_shift, 14, 0] {
             let slopes = ScaledSums {
                 weights,
                 factor: REGULARISATION << (32 - unit),
-                sums: &self.gradient,
+                sums: &self.per_weight,
                 left: 16 + error_shift - unit,
             };
             let steepest = slopes.largest();
@@ -109,7 +109,7 @@ impl Scratch {
         // At most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
         // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
-        let responses = rolled(self.responses.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
+        let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
         (i64::from(rate) * quotient(descent << 26, curvature.max(1))) >> 8
     }
@@ -186,7 +186,7 @@ impl Learning {
         &mut self,
         training: &Training<'_>,
         direction: &mut Coded<WEIGHTS>,
-        scratch: &mut Scratch,
+        sums: &mut Sums,
         packed: &mut Packed,
         work: &mut UnderWay,
     ) -> Option<i64> {
@@ -194,15 +194,15 @@ impl Learning {
         let (layout, count) = (window.layout, filter.weights().len());
         match self.phase {
             Phase::Errors => {
-                let error_shift = scratch.code_errors(training, self.target);
+                let error_shift = sums.code_errors(training, self.target);
                 work.spend(units(layout.span.pow(2)) + CODED * weights(grid));
                 self.phase = Phase::Gradient { piece: 0, error_shift };
             }
             Phase::Gradient { piece, error_shift } => {
                 work.spend(units(products.gather_work(piece, layout, count)));
-                let Scratch { gradient, responses, errors } = scratch;
-                let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), responses.as_flattened_mut());
-                let done = add_gradient(*products, packed, spare, *window, errors, piece, gradient);
+                let Sums { per_weight: gradient, per_offset: spare, coded_errors } = sums;
+                let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), spare.as_flattened_mut());
+                let done = add_gradient(*products, packed, spare, *window, coded_errors, piece, gradient);
                 self.phase = if done {
                     Phase::Direction { error_shift }
                 } else {
@@ -210,15 +210,15 @@ impl Learning {
                 };
             }
             Phase::Direction { error_shift } => {
-                let descent = scratch.code_direction(training, error_shift, direction);
+                let descent = sums.code_direction(training, error_shift, direction);
                 work.spend(SLOPED * weights(grid));
                 self.phase = Phase::Curvature { piece: 0, descent };
             }
             Phase::Curvature { piece, descent } => {
                 work.spend(units(products.work(piece, layout, count)));
-                if direction.respond(*products, packed, &mut scratch.gradient, *window, piece, &mut scratch.responses) {
+                if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
                     work.spend(CODED * weights(grid));
-                    return Some(scratch.step_length(direction.numbers(), descent, self.rate));
+                    return Some(sums.step_length(direction.numbers(), descent, self.rate));
                 }
                 self.phase = Phase::Curvature { piece: piece + 1, descent };
             }
@@ -239,7 +239,7 @@ mod tests {
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
         let count = grid.weights();
-        let (mut filter, mut scratch, mut direction) = (Filter::new(), Scratch::new(), Coded::new());
+        let (mut filter, mut sums, mut direction) = (Filter::new(), Sums::new(), Coded::new());
         let responses = Responses::new();
         let mut state = 1_u32;
         let mut noise = |places: u32| {
@@ -251,12 +251,12 @@ mod tests {
         {
             for shift in 0..=3 {
                 filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
-                scratch.gradient.fill_with(|| noise(of_sum));
-                let sums = filter.weights().iter().zip(&scratch.gradient);
+                sums.per_weight.fill_with(|| noise(of_sum));
+                let pairs = filter.weights().iter().zip(&sums.per_weight);
                 let slope = |(&weight, &sum): (&i32, &i32)| {
                     REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
                 };
-                let slopes: Many<i64> = sums.map(slope).collect();
+                let slopes: Many<i64> = pairs.map(slope).collect();
                 let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
                 let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
                 let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
@@ -265,7 +265,7 @@ mod tests {
                 let window = Window { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
                 let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
-                let given = scratch.code_direction(&training, shift, &mut direction);
+                let given = sums.code_direction(&training, shift, &mut direction);
                 assert_eq!((given, direction.shift()), (descent, scale), "{of_weight} {of_sum} {shift}");
                 assert_eq!(direction.numbers(), &*wanted);
             }
@@ -285,15 +285,15 @@ mod tests {
         let products = Products::new(Backend::Scalar);
         let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
         let length = |left: i32| {
-            let (mut scratch, mut direction) = (Scratch::new(), Coded::new());
+            let (mut sums, mut direction) = (Sums::new(), Coded::new());
             let (mut packed, mut work, mut learning) = (Packed::new(), UnderWay::NOTHING, Learning::begin((0, 0), 160));
             loop {
-                let length = learning.advance(&training, &mut direction, &mut scratch, &mut packed, &mut work);
+                let length = learning.advance(&training, &mut direction, &mut sums, &mut packed, &mut work);
                 if let Some(length) = length {
                     return length;
                 }
                 if matches!(learning.phase, Phase::Direction { .. }) {
-                    scratch.responses = [[left; SPAN]; SPAN];
+                    sums.per_offset = [[left; SPAN]; SPAN];
                 }
             }
         };
@@ -306,7 +306,7 @@ mod tests {
         let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
             .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
             .collect();
-        let (mut filter, mut scratch, mut coded) = (Filter::new(), Scratch::new(), Coded::new());
+        let (mut filter, mut sums, mut coded) = (Filter::new(), Sums::new(), Coded::new());
         filter.start(grid.weights());
         let (products, mut packed, mut work) = (Products::new(Backend::Scalar), Packed::new(), UnderWay::NOTHING);
         let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
@@ -316,7 +316,7 @@ mod tests {
             let mut learning = Learning::begin((512, -256), 160);
             let mut length = None;
             while length.is_none() {
-                length = learning.advance(&training, &mut coded, &mut scratch, &mut packed, &mut work);
+                length = learning.advance(&training, &mut coded, &mut sums, &mut packed, &mut work);
             }
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
@@ -325,7 +325,7 @@ mod tests {
                 &coded,
                 products,
                 &mut packed,
-                &mut scratch.gradient,
+                &mut sums.per_weight,
                 window,
                 pieces.next().unwrap(),
                 &mut work,

@@ -119,7 +119,7 @@ impl Outcome {
     /// The patch that the early template starts as or learns from.
     #[inline(never)]
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
-        buffers.verification.patch(grid, self.displacement)
+        buffers.comparison.patch(grid, self.displacement)
     }
 
     /// Makes the filter's step, if one was computed.
@@ -153,7 +153,7 @@ impl Model<'_> {
     /// Begins an update.
     pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
         self.memory.filter.code(&mut buffers.coded);
-        buffers.verification.begin(&self.reference());
+        buffers.comparison.begin(&self.reference());
         work.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
         pipeline.outcome = Outcome::new(Some(self.track));
         self.search(pipeline, buffers, Purpose::Follow);
@@ -166,7 +166,7 @@ impl Model<'_> {
         if self.config.refiner {
             let crop = Crop::begin(self.track.bbox(), self.track.bounds, buffers.extractor.sampling());
             // Cannot fail: a lock searches no scales, and their features take more.
-            let _ = buffers.scale_cells.resize_default(refiner::FIRST);
+            let _ = buffers.small.resize_default(refiner::FIRST);
             pipeline.stage = Stage::FirstCrop(crop);
             return;
         }
@@ -207,13 +207,13 @@ impl Model<'_> {
         match &mut pipeline.stage {
             Stage::Done => {}
             Stage::Template(view) => {
-                let Buffers { extractor, verification, .. } = buffers;
-                if view.advance(frame, extractor.sampling(), verification, work) {
+                let Buffers { extractor, comparison, .. } = buffers;
+                if view.advance(frame, extractor.sampling(), comparison, work) {
                     self.search(pipeline, buffers, Purpose::Lock);
                 }
             }
             Stage::Features(purpose, lattice) => {
-                let Buffers { extractor, cells, .. } = buffers;
+                let Buffers { extractor, large: cells, .. } = buffers;
                 if extractor.advance(frame, lattice, cells, work) {
                     match *purpose {
                         Purpose::Lock => {
@@ -226,9 +226,10 @@ impl Model<'_> {
                 }
             }
             Stage::Response(purpose, piece) => {
-                let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
-                let (window, spare) = (self.window(cells), &mut learning.gradient);
-                let done = responses.advance(coded, self.products(), extractor.packed(), spare, window, *piece, work);
+                let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
+                let (window, spare) = (self.window(cells), &mut sums.per_weight);
+                let done =
+                    responses.advance(coded, self.products(), extractor.lend_sums(), spare, window, *piece, work);
                 *piece += 1;
                 match *purpose {
                     _ if !done => {}
@@ -237,9 +238,10 @@ impl Model<'_> {
                 }
             }
             Stage::Verification(purpose, verification) => {
-                let Buffers { extractor, verification: scratch, .. } = buffers;
+                let Buffers { extractor, comparison, .. } = buffers;
                 let reference = self.reference();
-                if let Some(verified) = verification.advance(&reference, frame, extractor.sampling(), scratch, work) {
+                if let Some(verified) = verification.advance(&reference, frame, extractor.sampling(), comparison, work)
+                {
                     match *purpose {
                         Purpose::Redetect => redetect(pipeline, verified),
                         _ => pipeline.stage = Stage::Refinement(verified),
@@ -253,15 +255,15 @@ impl Model<'_> {
                 }
             }
             Stage::Scale(search, growth) => {
-                let (tools, mut scratch) = self.scale_search(buffers);
-                if let Some(scale) = search.advance(&tools, frame, &mut scratch, work) {
+                let (tools, mut borrowed) = self.scale_search(buffers);
+                if let Some(scale) = search.advance(&tools, frame, &mut borrowed, work) {
                     let last = pipeline.outcome.candidate.place.scale;
                     let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
                     self.decide(pipeline, scale, buffers);
                 }
             }
             Stage::Learning(learning) => {
-                let Buffers { cells, responses, extractor, coded, learning: scratch, .. } = buffers;
+                let Buffers { large: cells, responses, extractor, coded, sums, .. } = buffers;
                 let training = Training {
                     filter: &self.memory.filter,
                     grid: &self.track.grid,
@@ -269,7 +271,7 @@ impl Model<'_> {
                     responses,
                     products: self.products(),
                 };
-                let length = learning.advance(&training, coded, scratch, extractor.packed(), work);
+                let length = learning.advance(&training, coded, sums, extractor.lend_sums(), work);
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
                     #[cfg(feature = "refiner")]
@@ -280,15 +282,15 @@ impl Model<'_> {
             }
             #[cfg(feature = "refiner")]
             Stage::FirstCrop(crop) => {
-                let Buffers { extractor, scale_cells, .. } = buffers;
-                let room = scale_cells.first_chunk_mut();
+                let Buffers { extractor, small, .. } = buffers;
+                let room = small.first_chunk_mut();
                 if room.is_none_or(|room| crop.advance(frame, extractor.sampling(), room, work)) {
                     self.begin_template(pipeline, buffers);
                 }
             }
             #[cfg(feature = "refiner")]
             Stage::Refiner(refinement) => {
-                let Buffers { extractor, cells, .. } = buffers;
+                let Buffers { extractor, large: cells, .. } = buffers;
                 let dense = Dense::new(self.config.backend());
                 let estimate = refinement.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
                 if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
@@ -309,7 +311,7 @@ impl Model<'_> {
             track.correction.fade();
             return;
         }
-        let Buffers { extractor, cells, .. } = buffers;
+        let Buffers { extractor, large: cells, .. } = buffers;
         cells.clear();
         // Cannot fail: a window of features is larger.
         let _ = cells.resize_default(refiner::ROOM);
@@ -321,7 +323,7 @@ impl Model<'_> {
     #[inline(never)] // see `advance_stage`
     fn search(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
         let lattice = Lattice::search_window(self.centre(purpose), &self.track.grid, self.config.reach());
-        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.cells);
+        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
         pipeline.stage = Stage::Features(purpose, lattice);
     }
 
@@ -348,8 +350,8 @@ impl Model<'_> {
     /// Begins the view of a place.
     #[inline(never)]
     fn view(&self, buffers: &mut Buffers, place: Place) -> View {
-        let Buffers { extractor, verification, .. } = buffers;
-        View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), verification)
+        let Buffers { extractor, comparison, .. } = buffers;
+        View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), comparison)
     }
 
     /// Refines a verified candidate and begins the scale search. Returns the scale if the configuration has no scale
@@ -362,9 +364,9 @@ impl Model<'_> {
         buffers: &mut Buffers,
         work: &mut UnderWay,
     ) -> Option<u32> {
-        let (grid, scratch) = (&self.track.grid, &buffers.verification);
-        let refined = match (scratch.patch(grid, displacement), scratch.relit(grid)) {
-            (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, scratch.alpha()),
+        let (grid, comparison) = (&self.track.grid, &buffers.comparison);
+        let refined = match (comparison.patch(grid, displacement), comparison.relit(grid)) {
+            (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, comparison.alpha()),
             _ => None,
         };
         if let Some(Refined { x, y, .. }) = refined {
@@ -373,8 +375,8 @@ impl Model<'_> {
         work.spend(REFINED * grid.pixels());
         (pipeline.outcome.candidate, pipeline.outcome.displacement) = (candidate, displacement);
         if self.config.size {
-            let (tools, mut scratch) = self.scale_search(buffers);
-            let search = ScaleSearch::begin(candidate.place, &tools, &mut scratch);
+            let (tools, mut borrowed) = self.scale_search(buffers);
+            let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);
             pipeline.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
             None
         } else {
@@ -419,12 +421,12 @@ impl Model<'_> {
         Window { cells, layout: layout(&self.track.grid, self.config.span()) }
     }
 
-    fn scale_search<'a>(&'a self, buffers: &'a mut Buffers) -> (Tools<'a>, scale::Scratch<'a>) {
-        let Buffers { extractor, scale_cells, coded, learning, .. } = buffers;
+    fn scale_search<'a>(&'a self, buffers: &'a mut Buffers) -> (Tools<'a>, scale::Borrowed<'a>) {
+        let Buffers { extractor, small, coded, sums, .. } = buffers;
         let Track { grid, bounds, .. } = &self.track;
         (
             Tools { grid, bounds: *bounds, weights: coded, products: self.products() },
-            scale::Scratch { extractor, cells: scale_cells, learning },
+            scale::Borrowed { extractor, cells: small, sums },
         )
     }
 
@@ -438,21 +440,21 @@ impl Model<'_> {
     pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
         let place = self.centre(Purpose::Follow);
         let lattice = Lattice::search_window(place, &self.track.grid, self.config.reach());
-        buffers.extractor.features(frame, &lattice, &mut buffers.cells)
+        buffers.extractor.features(frame, &lattice, &mut buffers.large)
     }
 
     /// Computes the filter's responses to these features, without penalty.
     #[cfg(feature = "unstable")]
     pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
-        let Buffers { extractor, cells, coded, responses, learning, .. } = buffers;
+        let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
         let mut pieces = 0..;
         while !responses.advance(
             coded,
             self.products(),
-            extractor.packed(),
-            &mut learning.gradient,
+            extractor.lend_sums(),
+            &mut sums.per_weight,
             self.window(cells),
             pieces.next().unwrap_or(0),
             work,

@@ -48,17 +48,17 @@ pub(super) fn refine(
     if agreement < REFINED_FROM {
         return None;
     }
-    let (x, y, growth) = Sums::of(seen, relit, alpha.into()).step();
+    let (x, y, growth) = NormalEquations::of(seen, relit, alpha.into()).step();
     Some(Refined { x: 64 * i32::from(right) + x, y: 64 * i32::from(down) + y, growth })
 }
 
-/// Sums over all pixels but those at the edge.
+/// The normal equations: sums over all pixels but those at the edge.
 ///
 /// A slope to the right or down is four times the mean slope of both pictures: at most 510. With (u, v), twice the
 /// distance from the middle, the slope outward is `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 <
 /// 1130.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct NormalEquations {
     /// Squares of the slopes to the right, down and outward: the diagonal of S.
     squares: [i32; 3],
     /// Slopes right times down, right times outward, down times outward: the rest of S.
@@ -67,10 +67,10 @@ struct Sums {
     errors: [i32; 3],
 }
 
-impl Sums {
+impl NormalEquations {
     #[inline(never)] // keeps its stack out of that of a step
     fn of(seen: Image<'_>, relit: Image<'_>, alpha: i32) -> Self {
-        let mut sums = Self::default();
+        let mut equations = Self::default();
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
         for y in 1..seen.height().saturating_sub(1) {
             let v = from_middle(usize::from(y) - 1, seen.height());
@@ -88,10 +88,10 @@ impl Sums {
                 let across = slope(*left, *right, *relit_left, *relit_right);
                 let down = slope(*above, *below, *relit_above, *relit_below);
                 let outward = (across * from_middle(x, relit_here.len().try_into().unwrap_or(0)) + down * v) >> 6;
-                sums.add([across, down, outward], (i32::from(*seen) - i32::from(*relit)).clamp(-alpha, alpha));
+                equations.add([across, down, outward], (i32::from(*seen) - i32::from(*relit)).clamp(-alpha, alpha));
             }
         }
-        sums
+        equations
     }
 
     fn add(&mut self, [across, down, outward]: [i32; 3], error: i32) {
@@ -165,7 +165,7 @@ mod tests {
 
     fn step(seen: &[u8], relit: &[u8], (columns, rows): (u16, u16)) -> (i32, i32, i32) {
         let image = |pixels| Image::new(pixels, columns, rows).unwrap();
-        Sums::of(image(seen), image(relit), 100).step()
+        NormalEquations::of(image(seen), image(relit), 100).step()
     }
 
     #[test]

@@ -128,33 +128,33 @@ impl Lattice {
 
     /// Begins to sample: computes the places of columns and rows.
     #[inline(never)]
-    pub(super) fn prepare(&self, bounds: Rect, scratch: &mut Scratch) {
+    pub(super) fn prepare(&self, bounds: Rect, sampling: &mut Sampling) {
         let (across, down) = self.axes(bounds);
-        scratch.pixels = self.pixels(bounds);
-        (scratch.down, scratch.halvings) = (down, self.halvings());
+        sampling.pixels = self.pixels(bounds);
+        (sampling.down, sampling.halvings) = (down, self.halvings());
         let (left, _) = across.place(0);
-        scratch.columns.clear();
+        sampling.columns.clear();
         // There is room for COLUMNS.
         for column in 0..self.columns {
             let (block, fraction) = across.place(column);
-            scratch.columns.push(block.wrapping_sub(left), fraction);
+            sampling.columns.push(block.wrapping_sub(left), fraction);
         }
-        (scratch.made, scratch.read, scratch.sampled) = ([None; 2], 0, 0);
+        (sampling.made, sampling.read, sampling.sampled) = ([None; 2], 0, 0);
     }
 
     /// Begins to sample into `out`. False if there is no room.
-    pub(super) fn begin<const N: usize>(&self, bounds: Rect, scratch: &mut Scratch, out: &mut Vec<u8, N>) -> bool {
+    pub(super) fn begin<const N: usize>(&self, bounds: Rect, sampling: &mut Sampling, out: &mut Vec<u8, N>) -> bool {
         out.clear();
-        self.prepare(bounds, scratch);
+        self.prepare(bounds, sampling);
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
     }
 
     /// Samples the next row, from the top. False if a needed pixel is not in memory.
     #[inline(never)]
-    pub(super) fn sample_row(&self, frame: &Frame<'_>, scratch: &mut Scratch, row: u16, out: &mut [u8]) -> bool {
+    pub(super) fn sample_row(&self, frame: &Frame<'_>, sampling: &mut Sampling, row: u16, out: &mut [u8]) -> bool {
         let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
         let out = out.get_mut(from..from + columns);
-        let (Some(mut sampler), Some(out)) = (scratch.sampler(frame), out) else { return false };
+        let (Some(mut sampler), Some(out)) = (sampling.sampler(frame), out) else { return false };
         sampler.row(row, out);
         true
     }
@@ -164,17 +164,18 @@ impl Lattice {
     pub(super) fn sample<const N: usize>(
         &self,
         frame: &Frame<'_>,
-        scratch: &mut Scratch,
+        sampling: &mut Sampling,
         out: &mut Vec<u8, N>,
     ) -> bool {
-        self.begin(frame.bounds(), scratch, out) && (0..self.rows).all(|row| self.sample_row(frame, scratch, row, out))
+        self.begin(frame.bounds(), sampling, out)
+            && (0..self.rows).all(|row| self.sample_row(frame, sampling, row, out))
     }
 }
 
 const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 
-/// Scratch memory of sampling: the lattice on the reduced frame, and rows of that frame.
-pub(super) struct Scratch {
+/// The memory of sampling: the lattice on the reduced frame, and rows of that frame.
+pub(super) struct Sampling {
     columns: Interpolation<COLUMNS>,
     down: Axis,
     /// The number of times that the frame is halved.
@@ -192,7 +193,7 @@ pub(super) struct Scratch {
     mixed: MixedRow,
 }
 
-impl Scratch {
+impl Sampling {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
@@ -211,7 +212,7 @@ impl Scratch {
     /// Samples `frame` row by row, after [`Lattice::prepare`]. `None` if a needed pixel is not in memory.
     #[inline(never)]
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
-        Some(Sampler { pixels: frame.patch(self.pixels)?, scratch: self })
+        Some(Sampler { pixels: frame.patch(self.pixels)?, sampling: self })
     }
 
     /// The work since the last call: 1 for each pixel read, and `each` for each sample.
@@ -223,20 +224,20 @@ impl Scratch {
 /// Computes rows of a lattice from a frame.
 pub(super) struct Sampler<'a> {
     pixels: Image<'a>,
-    scratch: &'a mut Scratch,
+    sampling: &'a mut Sampling,
 }
 
 impl Sampler<'_> {
     /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
     #[inline(never)]
     pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
-        let (upper, lower, fraction) = self.scratch.down.at(number);
+        let (upper, lower, fraction) = self.sampling.down.at(number);
         // Blocks are counted from the first pixel that is read, not from the frame's edge.
-        let (top, _) = self.scratch.down.place(0);
+        let (top, _) = self.sampling.down.place(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
-        let Self { pixels, scratch: Scratch { columns, means, mixed, halvings, sampled, .. } } = self;
+        let Self { pixels, sampling: Sampling { columns, means, mixed, halvings, sampled, .. } } = self;
         mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), fraction, mixed);
         // No block follows the last one; its fraction is 0.
         columns.mix(mixed, out);
@@ -246,7 +247,7 @@ impl Sampler<'_> {
     /// Computes a row of blocks, unless it is already there.
     #[inline(never)]
     fn make(&mut self, block: u16) {
-        let Self { pixels, scratch: Scratch { means: [even, odd], made, read, mixed, halvings, .. } } = self;
+        let Self { pixels, sampling: Sampling { means: [even, odd], made, read, mixed, halvings, .. } } = self;
         let [even_made, odd_made] = made;
         let (made, means) = if block.is_multiple_of(2) { (even_made, even) } else { (odd_made, odd) };
         if *made == Some(block) {
@@ -408,9 +409,9 @@ mod tests {
 
     fn samples_as_plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) {
         let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
-        let (mut scratch, mut sampled) = (Scratch::new(), Vec::<u8, 40_000>::new());
-        assert!(lattice.sample(&frame, &mut scratch, &mut sampled));
-        let read = usize::try_from(scratch.work(0)).unwrap();
+        let (mut sampling, mut sampled) = (Sampling::new(), Vec::<u8, 40_000>::new());
+        assert!(lattice.sample(&frame, &mut sampling, &mut sampled));
+        let read = usize::try_from(sampling.work(0)).unwrap();
         let (wanted, of) = plainly(lattice, pixels, width, height);
         assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
         assert_eq!(read, of, "{lattice:?} on {width}x{height}");

@@ -16,7 +16,7 @@ use super::cost::weights;
 use super::division::quotient;
 use super::gradients::Extractor;
 use super::grid::Grid;
-use super::learning;
+use super::learning::Sums;
 use super::motion::Place;
 use super::response::{layout, peak};
 use super::sampling::Lattice;
@@ -58,17 +58,17 @@ pub(super) struct Tools<'a> {
     pub(super) products: Products,
 }
 
-/// Scratch memory of a scale search.
-pub(super) struct Scratch<'a> {
+/// The memory that a scale search borrows.
+pub(super) struct Borrowed<'a> {
     pub(super) extractor: &'a mut Extractor,
     pub(super) cells: &'a mut Cells,
-    pub(super) learning: &'a mut learning::Scratch,
+    pub(super) sums: &'a mut Sums,
 }
 
 impl ScaleSearch {
-    pub(super) fn begin(place: Place, tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> Self {
+    pub(super) fn begin(place: Place, tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> Self {
         let lattice = Lattice::search_window(place, tools.grid, SCALE_REACH);
-        scratch.extractor.begin(tools.bounds, &lattice, scratch.cells);
+        borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
         Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
     }
 
@@ -77,16 +77,16 @@ impl ScaleSearch {
         &mut self,
         tools: &Tools<'_>,
         frame: &Frame<'_>,
-        scratch: &mut Scratch<'_>,
+        borrowed: &mut Borrowed<'_>,
         work: &mut UnderWay,
     ) -> Option<u32> {
         if !self.sampled {
-            self.sampled = scratch.extractor.advance(frame, &self.lattice, scratch.cells, work);
+            self.sampled = borrowed.extractor.advance(frame, &self.lattice, borrowed.cells, work);
             return None;
         }
         let [smaller, larger] = other_scales(self.place.scale);
         let scales = [self.place.scale, smaller, larger];
-        let height = peak_height(tools, scratch);
+        let height = peak_height(tools, borrowed);
         work.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * weights(tools.grid));
         let counted = if self.number == 0 { height } else { (height * SCALE_PENALTY) >> 8 };
         if let Some(&scale) = scales.get(self.number).filter(|_| counted > self.highest) {
@@ -96,18 +96,18 @@ impl ScaleSearch {
         let Some(&scale) = scales.get(self.number) else { return Some(self.best) };
         self.lattice = Lattice::search_window(Place { scale, ..self.place }, tools.grid, SCALE_REACH);
         self.sampled = false;
-        scratch.extractor.begin(tools.bounds, &self.lattice, scratch.cells);
+        borrowed.extractor.begin(tools.bounds, &self.lattice, borrowed.cells);
         None
     }
 }
 
 /// The height of the responses' peak at one scale.
-fn peak_height(tools: &Tools<'_>, scratch: &mut Scratch<'_>) -> i64 {
-    let Scratch { extractor, cells, learning: learning::Scratch { gradient, responses, .. } } = scratch;
+fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
+    let Borrowed { extractor, cells, sums: Sums { per_weight: spare, per_offset: responses, .. } } = borrowed;
     let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
     let mut pieces = 0..;
     let mut respond =
-        |piece| tools.weights.respond(tools.products, extractor.packed(), gradient, window, piece, responses);
+        |piece| tools.weights.respond(tools.products, extractor.lend_sums(), spare, window, piece, responses);
     while !respond(pieces.next().unwrap_or(0)) {}
     let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
     tools.weights.scale(rows);

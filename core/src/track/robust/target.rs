@@ -101,7 +101,7 @@ impl Robust {
         if !self.model(track).features(&mut workspace.buffers, frame) {
             return Err(UpdateError::WindowNotInMemory);
         }
-        Ok(&workspace.buffers.cells)
+        Ok(&workspace.buffers.large)
     }
 
     #[cfg(feature = "unstable")]
@@ -338,16 +338,16 @@ impl Steps for Robust {
     fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { pipeline, buffers, .. } = workspace;
         let Some(mut track) = pipeline.outcome.track else { return Quality::NONE };
-        buffers.verification.table_mut().set(self.config.table, QUALITY_ALPHA);
+        buffers.comparison.table_mut().set(self.config.table, QUALITY_ALPHA);
         if let Some(patch) = pipeline.outcome.patch(buffers, &track.grid) {
-            track.quality = Quality::of(patch, buffers.verification.table());
+            track.quality = Quality::of(patch, buffers.comparison.table());
             self.memory.template.start(patch);
         }
         #[cfg(feature = "refiner")]
         if self.config.refiner {
             self.memory.first.clear();
             // Cannot fail: there is room for all.
-            let _ = self.memory.first.extend_from_slice(buffers.scale_cells.get(..FIRST).unwrap_or_default());
+            let _ = self.memory.first.extend_from_slice(buffers.small.get(..FIRST).unwrap_or_default());
         }
         self.memory.track = Some(track);
         track.quality

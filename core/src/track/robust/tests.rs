@@ -2,7 +2,7 @@
 //! on in tests, so an overflow fails them.
 
 use super::constants::PIXEL;
-use super::sampling::{Lattice, Scratch};
+use super::sampling::{Lattice, Sampling};
 use super::{Config, Robust};
 use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
@@ -255,7 +255,7 @@ fn the_largest_blocks_of_means() {
             columns: 2,
             rows: 2,
         };
-        assert!(lattice.sample(&whole(&white, side, side), &mut Scratch::new(), &mut sample));
+        assert!(lattice.sample(&whole(&white, side, side), &mut Sampling::new(), &mut sample));
         assert_eq!(sample, [255; 4], "a step of {step}");
     }
 }

@@ -23,7 +23,7 @@ use super::displacement::{Displacement, Search, in_view};
 use super::grid::Grid;
 use super::lighting;
 use super::motion::Place;
-use super::sampling::{self, Lattice};
+use super::sampling::{Lattice, Sampling};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
@@ -71,7 +71,7 @@ impl Candidate {
 /// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
 /// displacement.
 #[repr(C)] // see `Workspace`
-pub(super) struct Scratch {
+pub(super) struct Comparison {
     table: CutTable,
     /// The early template's own contrast.
     contrast: Contrast,
@@ -79,7 +79,7 @@ pub(super) struct Scratch {
     relit: Vec<u8, MOST_PIXELS>,
 }
 
-impl Scratch {
+impl Comparison {
     #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
@@ -166,11 +166,11 @@ impl View {
         place: Place,
         grid: &Grid,
         bounds: Rect,
-        sampling: &mut sampling::Scratch,
-        scratch: &mut Scratch,
+        sampling: &mut Sampling,
+        comparison: &mut Comparison,
     ) -> Self {
         let lattice = Lattice::view(place, grid);
-        lattice.begin(bounds, sampling, &mut scratch.view);
+        lattice.begin(bounds, sampling, &mut comparison.view);
         Self { lattice, row: 0 }
     }
 
@@ -179,11 +179,11 @@ impl View {
     pub(super) fn advance(
         &mut self,
         frame: &Frame<'_>,
-        sampling: &mut sampling::Scratch,
-        scratch: &mut Scratch,
+        sampling: &mut Sampling,
+        comparison: &mut Comparison,
         work: &mut UnderWay,
     ) -> bool {
-        self.lattice.sample_row(frame, sampling, self.row, &mut scratch.view);
+        self.lattice.sample_row(frame, sampling, self.row, &mut comparison.view);
         work.spend(sampling.work(VIEWED));
         self.row += 1;
         self.row >= self.lattice.rows
@@ -225,25 +225,25 @@ impl Verification {
         &mut self,
         reference: &Reference<'_>,
         frame: &Frame<'_>,
-        sampling: &mut sampling::Scratch,
-        scratch: &mut Scratch,
+        sampling: &mut Sampling,
+        comparison: &mut Comparison,
         work: &mut UnderWay,
     ) -> Option<Verified> {
         let pixels = reference.grid.pixels();
         let (phase, search) = (&mut self.phase, &mut self.search);
         match phase {
             Phase::View(view) => {
-                if view.advance(frame, sampling, scratch, work) {
+                if view.advance(frame, sampling, comparison, work) {
                     *phase = Phase::Displacement(0);
                 }
             }
             Phase::Displacement(number) => {
                 let displacement = search.displacement(*number);
                 if *number == 0 {
-                    scratch.relight(reference, displacement);
+                    comparison.relight(reference, displacement);
                     work.spend(RELIT * pixels);
                 }
-                search.add(*number, scratch.score(reference, displacement));
+                search.add(*number, comparison.score(reference, displacement));
                 work.spend(COMPARED * pixels);
                 *number += 1;
                 if *number == DISPLACEMENTS {
@@ -252,9 +252,9 @@ impl Verification {
             }
             Phase::Agreement => {
                 let Self { mut candidate, search: Search { best, .. }, .. } = *self;
-                candidate.visible = scratch.relight(reference, best);
+                candidate.visible = comparison.relight(reference, best);
                 if candidate.visible {
-                    candidate.agreement = scratch.agreement(reference, best);
+                    candidate.agreement = comparison.agreement(reference, best);
                 }
                 work.spend((RELIT + COMPARED) * pixels);
                 return Some(Verified { candidate, displacement: best });
@@ -297,14 +297,14 @@ mod tests {
         let (config, grid) = (Config::robust(), Grid::new(Rect::new(0, 0, 16, 16)));
         let grid = Grid { columns: 16, rows: 16, ..grid };
         let reference = Reference { config: &config, template: &early, grid: &grid };
-        let mut scratch = std::boxed::Box::new(Scratch::new());
-        scratch.begin(&reference);
-        scratch.view.resize_default((SIDE * SIDE).into()).unwrap();
-        for (row, patch) in scratch.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
+        let mut comparison = std::boxed::Box::new(Comparison::new());
+        comparison.begin(&reference);
+        comparison.view.resize_default((SIDE * SIDE).into()).unwrap();
+        for (row, patch) in comparison.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
             row[MARGIN.into()..][..16].copy_from_slice(patch);
         }
-        scratch.relight(&reference, (0, 0));
-        scratch.agreement(&reference, (0, 0))
+        comparison.relight(&reference, (0, 0));
+        comparison.agreement(&reference, (0, 0))
     }
 
     fn pixel(at: usize) -> u8 {

@@ -10,7 +10,7 @@
 
 use super::super::cost::{CROP, NORMALISED, VIEWED, units};
 use super::super::gradients::root;
-use super::super::sampling::{self, Lattice};
+use super::super::sampling::{Lattice, Sampling};
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::rolled;
 use crate::track::update::UnderWay;
@@ -77,7 +77,7 @@ fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
 
 impl Crop {
     #[inline(never)]
-    pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut sampling::Scratch) -> Self {
+    pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut Sampling) -> Self {
         let lattice = crop_of(target);
         lattice.prepare(bounds, sampling);
         Self { lattice, row: 0 }
@@ -88,7 +88,7 @@ impl Crop {
     pub(in super::super) fn advance(
         &mut self,
         frame: &Frame<'_>,
-        sampling: &mut sampling::Scratch,
+        sampling: &mut Sampling,
         crop: &mut [i8; FIRST],
         work: &mut UnderWay,
     ) -> bool {

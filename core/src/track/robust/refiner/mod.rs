@@ -24,7 +24,7 @@ pub(super) use crop::{Crop, FIRST, reachable};
 pub(crate) use network::REFINER_WEIGHTS;
 pub(super) use network::{ROOM, WORK};
 
-use super::sampling;
+use super::sampling::Sampling;
 use crate::image::Frame;
 use crate::kernels::Dense;
 use crate::track::update::UnderWay;
@@ -47,7 +47,7 @@ impl Refinement {
         dense: Dense,
         frame: &Frame<'_>,
         first: &[i8],
-        sampling: &mut sampling::Scratch,
+        sampling: &mut Sampling,
         cells: &mut [i8],
         work: &mut UnderWay,
     ) -> Option<Outputs> {
