@@ -57,20 +57,20 @@ pub(super) const NORM_GAIN: u32 = 635;
 /// R without -0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
-// Displacement and refinement by the early template.
+// Alignment and refinement by the early template.
 
-/// The largest displacement of the template to each side, in pixels of the grid.
+/// The farthest alignment to each side, in pixels of the grid.
 pub(super) const MARGIN: u16 = 3;
 /// `MARGIN` in whole cells, rounded up.
 pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
-/// Pixels of the grid between the first nine displacements. Between the others it is 1.
+/// Pixels of the grid between the first nine alignments. Between the others it is 1.
 pub(super) const COARSE_STEP: i16 = 2;
-/// Displacements that are scored.
-pub(super) const DISPLACEMENTS: u16 = 17;
+/// Alignments that are scored.
+pub(super) const ALIGNMENTS: u16 = 17;
 /// The agreement from which place and size are refined, in units of 1/65535.
 /// R without refinement -0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
-/// The largest displacement by a Gauss-Newton step, in units of 1/64 pixel of the grid: one pixel.
+/// The largest move by a Gauss-Newton step, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
 /// The largest growth by a step, in units of 1/65536: 2 %.
 pub(super) const MOST_GROWTH: i32 = 1310;

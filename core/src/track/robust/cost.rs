@@ -6,7 +6,7 @@
 
 use super::config::Config;
 use super::constants::{
-    CELL, CHANNELS, DISPLACEMENTS, FIRST_STEPS, MARGIN, MOST_CELLS, MOST_PIXELS, MOST_SIDE, SCALE_REACH,
+    ALIGNMENTS, CELL, CHANNELS, FIRST_STEPS, MARGIN, MOST_CELLS, MOST_PIXELS, MOST_SIDE, SCALE_REACH,
 };
 use super::grid::Grid;
 use crate::track::MostWork;
@@ -93,10 +93,10 @@ impl Shape {
         columns * rows * VIEWED + read(columns, rows)
     }
 
-    /// The work for a search with its verification: features, responses, the view of the peak, displacements and
+    /// The work for a search with its verification: features, responses, the view of the peak, alignments and
     /// agreement.
     const fn search(self) -> u32 {
-        let agreement = DISPLACEMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
+        let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
         self.features(self.reach) + self.offsets() * self.weights() + self.view() + agreement * self.pixels()
     }
 
@@ -148,7 +148,7 @@ impl Shape {
             // The errors.
             self.offsets() + CODED * self.weights(),
             SLOPED * self.weights(),
-            // The pass over the weights of the scale search, or the first displacement, for which the template is
+            // The pass over the weights of the scale search, or the first alignment, for which the template is
             // relit.
             if scale > (RELIT + COMPARED) * self.pixels() { scale } else { (RELIT + COMPARED) * self.pixels() },
             REFINED * self.pixels(),

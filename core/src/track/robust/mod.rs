@@ -15,8 +15,8 @@
 //!     |
 //!  response      the filter at all offsets, its peak                                                 0.66
 //!     |
-//!  verification  the agreement with the early template (template), displaced (displacement) and      0.33
-//!     |          relit (lighting)
+//!  verification  the agreement with the early template (template), aligned (alignment) and relit      0.33
+//!     |          (lighting)
 //!  refinement    place and size to a fraction of a pixel                                             0.06
 //!     |
 //!  scale         the response at other scales                                                        0.94
@@ -40,12 +40,13 @@
 //! counts the work, `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not
 //! in [`Config`].
 
+mod alignment;
 mod buffers;
 mod confidence;
 pub(crate) mod config;
 mod constants;
 mod cost;
-mod displacement;
+
 mod division;
 mod gaussian;
 mod gradients;

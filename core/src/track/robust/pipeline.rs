@@ -12,6 +12,7 @@
 //! only the workspace until it is finished. A lock changes the target earlier: its start drops the track and sets all
 //! weights to 0, and each of its 25 steps of learning changes the weights. Its end sets template and track.
 
+use super::alignment::Alignment;
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
 use super::config::{Config, Parts};
@@ -19,14 +20,13 @@ use super::config::{Config, Parts};
 use super::constants::SPAN;
 use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::cost::{CODED, REFINED, weights};
-use super::displacement::Displacement;
 use super::division::quotient;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
 use super::motion::{Motion, Place};
 use super::refinement::{Refined, refine};
 #[cfg(feature = "refiner")]
-use super::refiner::{self, Crop, Refinement};
+use super::refiner::{self, Crop, Refiner};
 use super::response::layout;
 use super::sampling::Lattice;
 use super::scale::{self, ScaleSearch, Tools};
@@ -67,7 +67,7 @@ enum Stage {
     #[cfg(feature = "refiner")]
     FirstCrop(Crop),
     #[cfg(feature = "refiner")]
-    Refiner(Refinement),
+    Refiner(Refiner),
 }
 
 /// The decisions of the stages so far.
@@ -77,8 +77,8 @@ pub(super) struct Outcome {
     pub(super) track: Option<Track>,
     /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
     pub(super) candidate: Candidate,
-    /// The best displacement of the early template.
-    displacement: Displacement,
+    /// The best alignment of the early template.
+    alignment: Alignment,
     /// Whether the early template learns from this frame.
     pub(super) template_learns: bool,
     /// The length of the filter's step.
@@ -106,20 +106,13 @@ impl Pipeline {
 
 impl Outcome {
     const fn new(track: Option<Track>) -> Self {
-        Self {
-            track,
-            candidate: Candidate::NONE,
-            displacement: (0, 0),
-            template_learns: false,
-            step: None,
-            steps_left: 0,
-        }
+        Self { track, candidate: Candidate::NONE, alignment: (0, 0), template_learns: false, step: None, steps_left: 0 }
     }
 
     /// The patch that the early template starts as or learns from.
     #[inline(never)]
     pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
-        buffers.comparison.patch(grid, self.displacement)
+        buffers.comparison.patch(grid, self.alignment)
     }
 
     /// Makes the filter's step, if one was computed.
@@ -289,10 +282,10 @@ impl Model<'_> {
                 }
             }
             #[cfg(feature = "refiner")]
-            Stage::Refiner(refinement) => {
+            Stage::Refiner(refiner) => {
                 let Buffers { extractor, large: cells, .. } = buffers;
                 let dense = Dense::new(self.config.backend());
-                let estimate = refinement.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
+                let estimate = refiner.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
                 if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
                     track.correction.take(estimate);
                     pipeline.stage = Stage::Done;
@@ -316,7 +309,7 @@ impl Model<'_> {
         // Cannot fail: a window of features is larger.
         let _ = cells.resize_default(refiner::ROOM);
         let crop = Crop::begin(track.bbox(), track.bounds, extractor.sampling());
-        pipeline.stage = Stage::Refiner(Refinement::Crop(crop));
+        pipeline.stage = Stage::Refiner(Refiner::Crop(crop));
     }
 
     /// Begins the search of a window.
@@ -360,20 +353,20 @@ impl Model<'_> {
     fn refine(
         &self,
         pipeline: &mut Pipeline,
-        Verified { mut candidate, displacement }: Verified,
+        Verified { mut candidate, alignment }: Verified,
         buffers: &mut Buffers,
         work: &mut UnderWay,
     ) -> Option<u32> {
         let (grid, comparison) = (&self.track.grid, &buffers.comparison);
-        let refined = match (comparison.patch(grid, displacement), comparison.relit(grid)) {
-            (Some(patch), Some(relit)) => refine(candidate.agreement, displacement, patch, relit, comparison.alpha()),
+        let refined = match (comparison.patch(grid, alignment), comparison.relit(grid)) {
+            (Some(patch), Some(relit)) => refine(candidate.agreement, alignment, patch, relit, comparison.alpha()),
             _ => None,
         };
         if let Some(Refined { x, y, .. }) = refined {
             candidate.place = candidate.place.moved(grid, (x, y)).inside(self.track.bounds);
         }
         work.spend(REFINED * grid.pixels());
-        (pipeline.outcome.candidate, pipeline.outcome.displacement) = (candidate, displacement);
+        (pipeline.outcome.candidate, pipeline.outcome.alignment) = (candidate, alignment);
         if self.config.size {
             let (tools, mut borrowed) = self.scale_search(buffers);
             let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);

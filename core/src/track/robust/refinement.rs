@@ -1,7 +1,7 @@
 //! Refinement: place and size to a fraction of a pixel, by the early template.
 //!
 //! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best
-//! displacement:
+//! alignment:
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -12,14 +12,14 @@
 //! |---|---|---|---|
 //! | `s` | right, down: 4 m, with m the mean slope of both pictures; outward: m . place / 8 | gray level | 510, 1130 |
 //! | `S` | their products, summed over at most 1600 pixels | | 2^31 |
-//! | `x`, `y` | displacement | 1/64 pixel of the grid | +-64 |
+//! | `x`, `y` | move | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |
 //!
 //! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40
 //! instructions for each pixel.
 
+use super::alignment::Alignment;
 use super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
-use super::displacement::Displacement;
 use super::division::quotient;
 use super::sampling::row_of;
 use crate::image::Image;
@@ -36,11 +36,11 @@ pub(super) struct Refined {
     pub(super) growth: i32,
 }
 
-/// Refines a displacement by the patch `seen` there and the relit template. `None` if their agreement is too low.
+/// Refines an alignment by the patch `seen` there and the relit template. `None` if their agreement is too low.
 /// `alpha` is at most 100.
 pub(super) fn refine(
     agreement: u16,
-    (right, down): Displacement,
+    (right, down): Alignment,
     seen: Image<'_>,
     relit: Image<'_>,
     alpha: u16,
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// A pattern of waves, displaced to the right and down and grown, as `columns` x `rows` pixels.
+    /// A pattern of waves, moved to the right and down and grown, as `columns` x `rows` pixels.
     fn waves((columns, rows): (u16, u16), (right, down, growth): (f64, f64, f64)) -> Vec<u8> {
         let pixel = |x: u16, y: u16| {
             let from_middle = |at: u16, size: u16| f64::from(at) - (f64::from(size) - 1.0) / 2.0;

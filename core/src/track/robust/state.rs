@@ -123,7 +123,7 @@ impl Track {
     }
 
     /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`.
-    /// Beyond the reach, the peak may lie between two cells, the view may be displaced by `MARGIN`, refinement moves by
+    /// Beyond the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement moves by
     /// up to a pixel, and the scale may grow by a step.
     #[cfg(feature = "refiner")]
     pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {

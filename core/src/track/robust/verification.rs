@@ -1,7 +1,7 @@
 //! Verification: compares the early template with the patch at the peak, to tell whether the target is there.
 //!
-//! The view around the peak is sampled. The early template is displaced to its best fit
-//! ([`displacement`](super::displacement)), and both are compared tile by tile:
+//! The view around the peak is sampled. The early template is moved to its best fit
+//! ([`alignment`](super::alignment)), and both are compared tile by tile:
 //!
 //! ```text
 //! agreement = the fourth lowest of the SMR ratios of 4x4 tiles, in units of 1/65535
@@ -14,12 +14,12 @@
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
+use super::alignment::{Alignment, Search, in_view};
 use super::config::Config;
 #[cfg(feature = "refiner")]
 use super::constants::REFINED_FROM;
-use super::constants::{CELL, DISPLACEMENTS, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, TILES};
+use super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, TILES};
 use super::cost::{COMPARED, RELIT, VIEWED};
-use super::displacement::{Displacement, Search, in_view};
 use super::grid::Grid;
 use super::lighting;
 use super::motion::Place;
@@ -69,7 +69,7 @@ impl Candidate {
 }
 
 /// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
-/// displacement.
+/// alignment.
 #[repr(C)] // see `Workspace`
 pub(super) struct Comparison {
     table: CutTable,
@@ -104,9 +104,9 @@ impl Comparison {
         self.table.threshold()
     }
 
-    /// The patch of the view under the displaced template.
-    pub(super) fn patch(&self, grid: &Grid, displacement: Displacement) -> Option<Image<'_>> {
-        patch(&self.view, grid, displacement)
+    /// The patch of the view under the aligned template.
+    pub(super) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
+        patch(&self.view, grid, alignment)
     }
 
     /// The template in the light of the patch.
@@ -118,28 +118,28 @@ impl Comparison {
     /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a
     /// target.
     #[inline(never)]
-    fn relight(&mut self, reference: &Reference<'_>, displacement: Displacement) -> bool {
+    fn relight(&mut self, reference: &Reference<'_>, alignment: Alignment) -> bool {
         let Self { table, contrast, view, relit } = self;
-        let Some(patch) = patch(view, reference.grid, displacement) else { return false };
+        let Some(patch) = patch(view, reference.grid, alignment) else { return false };
         reference.template.copy_to(relit);
         let seen = lighting::relight(relit, *contrast, patch);
         table.set(reference.config.table, lighting::alpha(seen));
         seen.has_contrast_of(*contrast) && !seen.is_cut_off_beside(Contrast::NONE)
     }
 
-    /// The score of the displaced template in the light of its last relighting.
-    fn score(&self, reference: &Reference<'_>, displacement: Displacement) -> u32 {
+    /// The score of the aligned template in the light of its last relighting.
+    fn score(&self, reference: &Reference<'_>, alignment: Alignment) -> u32 {
         let scorer = Scorer::new(reference.config.backend(), &self.table);
-        match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
+        match (self.patch(reference.grid, alignment), self.relit(reference.grid)) {
             (Some(patch), Some(relit)) => scorer.score(patch, relit).unwrap_or(0),
             _ => 0,
         }
     }
 
-    /// The agreement of the displaced template.
-    fn agreement(&self, reference: &Reference<'_>, displacement: Displacement) -> u16 {
+    /// The agreement of the aligned template.
+    fn agreement(&self, reference: &Reference<'_>, alignment: Alignment) -> u16 {
         let scorer = Scorer::new(reference.config.backend(), &self.table);
-        match (self.patch(reference.grid, displacement), self.relit(reference.grid)) {
+        match (self.patch(reference.grid, alignment), self.relit(reference.grid)) {
             (Some(patch), Some(relit)) => fourth_least(patch, relit, &scorer),
             _ => 0,
         }
@@ -147,9 +147,9 @@ impl Comparison {
 }
 
 #[inline(never)]
-fn patch<'a>(view: &'a [u8], grid: &Grid, displacement: Displacement) -> Option<Image<'a>> {
+fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<'a>> {
     let Grid { columns, rows, .. } = *grid;
-    let [left, top] = in_view(displacement).map(i32::from);
+    let [left, top] = in_view(alignment).map(i32::from);
     let view = Image::new(view, columns + 2 * MARGIN, rows + 2 * MARGIN).ok()?;
     view.crop(Rect::new(left, top, columns, rows))
 }
@@ -202,17 +202,17 @@ pub(super) struct Verification {
 enum Phase {
     /// Samples a row of the view.
     View(View),
-    /// Scores the displacement of this number.
-    Displacement(u16),
+    /// Scores the alignment of this number.
+    Alignment(u16),
     /// Measures the agreement at the best one.
     Agreement,
 }
 
-/// A candidate with its agreement, and the best displacement of the early template.
+/// A candidate with its agreement, and the best alignment of the early template.
 #[derive(Clone, Copy)]
 pub(super) struct Verified {
     pub(super) candidate: Candidate,
-    pub(super) displacement: Displacement,
+    pub(super) alignment: Alignment,
 }
 
 impl Verification {
@@ -234,19 +234,19 @@ impl Verification {
         match phase {
             Phase::View(view) => {
                 if view.advance(frame, sampling, comparison, work) {
-                    *phase = Phase::Displacement(0);
+                    *phase = Phase::Alignment(0);
                 }
             }
-            Phase::Displacement(number) => {
-                let displacement = search.displacement(*number);
+            Phase::Alignment(number) => {
+                let alignment = search.alignment(*number);
                 if *number == 0 {
-                    comparison.relight(reference, displacement);
+                    comparison.relight(reference, alignment);
                     work.spend(RELIT * pixels);
                 }
-                search.add(*number, comparison.score(reference, displacement));
+                search.add(*number, comparison.score(reference, alignment));
                 work.spend(COMPARED * pixels);
                 *number += 1;
-                if *number == DISPLACEMENTS {
+                if *number == ALIGNMENTS {
                     *phase = Phase::Agreement;
                 }
             }
@@ -257,7 +257,7 @@ impl Verification {
                     candidate.agreement = comparison.agreement(reference, best);
                 }
                 work.spend((RELIT + COMPARED) * pixels);
-                return Some(Verified { candidate, displacement: best });
+                return Some(Verified { candidate, alignment: best });
             }
         }
         None

@@ -4,7 +4,7 @@
 //! rounds a number, so does the reference (`rounding.rs`), so that all numbers of both trackers are equal in every frame. All sums are
 //! exact in f64.
 //!
-//! The files have the names of the stages in `core/src/track/robust`; `refinement` has the displacement, too, and `place` is motion and
+//! The files have the names of the stages in `core/src/track/robust`; `refinement` has the alignment, too, and `place` is motion and
 //! redetection.
 
 mod confidence;
@@ -30,7 +30,7 @@ pub use sampling::{Lattice, Patch, Picture, Shape};
 use confidence::{FULL, confidence, decision, evidence, running_mean};
 use gradients::features;
 use learning::{Coded, Filter, Sample};
-use refinement::Displaced;
+use refinement::Aligned;
 use refiner::Refiner;
 use response::{Peak, peak, penalised, responses};
 use rounding::{FINE, POSITION, SCALE, down, nearest, real, to_zero};
@@ -64,7 +64,7 @@ struct Candidate {
     responses: Vec<f64>,
     place: Place,
     response: f64,
-    displaced: Displaced,
+    aligned: Aligned,
     agreement: f64,
     /// The contrast there is enough for the target.
     can_show: bool,
@@ -206,7 +206,7 @@ impl Reference {
         let seen = candidate.evidence() >= self.numbers.learned_from;
         let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
         if learned {
-            blend(&mut self.early, &candidate.displaced.seen, self.numbers.early_rate);
+            blend(&mut self.early, &candidate.aligned.seen, self.numbers.early_rate);
         }
         // In cells, on a grid of 1/256.
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
@@ -297,21 +297,21 @@ impl Reference {
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
-        let displaced = refinement::displaced(&self.numbers, &self.similarity, &view, &self.early());
-        let can_show = lighting::can_show(&self.numbers, &self.early(), &displaced.seen);
+        let aligned = refinement::aligned(&self.numbers, &self.similarity, &view, &self.early());
+        let can_show = lighting::can_show(&self.numbers, &self.early(), &aligned.seen);
         let agreement =
-            if can_show { self.similarity.agreement(&self.numbers, &displaced.seen, &self.early()) } else { 0.0 };
-        Candidate { cells, responses, place, response, displaced, agreement, can_show }
+            if can_show { self.similarity.agreement(&self.numbers, &aligned.seen, &self.early()) } else { 0.0 };
+        Candidate { cells, responses, place, response, aligned, agreement, can_show }
     }
 
-    /// Moves the place to the best displacement of the early template, if the agreement is high. Returns the growth of the target.
+    /// Moves the place to the best alignment of the early template, if the agreement is high. Returns the growth of the target.
     fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
         if candidate.agreement < self.numbers.refined_from {
             return None;
         }
-        let (displaced, pixel) = (&candidate.displaced, self.shape.step_at(candidate.place.scale));
-        let step = refinement::step(&self.numbers, &self.early(), &displaced.seen);
-        let place = candidate.place.moved((real(displaced.x) + step.x) * pixel, (real(displaced.y) + step.y) * pixel);
+        let (aligned, pixel) = (&candidate.aligned, self.shape.step_at(candidate.place.scale));
+        let step = refinement::step(&self.numbers, &self.early(), &aligned.seen);
+        let place = candidate.place.moved((real(aligned.x) + step.x) * pixel, (real(aligned.y) + step.y) * pixel);
         candidate.place = place.inside(self.frame_size);
         Some(step.growth)
     }

@@ -76,7 +76,7 @@ pub struct Numbers {
     /// Verification: tiles on a side, and which of their sorted ratios counts (1 is the least).
     pub tiles_across: i64,
     pub counted_ratio: usize,
-    /// Displacement: the most on each axis, and the step of the first nine, in pixels of the grid.
+    /// Alignment: the most on each axis, and the step of the first nine, in pixels of the grid.
     pub margin: i64,
     pub coarse_step: i64,
     /// The agreement from which place and size are refined.

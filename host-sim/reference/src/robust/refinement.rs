@@ -1,4 +1,4 @@
-//! The exact place and size: the best displacement of the early template in pixels of the grid, then a Gauss-Newton step.
+//! The exact place and size: the best alignment of the early template in pixels of the grid, then a Gauss-Newton step.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
@@ -6,17 +6,17 @@ use super::rounding::{SCALE, SUB, real, to_zero};
 use super::sampling::Patch;
 use super::verification::Similarity;
 
-/// The best displacement of the early template in a view.
-pub struct Displaced {
+/// The best alignment of the early template in a view.
+pub struct Aligned {
     /// From the view's middle, in pixels of the grid.
     pub x: i64,
     pub y: i64,
     pub seen: Patch,
 }
 
-/// Scores nine displacements two pixels apart, then the eight around the best of them, with the template in the light of the middle. Of
+/// Scores nine alignments two pixels apart, then the eight around the best of them, with the template in the light of the middle. Of
 /// equal scores the first wins; the middle comes first, the others row by row.
-pub fn displaced(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Displaced {
+pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Aligned {
     let margin = numbers.margin;
     let cut =
         |x: i64, y: i64| view.cut(margin + x, margin + y, early.columns, early.rows).expect("it lies in the view");
@@ -33,7 +33,7 @@ pub fn displaced(numbers: &Numbers, similarity: &Similarity, view: &Patch, early
             }
         }
     }
-    Displaced { x: best.0, y: best.1, seen: cut(best.0, best.1) }
+    Aligned { x: best.0, y: best.1, seen: cut(best.0, best.1) }
 }
 
 /// Right and down in pixels of the grid, in steps of 1/64; the growth in steps of 1/65536.

@@ -32,14 +32,14 @@ use network::{Layers, Outputs};
 
 /// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]
-pub(super) enum Refinement {
+pub(super) enum Refiner {
     /// Samples the present target.
     Crop(Crop),
     /// Runs the layers of the network.
     Layers(Layers),
 }
 
-impl Refinement {
+impl Refiner {
     /// Does one piece of work. Returns the network's estimate after the last piece. `first` is the crop of the first
     /// frame, `cells` scratch memory.
     pub(super) fn advance(

@@ -1,22 +1,23 @@
-//! Displacement: the shift at which the early template fits best around the filter's peak.
+//! Alignment: finds the place in the view at which the early template fits best.
 //!
 //! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers
-//! drifts. The early template hardly learns. It is compared, by SMR, at 17 displacements: nine that are two pixels
+//! drifts. The early template hardly learns. It is compared, by SMR, at 17 alignments: nine that are two pixels
 //! apart, then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
 
 use super::constants::{COARSE_STEP, MARGIN};
 
-/// A displacement from the view's middle to the right and down, in pixels of the grid: at most [`MARGIN`] on each axis.
-pub(super) type Displacement = (i16, i16);
+/// The place of the template in the view: pixels of the grid from the middle to the right and down, at most [`MARGIN`]
+/// on each axis.
+pub(super) type Alignment = (i16, i16);
 
-/// The search for the best displacement.
+/// The search for the best alignment.
 #[derive(Clone, Copy)]
 pub(super) struct Search {
     /// The best one so far.
-    pub(super) best: Displacement,
+    pub(super) best: Alignment,
     score: u32,
-    /// The centre of the present round of displacements.
-    middle: Displacement,
+    /// The centre of the present round of alignments.
+    middle: Alignment,
 }
 
 impl Search {
@@ -24,9 +25,9 @@ impl Search {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The displacement with this number, in the order of the search. 0 is the middle.
+    /// The alignment with this number, in the order of the search. 0 is the middle.
     #[inline(never)]
-    pub(super) fn displacement(&self, number: u16) -> Displacement {
+    pub(super) fn alignment(&self, number: u16) -> Alignment {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
         // The middle is the fifth of nine, row by row.
         let ninth = match number {
@@ -38,10 +39,10 @@ impl Search {
         (self.middle.0 + by(ninth % 3), self.middle.1 + by(ninth / 3))
     }
 
-    /// Takes the score of a displacement. The first of equal scores wins.
+    /// Takes the score of an alignment. The first of equal scores wins.
     pub(super) fn add(&mut self, number: u16, score: u32) {
         if score > self.score {
-            (self.best, self.score) = (self.displacement(number), score);
+            (self.best, self.score) = (self.alignment(number), score);
         }
         if number == 8 {
             self.middle = self.best;
@@ -49,14 +50,14 @@ impl Search {
     }
 }
 
-/// The column and row of the view where the displaced template begins.
-pub(super) fn in_view((right, down): Displacement) -> [u16; 2] {
+/// The column and row of the view where the aligned template begins.
+pub(super) fn in_view((right, down): Alignment) -> [u16; 2] {
     [right, down].map(|by| MARGIN.saturating_add_signed(by))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::constants::DISPLACEMENTS;
+    use super::super::constants::ALIGNMENTS;
     use super::*;
     use std::vec::Vec;
 
@@ -64,16 +65,16 @@ mod tests {
     fn the_best_is_surrounded_next() {
         let mut search = Search::new();
         let mut places = Vec::new();
-        for number in 0..DISPLACEMENTS {
-            places.push(search.displacement(number));
-            let (x, y) = search.displacement(number);
+        for number in 0..ALIGNMENTS {
+            places.push(search.alignment(number));
+            let (x, y) = search.alignment(number);
             search.add(number, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
         }
         assert_eq!(places[..9].iter().filter(|&&(x, y)| x % 2 == 0 && y % 2 == 0).count(), 9);
         assert_eq!(search.best, (3, -1));
         places.sort_unstable();
         places.dedup();
-        assert_eq!(places.len(), usize::from(DISPLACEMENTS), "none is compared twice");
+        assert_eq!(places.len(), usize::from(ALIGNMENTS), "none is compared twice");
         assert!(places.iter().all(|&(x, y)| x.unsigned_abs() <= MARGIN && y.unsigned_abs() <= MARGIN));
     }
 }
