@@ -225,7 +225,7 @@ pub trait Steps: Sized {
 
     /// Continues until the grant is spent. True if only `conclude` or `conclude_lock` is left.
     #[doc(hidden)]
-    fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
+    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
 
     /// Ends an update: changes the target and returns the answer.
     #[doc(hidden)]
@@ -413,7 +413,7 @@ pub mod calls {
 /// Continues for about `work` units of work.
 fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: u32) -> bool {
     T::under_way(workspace, SEAL).grant(work);
-    target.advance(workspace, frame, SEAL)
+    target.step(workspace, frame, SEAL)
 }
 
 /// Does all remaining steps.

@@ -271,7 +271,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     #[inline(never)]
-    fn advance(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+    fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
         // Without a track, a lock is under way. `conclude_lock` does all of its work.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };

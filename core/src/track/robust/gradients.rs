@@ -89,7 +89,7 @@ impl Extractor {
     }
 
     /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
-    pub(super) fn advance(
+    pub(super) fn next_row(
         &mut self,
         frame: &Frame<'_>,
         lattice: &Lattice,

@@ -182,7 +182,7 @@ impl Learning {
     }
 
     /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid.
-    pub(super) fn advance(
+    pub(super) fn next_piece(
         &mut self,
         training: &Training<'_>,
         direction: &mut Coded<WEIGHTS>,
@@ -288,7 +288,7 @@ mod tests {
             let (mut sums, mut direction) = (Sums::new(), Coded::new());
             let (mut packed, mut work, mut learning) = (Packed::new(), UnderWay::NOTHING, Learning::begin((0, 0), 160));
             loop {
-                let length = learning.advance(&training, &mut direction, &mut sums, &mut packed, &mut work);
+                let length = learning.next_piece(&training, &mut direction, &mut sums, &mut packed, &mut work);
                 if let Some(length) = length {
                     return length;
                 }
@@ -316,12 +316,12 @@ mod tests {
             let mut learning = Learning::begin((512, -256), 160);
             let mut length = None;
             while length.is_none() {
-                length = learning.advance(&training, &mut coded, &mut sums, &mut packed, &mut work);
+                length = learning.next_piece(&training, &mut coded, &mut sums, &mut packed, &mut work);
             }
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
             let mut pieces = 0..;
-            while !responses.advance(
+            while !responses.compute(
                 &coded,
                 products,
                 &mut packed,

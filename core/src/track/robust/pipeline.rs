@@ -167,7 +167,7 @@ impl Model<'_> {
     }
 
     /// Begins the view that becomes the early template.
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn begin_template(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
     }
@@ -181,7 +181,7 @@ impl Model<'_> {
 
     /// Continues until the grant is spent. True if no stage is left.
     #[inline(never)]
-    pub(super) fn advance(
+    pub(super) fn step(
         &self,
         pipeline: &mut Pipeline,
         buffers: &mut Buffers,
@@ -189,25 +189,25 @@ impl Model<'_> {
         frame: &Frame<'_>,
     ) -> bool {
         while !matches!(pipeline.stage, Stage::Done) && !work.is_spent() {
-            self.advance_stage(pipeline, buffers, work, frame);
+            self.next_piece(pipeline, buffers, work, frame);
         }
         matches!(pipeline.stage, Stage::Done)
     }
 
     /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
     /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
-    fn advance_stage(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
+    fn next_piece(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
             Stage::Template(view) => {
                 let Buffers { extractor, comparison, .. } = buffers;
-                if view.advance(frame, extractor.sampling(), comparison, work) {
+                if view.next_row(frame, extractor.sampling(), comparison, work) {
                     self.search(pipeline, buffers, Purpose::Lock);
                 }
             }
             Stage::Features(purpose, lattice) => {
                 let Buffers { extractor, large: cells, .. } = buffers;
-                if extractor.advance(frame, lattice, cells, work) {
+                if extractor.next_row(frame, lattice, cells, work) {
                     match *purpose {
                         Purpose::Lock => {
                             // All weights are 0, and so are their responses.
@@ -222,7 +222,7 @@ impl Model<'_> {
                 let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
                 let (window, spare) = (self.window(cells), &mut sums.per_weight);
                 let done =
-                    responses.advance(coded, self.products(), extractor.lend_sums(), spare, window, *piece, work);
+                    responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, work);
                 *piece += 1;
                 match *purpose {
                     _ if !done => {}
@@ -233,7 +233,8 @@ impl Model<'_> {
             Stage::Verification(purpose, verification) => {
                 let Buffers { extractor, comparison, .. } = buffers;
                 let reference = self.reference();
-                if let Some(verified) = verification.advance(&reference, frame, extractor.sampling(), comparison, work)
+                if let Some(verified) =
+                    verification.next_piece(&reference, frame, extractor.sampling(), comparison, work)
                 {
                     match *purpose {
                         Purpose::Redetect => redetect(pipeline, verified),
@@ -249,7 +250,7 @@ impl Model<'_> {
             }
             Stage::Scale(search, growth) => {
                 let (tools, mut borrowed) = self.scale_search(buffers);
-                if let Some(scale) = search.advance(&tools, frame, &mut borrowed, work) {
+                if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, work) {
                     let last = pipeline.outcome.candidate.place.scale;
                     let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
                     self.decide(pipeline, scale, buffers);
@@ -264,7 +265,7 @@ impl Model<'_> {
                     responses,
                     products: self.products(),
                 };
-                let length = learning.advance(&training, coded, sums, extractor.lend_sums(), work);
+                let length = learning.next_piece(&training, coded, sums, extractor.lend_sums(), work);
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
                     #[cfg(feature = "refiner")]
@@ -277,7 +278,7 @@ impl Model<'_> {
             Stage::FirstCrop(crop) => {
                 let Buffers { extractor, small, .. } = buffers;
                 let room = small.first_chunk_mut();
-                if room.is_none_or(|room| crop.advance(frame, extractor.sampling(), room, work)) {
+                if room.is_none_or(|room| crop.next_row(frame, extractor.sampling(), room, work)) {
                     self.begin_template(pipeline, buffers);
                 }
             }
@@ -285,7 +286,7 @@ impl Model<'_> {
             Stage::Refiner(refiner) => {
                 let Buffers { extractor, large: cells, .. } = buffers;
                 let dense = Dense::new(self.config.backend());
-                let estimate = refiner.advance(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
+                let estimate = refiner.next_piece(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
                 if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
                     track.correction.take(estimate);
                     pipeline.stage = Stage::Done;
@@ -297,7 +298,7 @@ impl Model<'_> {
     /// Begins the refiner after the learning of an update, unless the early template gave the exact place and size. The
     /// window's features are not needed any more, so the refiner uses their memory.
     #[cfg(feature = "refiner")]
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         let Outcome { track: Some(track), candidate, steps_left: 0, .. } = &mut pipeline.outcome else { return };
         if candidate.is_exact() {
@@ -313,7 +314,7 @@ impl Model<'_> {
     }
 
     /// Begins the search of a window.
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn search(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
         let lattice = Lattice::search_window(self.centre(purpose), &self.track.grid, self.config.reach());
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
@@ -330,7 +331,7 @@ impl Model<'_> {
     }
 
     /// Begins the verification of the peak.
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn verify(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
         let peak = buffers.responses.peak(self.config.parts.distance_penalty);
         // 1/256 cell is 1/64 pixel of the grid.
@@ -349,7 +350,7 @@ impl Model<'_> {
 
     /// Refines a verified candidate and begins the scale search. Returns the scale if the configuration has no scale
     /// search.
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn refine(
         &self,
         pipeline: &mut Pipeline,
@@ -378,7 +379,7 @@ impl Model<'_> {
     }
 
     /// Decides on the state, and on learning or redetection, when place and scale are known.
-    #[inline(never)] // see `advance_stage`
+    #[inline(never)] // see `next_piece`
     fn decide(&self, pipeline: &mut Pipeline, scale: u32, buffers: &mut Buffers) {
         pipeline.stage = Stage::Done;
         let Outcome { track: Some(track), candidate, template_learns, .. } = &mut pipeline.outcome else { return };
@@ -443,7 +444,7 @@ impl Model<'_> {
         let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
         let mut pieces = 0..;
-        while !responses.advance(
+        while !responses.compute(
             coded,
             self.products(),
             extractor.lend_sums(),
@@ -461,7 +462,7 @@ impl Model<'_> {
 fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
     *stage = Stage::Done;
     let Some(track) = &mut outcome.track else { return };
-    track.sweep.advance();
+    track.sweep.move_on();
     let evidence = Evidence::of(&candidate);
     if evidence.finds(Evidence::of(&outcome.candidate)) {
         track.motion = Motion::at(candidate.place);

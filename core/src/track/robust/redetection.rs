@@ -19,7 +19,7 @@ impl Sweep {
         Self { next: 0 }
     }
 
-    pub(super) fn advance(&mut self) {
+    pub(super) fn move_on(&mut self) {
         self.next = self.next.wrapping_add(1);
     }
 

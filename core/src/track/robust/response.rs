@@ -64,7 +64,7 @@ impl Responses {
     /// Computes one piece of the responses of coded weights, without penalty. True after the last piece.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
-    pub(super) fn advance(
+    pub(super) fn compute(
         &mut self,
         weights: &Coded<WEIGHTS>,
         products: Products,

@@ -73,7 +73,7 @@ impl ScaleSearch {
     }
 
     /// Does one piece of work. Returns the best scale after the last piece.
-    pub(super) fn advance(
+    pub(super) fn next_piece(
         &mut self,
         tools: &Tools<'_>,
         frame: &Frame<'_>,
@@ -81,7 +81,7 @@ impl ScaleSearch {
         work: &mut UnderWay,
     ) -> Option<u32> {
         if !self.sampled {
-            self.sampled = borrowed.extractor.advance(frame, &self.lattice, borrowed.cells, work);
+            self.sampled = borrowed.extractor.next_row(frame, &self.lattice, borrowed.cells, work);
             return None;
         }
         let [smaller, larger] = other_scales(self.place.scale);

@@ -293,8 +293,8 @@ impl Steps for Robust {
         self.model(track).begin_lock(&mut workspace.pipeline, &mut workspace.buffers);
     }
 
-    fn advance(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
-        while self.advance_pipeline(workspace, frame) {
+    fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+        while self.step_pipeline(workspace, frame) {
             if !self.begin_another_step(workspace) {
                 return true;
             }
@@ -356,12 +356,12 @@ impl Steps for Robust {
 
 impl Robust {
     /// Continues until the grant is spent. True if an update or a learning step of a lock is done.
-    fn advance_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
+    fn step_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
         let Workspace { pipeline, buffers, under_way } = workspace;
         // During a lock the track is in the workspace. `or` would put both on the stack.
         let track = if self.memory.track.is_some() { &self.memory.track } else { &pipeline.outcome.track };
         let Some(track) = *track else { return true };
-        self.model(track).advance(pipeline, buffers, under_way, frame)
+        self.model(track).step(pipeline, buffers, under_way, frame)
     }
 
     /// Changes the weights after a learning step of a lock. True if another step has begun.

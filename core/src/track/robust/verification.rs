@@ -176,7 +176,7 @@ impl View {
 
     /// Samples a row; true after the last one.
     #[inline(never)]
-    pub(super) fn advance(
+    pub(super) fn next_row(
         &mut self,
         frame: &Frame<'_>,
         sampling: &mut Sampling,
@@ -221,7 +221,7 @@ impl Verification {
     }
 
     /// Does one piece of work. Returns the result after the last piece.
-    pub(super) fn advance(
+    pub(super) fn next_piece(
         &mut self,
         reference: &Reference<'_>,
         frame: &Frame<'_>,
@@ -233,7 +233,7 @@ impl Verification {
         let (phase, search) = (&mut self.phase, &mut self.search);
         match phase {
             Phase::View(view) => {
-                if view.advance(frame, sampling, comparison, work) {
+                if view.next_row(frame, sampling, comparison, work) {
                     *phase = Phase::Alignment(0);
                 }
             }

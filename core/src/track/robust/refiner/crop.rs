@@ -85,7 +85,7 @@ impl Crop {
 
     /// Samples a row into `crop`, and normalises the crop after the last row. True after the last row.
     #[inline(never)]
-    pub(in super::super) fn advance(
+    pub(in super::super) fn next_row(
         &mut self,
         frame: &Frame<'_>,
         sampling: &mut Sampling,

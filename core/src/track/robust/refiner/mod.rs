@@ -42,7 +42,7 @@ pub(super) enum Refiner {
 impl Refiner {
     /// Does one piece of work. Returns the network's estimate after the last piece. `first` is the crop of the first
     /// frame, `cells` scratch memory.
-    pub(super) fn advance(
+    pub(super) fn next_piece(
         &mut self,
         dense: Dense,
         frame: &Frame<'_>,
@@ -54,12 +54,12 @@ impl Refiner {
         match self {
             Self::Crop(crop) => {
                 let present = network::room_for_crop(cells);
-                if present.is_none_or(|present| crop.advance(frame, sampling, present, work)) {
+                if present.is_none_or(|present| crop.next_row(frame, sampling, present, work)) {
                     *self = Self::Layers(Layers::begin(first, cells, work));
                 }
                 None
             }
-            Self::Layers(layers) => layers.advance(dense, cells, work),
+            Self::Layers(layers) => layers.next_row(dense, cells, work),
         }
     }
 }

@@ -170,7 +170,7 @@ impl Layers {
 
     /// Computes a row of a convolution, or both full layers. Returns the outputs after the last piece.
     #[inline(never)]
-    pub(super) fn advance(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
+    pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
             return Some(full(dense, even, work));
