@@ -1,87 +1,14 @@
-//! The track of a target: its search window (step 1 of the method), and the gate, which accepts or refuses the peak of
-//! a search.
+//! The gate: accepts or refuses the peak of a search.
 
 use super::config::{Config, Fraction, RunnerUp};
+use super::track::Track;
 use crate::image::Rect;
-use crate::search::{Found, Peak, Radius, Wanted, Window};
+use crate::search::{Found, Peak, Wanted};
 use crate::similarity::Table;
-use crate::track::update::Owner;
-use crate::track::{LockError, Quality, State};
+use crate::track::State;
 use core::cmp::Ordering;
 
-/// The memory of a target in addition to its template.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Track {
-    pub(super) target: Rect,
-    pub(super) bounds: Rect,
-    pub(super) state: State,
-    /// True if a peak was partly outside the frame. `gate.returning` then applies until a lost target is found again.
-    pub(super) edge: bool,
-    /// Frames since a peak was last accepted.
-    pub(super) lost_for: u16,
-    /// The quality of the locked box.
-    pub(super) quality: Quality,
-}
-
 impl Track {
-    pub(super) const fn new(bounds: Rect, target: Rect) -> Self {
-        Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
-    }
-
-    /// Adds all of the track to `owner`.
-    pub(super) const fn identify(&self, owner: &mut Owner) {
-        let Self { target, bounds, state, edge, lost_for, quality } = *self;
-        owner.add_rect(target);
-        owner.add_rect(bounds);
-        owner.add((lost_for as u32) << 16 | (state.code() as u32) << 8 | edge as u32);
-        owner.add(quality.value() as u32);
-    }
-
-    /// Refuses a target that needs more than `pixels` pixels of template or `span` offsets on an axis.
-    #[inline(always)] // two copies with known numbers are smaller than one without
-    pub(super) fn check_room(&self, pixels: usize, span: usize, config: &Config) -> Result<(), LockError> {
-        if !usize::try_from(self.target.area()).is_ok_and(|area| area <= pixels) {
-            return Err(LockError::BoxTooLarge);
-        }
-        let (columns, rows) = Window::largest_size(self.target, config.window_limit, self.bounds, config.padding);
-        if columns.max(rows) > span { Err(LockError::WindowTooLarge) } else { Ok(()) }
-    }
-
-    /// The window of the next search: radius + growth * `lost_for`, up to the limit.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn search_window(&self, config: &Config) -> Window {
-        let grown =
-            |radius: u16, limit: u16| radius.saturating_add(config.growth.saturating_mul(self.lost_for)).min(limit);
-        let (radius, limit) = (config.window, config.window_limit);
-        let radius = Radius { x: grown(radius.x, limit.x), y: grown(radius.y, limit.y) };
-        Window::new(self.target, radius, self.bounds, config.padding)
-    }
-
-    /// The pixels of the frame that the next search may read.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn pixels(&self, config: &Config) -> Rect {
-        self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
-    }
-
-    /// Moves the box by units of 1/256 pixel, rounded to pixels; it stays in the padded frame.
-    pub(super) fn moved(&mut self, right: i32, down: i32, padding: u16) {
-        let by = |units: i32| units.saturating_add(128) >> 8;
-        let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));
-        self.target = Rect { x, y, ..self.target };
-        self.target = self.nearest_on(padding);
-    }
-
-    /// The box moved into the padded frame.
-    pub(super) fn nearest_on(&self, padding: u16) -> Rect {
-        let into = |at: i32, frame: u16, size: u16| {
-            let first = -i32::from(padding);
-            // Not `clamp`: it can panic.
-            at.min(i32::from(frame) + i32::from(padding) - i32::from(size)).max(first)
-        };
-        let Rect { x, y, width, height } = self.target;
-        Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
-    }
-
     /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only
     /// if `least_ratio` is not 0.
     #[cfg_attr(smr_small, inline(never))]

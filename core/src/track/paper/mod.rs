@@ -3,7 +3,8 @@
 //! | file | what it does | step of the paper |
 //! |---|---|---|
 //! | `config.rs` | the numbers of the method, and the presets | |
-//! | `gate.rs` | the search window, and whether a match is accepted | 1 |
+//! | `track.rs` | the track of a target, and its search window | 1 |
+//! | `gate.rs` | whether a match is accepted | |
 //! | `template.rs` | the template and alpha | 5, 6 |
 //! | `workspace.rs` | scratch memory | |
 //! | `saved.rs` | a target as bytes | |
@@ -18,6 +19,7 @@ mod target;
 mod template;
 #[cfg(test)]
 mod tests;
+mod track;
 mod workspace;
 
 pub use crate::search::Radius;

@@ -1,8 +1,8 @@
 //! A target of the paper's tracker as bytes: track, threshold, template.
 
 use super::config::{Config, RunnerUp};
-use super::gate::Track;
 use super::template::Template;
+use super::track::Track;
 use crate::image::Rect;
 use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
 use crate::track::{Quality, RestoreError, SaveError, State};

@@ -1,9 +1,10 @@
 //! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
 
 use super::config::Config;
-use super::gate::{Track, ratio, searches};
+use super::gate::{ratio, searches};
 use super::saved;
 use super::template::Template;
+use super::track::Track;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};

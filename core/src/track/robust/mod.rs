@@ -36,9 +36,9 @@
 //! frame that is learned, without the refiner; the rest of it is the coding of weights. A frame is learned or
 //! redetected, never both.
 //!
-//! `pipeline.rs` runs these stages and cuts them into steps, `state.rs` holds what the tracker remembers, `cost.rs`
-//! counts the work, `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not
-//! in [`Config`].
+//! `pipeline.rs` runs these stages and cuts them into steps, `memory.rs` and `track.rs` hold what the tracker remembers,
+//! `saved.rs` writes it as bytes, `buffers.rs` says which stage uses which memory, `cost.rs` counts the work,
+//! `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not in [`Config`].
 
 mod alignment;
 mod buffers;
@@ -53,6 +53,7 @@ mod gradients;
 mod grid;
 mod learning;
 mod lighting;
+mod memory;
 mod motion;
 mod pipeline;
 mod redetection;
@@ -61,12 +62,14 @@ mod refinement;
 mod refiner;
 mod response;
 mod sampling;
+mod saved;
 mod scale;
-mod state;
+
 mod target;
 mod template;
 #[cfg(test)]
 mod tests;
+mod track;
 mod verification;
 mod workspace;
 
@@ -77,6 +80,6 @@ pub use constants::{CELL, CHANNELS, REACH};
 pub use grid::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
 pub(crate) use refiner::REFINER_WEIGHTS;
-pub(super) use state::numbers;
+pub(super) use saved::numbers;
 pub use target::Robust;
 pub use workspace::Workspace;

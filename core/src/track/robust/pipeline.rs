@@ -23,6 +23,7 @@ use super::cost::{CODED, REFINED, weights};
 use super::division::quotient;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
+use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::refinement::{Refined, refine};
 #[cfg(feature = "refiner")]
@@ -30,7 +31,7 @@ use super::refiner::{self, Crop, Refiner};
 use super::response::layout;
 use super::sampling::Lattice;
 use super::scale::{self, ScaleSearch, Tools};
-use super::state::{Memory, Track};
+use super::track::Track;
 use super::verification::{Candidate, Reference, Verification, Verified, View};
 use crate::correlation::Window;
 use crate::image::{Frame, Image};

@@ -5,13 +5,15 @@ use super::config::Config;
 use super::constants::SPAN;
 use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH};
 use super::grid::Grid;
+use super::memory::Memory;
 use super::motion::Place;
 use super::pipeline::Model;
 #[cfg(feature = "refiner")]
 use super::refiner::{FIRST, reachable};
 use super::sampling::Lattice;
+use super::saved;
 use super::scale::other_scales;
-use super::state::{self, Memory, Track};
+use super::track::Track;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::saved::Settings;
@@ -158,7 +160,7 @@ impl core::fmt::Debug for Robust {
 impl Target for Robust {
     type Config = Config;
 
-    const SAVED_SIZE: usize = state::SAVED_SIZE;
+    const SAVED_SIZE: usize = saved::SAVED_SIZE;
 
     /// The most work, which is the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
@@ -233,7 +235,7 @@ impl Target for Robust {
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        state::reader(&self.config, bytes).map(drop)
+        saved::reader(&self.config, bytes).map(drop)
     }
 }
 
@@ -241,7 +243,7 @@ impl Steps for Robust {
     type Workspace = Workspace;
 
     fn identify(&self, owner: &mut Owner, _: &Seal) {
-        let numbers = state::numbers(&self.config);
+        let numbers = saved::numbers(&self.config);
         Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
         if self.memory.track.is_none() {
             self.locking.identify(owner);

@@ -1,174 +1,19 @@
-//! The memory of a target from frame to frame, and its saved form.
+//! A target of the robust tracker as bytes: track, filter, early template, and the refiner's memory.
 
 use super::confidence::Confidence;
 use super::config::{Config, Parts};
-#[cfg(feature = "refiner")]
-use super::constants::MARGIN;
-use super::constants::{CELL, CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL, PIXEL_BITS, SCALE, WEIGHTS};
+use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS};
 use super::grid::Grid;
+use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
 #[cfg(feature = "refiner")]
-use super::refiner::{Correction, FIRST, reachable};
-use super::sampling::Lattice;
+use super::refiner::{Correction, FIRST};
 use super::scale;
-use super::template::Template;
-use crate::correlation::Filter;
-use crate::image::{FineRect, Rect};
+use super::track::Track;
+use crate::image::Rect;
 use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
-use crate::track::update::Owner;
 use crate::track::{Quality, RestoreError, SaveError};
-#[cfg(feature = "refiner")]
-use heapless::Vec;
-
-/// Everything that the tracker remembers of a target.
-pub(super) struct Memory {
-    /// `None` before the first lock.
-    pub(super) track: Option<Track>,
-    pub(super) filter: Filter<WEIGHTS>,
-    pub(super) template: Template,
-    /// The first frame's target, as the refiner sees it.
-    #[cfg(feature = "refiner")]
-    pub(super) first: Vec<i8, FIRST>,
-}
-
-impl Memory {
-    #[inline(always)]
-    pub(super) const fn new() -> Self {
-        Self {
-            track: None,
-            filter: Filter::new(),
-            template: Template::new(),
-            #[cfg(feature = "refiner")]
-            first: Vec::new(),
-        }
-    }
-}
-
-/// The track of a target: place, velocity, scale, confidence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Track {
-    pub(super) bounds: Rect,
-    pub(super) grid: Grid,
-    /// The size of the locked box.
-    pub(super) size: [u16; 2],
-    pub(super) motion: Motion,
-    /// The scale when the state was last tracking.
-    pub(super) tracked_scale: u32,
-    pub(super) confidence: Confidence,
-    pub(super) sweep: Sweep,
-    pub(super) quality: Quality,
-    #[cfg(feature = "refiner")]
-    pub(super) correction: Correction,
-}
-
-impl Track {
-    pub(super) fn new(bounds: Rect, target: Rect) -> Self {
-        Self {
-            bounds,
-            grid: Grid::new(target),
-            size: [target.width, target.height],
-            motion: Motion::at(Place::of(target)),
-            tracked_scale: SCALE,
-            confidence: Confidence::FULL,
-            sweep: Sweep::new(),
-            quality: Quality::NONE,
-            #[cfg(feature = "refiner")]
-            correction: Correction::NONE,
-        }
-    }
-
-    /// Adds all numbers but the grid, which follows from the size.
-    fn identify(&self, owner: &mut Owner) {
-        let Self { bounds, grid: _, size: [width, height], motion, tracked_scale, .. } = *self;
-        owner.add_rect(bounds);
-        owner.add(u32::from(width) << 16 | u32::from(height));
-        let Motion { place: Place { x, y, scale }, velocity: [right, down] } = motion;
-        [x, y, right, down].into_iter().for_each(|place| owner.add_long(place));
-        let mean = self.confidence.mean().cast_unsigned();
-        let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into()];
-        rest.into_iter().for_each(|number| owner.add(number));
-        #[cfg(feature = "refiner")]
-        {
-            let Correction { centre, sides } = self.correction;
-            centre.into_iter().chain(sides).for_each(|number| owner.add(number.cast_unsigned()));
-        }
-    }
-
-    /// The expected place of the target in the next frame.
-    pub(super) fn expected(&self, config: &Config) -> Place {
-        self.motion.expected(config.parts.velocity, self.bounds)
-    }
-
-    /// The middle of the next window of redetection, at the scale when the state was last tracking.
-    #[inline(never)]
-    pub(super) fn swept(&self, reach: u16) -> Place {
-        let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
-        let (x, y) = self.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), self.bounds);
-        Place { x, y, scale: self.tracked_scale }
-    }
-
-    /// The pixels of the frame that the search window around a place reads.
-    pub(super) fn pixels(&self, place: Place, reach: u16) -> Rect {
-        Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
-    }
-
-    /// The box of the answer: the followed box, corrected by the refiner.
-    #[inline(never)]
-    pub(super) fn bbox(&self) -> FineRect {
-        #[cfg(feature = "refiner")]
-        return self.correction.correct(self.followed());
-        #[cfg(not(feature = "refiner"))]
-        self.followed()
-    }
-
-    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`.
-    /// Beyond the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement moves by
-    /// up to a pixel, and the scale may grow by a step.
-    #[cfg(feature = "refiner")]
-    pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
-        let [_, larger] = scale::other_scales(centre.scale);
-        let pixels = (reach + 1) * CELL + MARGIN + 2;
-        let by = i64::from(pixels) * self.grid.step_at(larger);
-        let target = Self { motion: Motion::at(Place { scale: larger, ..centre }), ..*self };
-        reachable(target.bbox(), by, self.bounds)
-    }
-
-    /// The box of the followed place and scale, without the refiner's correction.
-    pub(super) fn followed(&self) -> FineRect {
-        let Place { x, y, scale } = self.motion.place;
-        let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
-        let [width, height] = self.size.map(size);
-        let corner = |middle: i64, size: u32| {
-            let corner = ((middle + PIXEL / 2) >> 4) - i64::from(size / 2);
-            i32::try_from(corner).unwrap_or(0)
-        };
-        FineRect { x: corner(x, width), y: corner(y, height), width, height }
-    }
-}
-
-impl Memory {
-    /// Adds all numbers that the rest of an update or of a lock under way depends on: those that [`Memory::save`]
-    /// writes.
-    pub(super) fn identify(&self, owner: &mut Owner) {
-        if let Some(track) = &self.track {
-            track.identify(owner);
-        }
-        self.filter.weights().iter().for_each(|&weight| owner.add(weight.cast_unsigned()));
-        if self.track.is_none() {
-            return;
-        }
-        let (pairs, odd) = self.template.mean().as_chunks();
-        pairs.iter().for_each(|&[first, second]| owner.add(u32::from(first) << 16 | u32::from(second)));
-        odd.iter().for_each(|&pixel| owner.add(pixel.into()));
-        #[cfg(feature = "refiner")]
-        self.first
-            .as_chunks()
-            .0
-            .iter()
-            .for_each(|&inputs| owner.add(u32::from_le_bytes(inputs.map(i8::cast_unsigned))));
-    }
-}
 
 /// The numbers of the configuration without the table.
 const NUMBERS: usize = 13;
@@ -316,17 +161,4 @@ pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
         (Setting::EarlyRate, config.early_rate),
         (Setting::Refiner, config.refiner as u16),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_box_grows_around_its_middle() {
-        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20));
-        assert_eq!(track.bbox().whole(), Rect::new(20, 30, 10, 20));
-        track.motion.place.scale = 2 * SCALE;
-        assert_eq!(track.bbox().whole(), Rect::new(15, 20, 20, 40));
-    }
 }
