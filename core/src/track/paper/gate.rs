@@ -9,14 +9,13 @@ use crate::track::State;
 use core::cmp::Ordering;
 
 impl Track {
-    /// The track after a search. `shows` tells whether the patch in a box can show the target at all; it is called only
-    /// if `least_ratio` is not 0.
+    /// The track after a search that found this peak, which was accepted or refused.
     #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn after(&self, found: &Found, config: &Config, shows: impl FnOnce(Rect) -> bool) -> Self {
-        let (target, state) = self.at(&found.peak);
+    pub(super) fn after(&self, peak: &Peak, accepted: bool) -> Self {
+        let (target, state) = self.at(peak);
         let was_lost = self.state == State::Lost;
         let edge = self.edge || (!was_lost && state == State::Leaving);
-        if self.accepts(found, state, config) && (config.gate.least_ratio == 0 || shows(target)) {
+        if accepted {
             Self { target, state, edge: edge && !was_lost, lost_for: 0, ..*self }
         } else {
             Self { state: State::Lost, edge, lost_for: self.lost_for.saturating_add(1), ..*self }
@@ -25,14 +24,14 @@ impl Track {
 
     /// The box at `peak`, and the state of a target there.
     #[cfg_attr(smr_small, inline(never))]
-    fn at(&self, peak: &Peak) -> (Rect, State) {
+    pub(super) fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
 
     /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
     #[cfg_attr(smr_small, inline(never))]
-    fn accepts(&self, found: &Found, state: State, config: &Config) -> bool {
+    pub(super) fn passes(&self, found: &Found, state: State, config: &Config) -> bool {
         let (gate, peak) = (&config.gate, found.peak.score);
         // `None`: the runner-up is below the peak, and the decision does not depend on it.
         let runner_up = found.runner_up.unwrap_or(0);

@@ -96,15 +96,12 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     /// Applies the gate to the result of the search, and sets the new state, box and template.
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
+        let (target, state) = track.at(&found.peak);
+        let passes = track.passes(&found, state, &self.config);
         // A box partly outside the frame has no patch and is not checked.
-        let mut seen = Contrast::NONE;
-        let shows = |target| {
-            frame.patch(target).is_none_or(|patch| {
-                seen = Contrast::of(patch);
-                self.template.is_shown_by(seen)
-            })
-        };
-        let track = track.after(&found, &self.config, shows);
+        let patch = if passes && self.config.gate.least_ratio > 0 { frame.patch(target) } else { None };
+        let seen = patch.map_or(Contrast::NONE, Contrast::of);
+        let track = track.after(&found.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
         if track.state != State::Lost
             && self.config.update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
