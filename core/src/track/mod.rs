@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `answer.rs`, `error.rs`, `quality.rs`, `bound.rs` | the results of the calls |
 //! | `update.rs` | updates and locks in steps |
+//! | `budget.rs` | the work of a step |
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
@@ -23,6 +24,7 @@
 
 mod answer;
 mod bound;
+mod budget;
 mod checksum;
 pub mod copies;
 mod error;

@@ -4,9 +4,8 @@
 //! fingerprint of the state of the target that began the update, and `resume` accepts any target in that state: the one
 //! that began, wherever it lies, or a copy. A lock, the end of an update, `restore` and `moved` change the state, and
 //! so they end an update under way. A lock under way is part of the state: its box, and the weights learned so far.
-//!
-//! Each step is granted an amount of work, which is counted down. The total is only reported.
 
+use super::budget::Budget;
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
 use core::{fmt, mem};
@@ -132,15 +131,12 @@ pub struct UnderWay {
     owner: Owner,
     /// True if the last step of a lock has changed the target.
     changed: bool,
-    /// The work that the present step may still do.
-    granted: u32,
-    /// The work of all steps so far. Saturates.
-    done: u32,
+    pub(super) budget: Budget,
 }
 
 impl UnderWay {
     pub(super) const NOTHING: Self =
-        Self { kind: Kind::Nothing, owner: Owner::NOBODY, changed: false, granted: 0, done: 0 };
+        Self { kind: Kind::Nothing, owner: Owner::NOBODY, changed: false, budget: Budget::NOTHING };
 
     /// Ends the update or lock under way.
     pub(super) const fn end(&mut self) {
@@ -150,30 +146,6 @@ impl UnderWay {
     /// Notes that this step of a lock has changed the target.
     pub(super) const fn change(&mut self) {
         self.changed = true;
-    }
-
-    pub(super) const fn granted(&self) -> u32 {
-        self.granted
-    }
-
-    pub(super) const fn done(&self) -> u32 {
-        self.done
-    }
-
-    pub(super) const fn is_spent(&self) -> bool {
-        self.granted == 0
-    }
-
-    /// Counts work done. It may exceed the grant, because a piece of work cannot be divided.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(super) const fn spend(&mut self, work: u32) {
-        self.granted = self.granted.saturating_sub(work);
-        self.done = self.done.saturating_add(work);
-    }
-
-    /// Grants a step its work. 0 counts as 1, so that every step makes progress.
-    const fn grant(&mut self, work: u32) {
-        self.granted = if work == 0 { 1 } else { work };
     }
 }
 
@@ -412,7 +384,7 @@ pub mod calls {
 
 /// Continues for about `work` units of work.
 fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: u32) -> bool {
-    T::under_way(workspace, SEAL).grant(work);
+    T::under_way(workspace, SEAL).budget.grant(work);
     target.step(workspace, frame, SEAL)
 }
 

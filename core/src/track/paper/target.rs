@@ -233,7 +233,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     fn work(workspace: &Self::Workspace) -> u32 {
-        workspace.under_way.done()
+        workspace.under_way.budget.done()
     }
 
     #[inline(never)]
@@ -277,7 +277,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
         let window = *window;
         let scene = Scene { frame: *frame, template: image, window, scorer: &scorer };
-        under_way.spend(search.step(&scene, under_way.granted()));
+        under_way.budget.spend(search.step(&scene, under_way.budget.granted()));
         if !search.is_done() {
             return false;
         }
@@ -302,7 +302,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if let Some(patch) = frame.patch(target) {
             self.template.start(patch, &self.config);
         }
-        under_way.spend(3 * target.area());
+        under_way.budget.spend(3 * target.area());
         table.set(self.config.table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
         self.track = Some(Track { quality, ..Track::new(self.locking.bounds(), target) });

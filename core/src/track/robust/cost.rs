@@ -10,6 +10,7 @@ use super::constants::{
 };
 use super::grid::Grid;
 use crate::track::MostWork;
+use crate::track::budget::units;
 
 /// Units for each sample of a search window, including its share of the features.
 pub(super) const SAMPLED: u32 = 64;
@@ -35,11 +36,6 @@ pub(super) const CROP: u32 = 32;
 const NETWORK: u32 = super::refiner::WORK;
 #[cfg(not(feature = "refiner"))]
 const NETWORK: u32 = 0;
-
-/// The units of this many products.
-pub(super) fn units(products: usize) -> u32 {
-    u32::try_from(products).unwrap_or(u32::MAX)
-}
 
 /// The number of the filter's weights on a grid.
 pub(super) fn weights(grid: &Grid) -> u32 {

@@ -23,7 +23,7 @@ use super::cost::SAMPLED;
 use super::sampling::{COLUMNS, Lattice, Sampling};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
-use crate::track::update::UnderWay;
+use crate::track::budget::Budget;
 use core::cell::Cell;
 use heapless::Vec;
 
@@ -94,10 +94,10 @@ impl Extractor {
         frame: &Frame<'_>,
         lattice: &Lattice,
         out: &mut [i8],
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> bool {
         let done = self.row(frame, lattice, out);
-        work.spend(self.sampling.work(SAMPLED));
+        budget.spend(self.sampling.work(SAMPLED));
         done
     }
 

@@ -23,14 +23,14 @@
 //! Cost: 578 products for each weight by default, twice as many as the responses of a search.
 
 use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
-use super::cost::{CODED, SLOPED, units, weights};
+use super::cost::{CODED, SLOPED, weights};
 use super::division::quotient;
 use super::gaussian::Gaussian;
 use super::grid::Grid;
 use super::response::Responses;
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
-use crate::track::update::UnderWay;
+use crate::track::budget::{Budget, units};
 
 /// The inputs of a step: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
@@ -188,18 +188,18 @@ impl Learning {
         direction: &mut Coded<WEIGHTS>,
         sums: &mut Sums,
         packed: &mut Packed,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> Option<i64> {
         let Training { filter, grid, window, products, .. } = training;
         let (layout, count) = (window.layout, filter.weights().len());
         match self.phase {
             Phase::Errors => {
                 let error_shift = sums.code_errors(training, self.target);
-                work.spend(units(layout.span.pow(2)) + CODED * weights(grid));
+                budget.spend(units(layout.span.pow(2)) + CODED * weights(grid));
                 self.phase = Phase::Gradient { piece: 0, error_shift };
             }
             Phase::Gradient { piece, error_shift } => {
-                work.spend(units(products.gather_work(piece, layout, count)));
+                budget.spend(units(products.gather_work(piece, layout, count)));
                 let Sums { per_weight: gradient, per_offset: spare, coded_errors } = sums;
                 let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), spare.as_flattened_mut());
                 let done = add_gradient(*products, packed, spare, *window, coded_errors, piece, gradient);
@@ -211,13 +211,13 @@ impl Learning {
             }
             Phase::Direction { error_shift } => {
                 let descent = sums.code_direction(training, error_shift, direction);
-                work.spend(SLOPED * weights(grid));
+                budget.spend(SLOPED * weights(grid));
                 self.phase = Phase::Curvature { piece: 0, descent };
             }
             Phase::Curvature { piece, descent } => {
-                work.spend(units(products.work(piece, layout, count)));
+                budget.spend(units(products.work(piece, layout, count)));
                 if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
-                    work.spend(CODED * weights(grid));
+                    budget.spend(CODED * weights(grid));
                     return Some(sums.step_length(direction.numbers(), descent, self.rate));
                 }
                 self.phase = Phase::Curvature { piece: piece + 1, descent };
@@ -286,9 +286,9 @@ mod tests {
         let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
         let length = |left: i32| {
             let (mut sums, mut direction) = (Sums::new(), Coded::new());
-            let (mut packed, mut work, mut learning) = (Packed::new(), UnderWay::NOTHING, Learning::begin((0, 0), 160));
+            let (mut packed, mut budget, mut learning) = (Packed::new(), Budget::NOTHING, Learning::begin((0, 0), 160));
             loop {
-                let length = learning.next_piece(&training, &mut direction, &mut sums, &mut packed, &mut work);
+                let length = learning.next_piece(&training, &mut direction, &mut sums, &mut packed, &mut budget);
                 if let Some(length) = length {
                     return length;
                 }
@@ -308,7 +308,7 @@ mod tests {
             .collect();
         let (mut filter, mut sums, mut coded) = (Filter::new(), Sums::new(), Coded::new());
         filter.start(grid.weights());
-        let (products, mut packed, mut work) = (Products::new(Backend::Scalar), Packed::new(), UnderWay::NOTHING);
+        let (products, mut packed, mut budget) = (Products::new(Backend::Scalar), Packed::new(), Budget::NOTHING);
         let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
         let mut responses = Responses { span: SPAN, ..Responses::new() };
         for _ in 0..25 {
@@ -316,7 +316,7 @@ mod tests {
             let mut learning = Learning::begin((512, -256), 160);
             let mut length = None;
             while length.is_none() {
-                length = learning.next_piece(&training, &mut coded, &mut sums, &mut packed, &mut work);
+                length = learning.next_piece(&training, &mut coded, &mut sums, &mut packed, &mut budget);
             }
             filter.descend(length.unwrap(), &coded);
             filter.code(&mut coded);
@@ -328,7 +328,7 @@ mod tests {
                 &mut sums.per_weight,
                 window,
                 pieces.next().unwrap(),
-                &mut work,
+                &mut budget,
             ) {}
         }
         let peak = responses.peak(false);

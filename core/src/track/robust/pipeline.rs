@@ -39,7 +39,7 @@ use crate::image::{Frame, Image};
 use crate::kernels::Dense;
 use crate::kernels::Products;
 use crate::track::State;
-use crate::track::update::UnderWay;
+use crate::track::budget::Budget;
 
 /// The purpose of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -145,10 +145,10 @@ pub(super) struct Model<'a> {
 
 impl Model<'_> {
     /// Begins an update.
-    pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
+    pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
         self.memory.filter.code(&mut buffers.coded);
         buffers.comparison.begin(&self.reference());
-        work.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
+        budget.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
         pipeline.outcome = Outcome::new(Some(self.track));
         self.search(pipeline, buffers, Purpose::Follow);
     }
@@ -174,9 +174,9 @@ impl Model<'_> {
     }
 
     /// Begins a step of a lock's learning: the responses of the present weights.
-    pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay) {
+    pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
         self.memory.filter.code(&mut buffers.coded);
-        work.spend(CODED * weights(&self.track.grid));
+        budget.spend(CODED * weights(&self.track.grid));
         pipeline.stage = Stage::Response(Purpose::Lock, 0);
     }
 
@@ -186,29 +186,29 @@ impl Model<'_> {
         &self,
         pipeline: &mut Pipeline,
         buffers: &mut Buffers,
-        work: &mut UnderWay,
+        budget: &mut Budget,
         frame: &Frame<'_>,
     ) -> bool {
-        while !matches!(pipeline.stage, Stage::Done) && !work.is_spent() {
-            self.next_piece(pipeline, buffers, work, frame);
+        while !matches!(pipeline.stage, Stage::Done) && !budget.is_spent() {
+            self.next_piece(pipeline, buffers, budget, frame);
         }
         matches!(pipeline.stage, Stage::Done)
     }
 
     /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
     /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
-    fn next_piece(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, work: &mut UnderWay, frame: &Frame<'_>) {
+    fn next_piece(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut pipeline.stage {
             Stage::Done => {}
             Stage::Template(view) => {
                 let Buffers { extractor, comparison, .. } = buffers;
-                if view.next_row(frame, extractor.sampling(), comparison, work) {
+                if view.next_row(frame, extractor.sampling(), comparison, budget) {
                     self.search(pipeline, buffers, Purpose::Lock);
                 }
             }
             Stage::Features(purpose, lattice) => {
                 let Buffers { extractor, large: cells, .. } = buffers;
-                if extractor.next_row(frame, lattice, cells, work) {
+                if extractor.next_row(frame, lattice, cells, budget) {
                     match *purpose {
                         Purpose::Lock => {
                             // All weights are 0, and so are their responses.
@@ -223,7 +223,7 @@ impl Model<'_> {
                 let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
                 let (window, spare) = (self.window(cells), &mut sums.per_weight);
                 let done =
-                    responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, work);
+                    responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
                 *piece += 1;
                 match *purpose {
                     _ if !done => {}
@@ -235,7 +235,7 @@ impl Model<'_> {
                 let Buffers { extractor, comparison, .. } = buffers;
                 let reference = self.reference();
                 if let Some(verified) =
-                    verification.next_piece(&reference, frame, extractor.sampling(), comparison, work)
+                    verification.next_piece(&reference, frame, extractor.sampling(), comparison, budget)
                 {
                     match *purpose {
                         Purpose::Redetect => redetect(pipeline, verified),
@@ -245,13 +245,13 @@ impl Model<'_> {
             }
             Stage::Refinement(verified) => {
                 let verified = *verified;
-                if let Some(scale) = self.refine(pipeline, verified, buffers, work) {
+                if let Some(scale) = self.refine(pipeline, verified, buffers, budget) {
                     self.decide(pipeline, scale, buffers);
                 }
             }
             Stage::Scale(search, growth) => {
                 let (tools, mut borrowed) = self.scale_search(buffers);
-                if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, work) {
+                if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
                     let last = pipeline.outcome.candidate.place.scale;
                     let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
                     self.decide(pipeline, scale, buffers);
@@ -266,7 +266,7 @@ impl Model<'_> {
                     responses,
                     products: self.products(),
                 };
-                let length = learning.next_piece(&training, coded, sums, extractor.lend_sums(), work);
+                let length = learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget);
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
                     #[cfg(feature = "refiner")]
@@ -279,7 +279,7 @@ impl Model<'_> {
             Stage::FirstCrop(crop) => {
                 let Buffers { extractor, small, .. } = buffers;
                 let room = small.first_chunk_mut();
-                if room.is_none_or(|room| crop.next_row(frame, extractor.sampling(), room, work)) {
+                if room.is_none_or(|room| crop.next_row(frame, extractor.sampling(), room, budget)) {
                     self.begin_template(pipeline, buffers);
                 }
             }
@@ -287,7 +287,8 @@ impl Model<'_> {
             Stage::Refiner(refiner) => {
                 let Buffers { extractor, large: cells, .. } = buffers;
                 let dense = Dense::new(self.config.backend());
-                let estimate = refiner.next_piece(dense, frame, &self.memory.first, extractor.sampling(), cells, work);
+                let estimate =
+                    refiner.next_piece(dense, frame, &self.memory.first, extractor.sampling(), cells, budget);
                 if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
                     track.correction.take(estimate);
                     pipeline.stage = Stage::Done;
@@ -357,7 +358,7 @@ impl Model<'_> {
         pipeline: &mut Pipeline,
         Verified { mut candidate, alignment }: Verified,
         buffers: &mut Buffers,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> Option<u32> {
         let (grid, comparison) = (&self.track.grid, &buffers.comparison);
         let refined = match (comparison.patch(grid, alignment), comparison.relit(grid)) {
@@ -367,7 +368,7 @@ impl Model<'_> {
         if let Some(Refined { x, y, .. }) = refined {
             candidate.place = candidate.place.moved(grid, (x, y)).inside(self.track.bounds);
         }
-        work.spend(REFINED * grid.pixels());
+        budget.spend(REFINED * grid.pixels());
         (pipeline.outcome.candidate, pipeline.outcome.alignment) = (candidate, alignment);
         if self.config.size {
             let (tools, mut borrowed) = self.scale_search(buffers);
@@ -440,7 +441,7 @@ impl Model<'_> {
 
     /// Computes the filter's responses to these features, without penalty.
     #[cfg(feature = "unstable")]
-    pub(super) fn responses(&self, buffers: &mut Buffers, work: &mut UnderWay) -> [[i32; SPAN]; SPAN] {
+    pub(super) fn responses(&self, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
         self.memory.filter.code(&mut buffers.coded);
         let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
         responses.rows = [[0; SPAN]; SPAN];
@@ -452,7 +453,7 @@ impl Model<'_> {
             &mut sums.per_weight,
             self.window(cells),
             pieces.next().unwrap_or(0),
-            work,
+            budget,
         ) {}
         responses.rows
     }

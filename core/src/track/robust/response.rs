@@ -18,12 +18,12 @@
 //! each weight.
 
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
-use super::cost::units;
+
 use super::division::quotient;
 use super::grid::Grid;
 use crate::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};
-use crate::track::update::UnderWay;
+use crate::track::budget::{Budget, units};
 
 /// Responses, row by row.
 pub(super) struct Responses {
@@ -72,10 +72,10 @@ impl Responses {
         spare: &mut [i32],
         window: Window<'_>,
         piece: usize,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> bool {
         self.span = window.layout.span;
-        work.spend(units(products.work(piece, window.layout, weights.numbers().len())));
+        budget.spend(units(products.work(piece, window.layout, weights.numbers().len())));
         let done = weights.respond(products, packed, spare, window, piece, &mut self.rows);
         if done {
             weights.scale(&mut self.rows);

@@ -23,7 +23,7 @@ use super::sampling::Lattice;
 use crate::correlation::{Coded, Window};
 use crate::image::{Frame, Rect};
 use crate::kernels::Products;
-use crate::track::update::UnderWay;
+use crate::track::budget::Budget;
 use heapless::Vec;
 
 /// Bytes of the largest window. The longest filter has the longest margin.
@@ -78,16 +78,16 @@ impl ScaleSearch {
         tools: &Tools<'_>,
         frame: &Frame<'_>,
         borrowed: &mut Borrowed<'_>,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> Option<u32> {
         if !self.sampled {
-            self.sampled = borrowed.extractor.next_row(frame, &self.lattice, borrowed.cells, work);
+            self.sampled = borrowed.extractor.next_row(frame, &self.lattice, borrowed.cells, budget);
             return None;
         }
         let [smaller, larger] = other_scales(self.place.scale);
         let scales = [self.place.scale, smaller, larger];
         let height = peak_height(tools, borrowed);
-        work.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * weights(tools.grid));
+        budget.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * weights(tools.grid));
         let counted = if self.number == 0 { height } else { (height * SCALE_PENALTY) >> 8 };
         if let Some(&scale) = scales.get(self.number).filter(|_| counted > self.highest) {
             (self.highest, self.best) = (counted, scale);

@@ -114,7 +114,7 @@ impl Robust {
     ) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
         self.features(workspace, frame)?;
         let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
-        Ok(self.model(track).responses(&mut workspace.buffers, &mut workspace.under_way))
+        Ok(self.model(track).responses(&mut workspace.buffers, &mut workspace.under_way.budget))
     }
 
     fn model(&self, track: Track) -> Model<'_> {
@@ -256,7 +256,7 @@ impl Steps for Robust {
     }
 
     fn work(workspace: &Workspace) -> u32 {
-        workspace.under_way.done()
+        workspace.under_way.budget.done()
     }
 
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
@@ -283,7 +283,7 @@ impl Steps for Robust {
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
         let Workspace { pipeline, buffers, under_way } = workspace;
         if let Some(track) = self.memory.track {
-            self.model(track).begin(pipeline, buffers, under_way);
+            self.model(track).begin(pipeline, buffers, &mut under_way.budget);
         }
     }
 
@@ -363,7 +363,7 @@ impl Robust {
         // During a lock the track is in the workspace. `or` would put both on the stack.
         let track = if self.memory.track.is_some() { &self.memory.track } else { &pipeline.outcome.track };
         let Some(track) = *track else { return true };
-        self.model(track).step(pipeline, buffers, under_way, frame)
+        self.model(track).step(pipeline, buffers, &mut under_way.budget, frame)
     }
 
     /// Changes the weights after a learning step of a lock. True if another step has begun.
@@ -378,7 +378,7 @@ impl Robust {
         under_way.change();
         let (another, track) = (outcome.has_another_step(), outcome.track);
         if another && let Some(track) = track {
-            self.model(track).begin_step(pipeline, buffers, under_way);
+            self.model(track).begin_step(pipeline, buffers, &mut under_way.budget);
         }
         another
     }

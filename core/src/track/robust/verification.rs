@@ -27,7 +27,7 @@ use super::sampling::{Lattice, Sampling};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
-use crate::track::update::UnderWay;
+use crate::track::budget::Budget;
 use heapless::Vec;
 
 /// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of
@@ -181,10 +181,10 @@ impl View {
         frame: &Frame<'_>,
         sampling: &mut Sampling,
         comparison: &mut Comparison,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> bool {
         self.lattice.sample_row(frame, sampling, self.row, &mut comparison.view);
-        work.spend(sampling.work(VIEWED));
+        budget.spend(sampling.work(VIEWED));
         self.row += 1;
         self.row >= self.lattice.rows
     }
@@ -227,13 +227,13 @@ impl Verification {
         frame: &Frame<'_>,
         sampling: &mut Sampling,
         comparison: &mut Comparison,
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> Option<Verified> {
         let pixels = reference.grid.pixels();
         let (phase, search) = (&mut self.phase, &mut self.search);
         match phase {
             Phase::View(view) => {
-                if view.next_row(frame, sampling, comparison, work) {
+                if view.next_row(frame, sampling, comparison, budget) {
                     *phase = Phase::Alignment(0);
                 }
             }
@@ -241,10 +241,10 @@ impl Verification {
                 let alignment = search.alignment(*number);
                 if *number == 0 {
                     comparison.relight(reference, alignment);
-                    work.spend(RELIT * pixels);
+                    budget.spend(RELIT * pixels);
                 }
                 search.add(*number, comparison.score(reference, alignment));
-                work.spend(COMPARED * pixels);
+                budget.spend(COMPARED * pixels);
                 *number += 1;
                 if *number == ALIGNMENTS {
                     *phase = Phase::Agreement;
@@ -256,7 +256,7 @@ impl Verification {
                 if candidate.visible {
                     candidate.agreement = comparison.agreement(reference, best);
                 }
-                work.spend((RELIT + COMPARED) * pixels);
+                budget.spend((RELIT + COMPARED) * pixels);
                 return Some(Verified { candidate, alignment: best });
             }
         }

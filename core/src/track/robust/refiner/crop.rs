@@ -8,12 +8,12 @@
 //! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
 //! plain crop small.
 
-use super::super::cost::{CROP, NORMALISED, VIEWED, units};
+use super::super::cost::{CROP, NORMALISED, VIEWED};
 use super::super::gradients::root;
 use super::super::sampling::{Lattice, Sampling};
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::rolled;
-use crate::track::update::UnderWay;
+use crate::track::budget::{Budget, units};
 
 /// Samples on a side.
 pub(super) const SIDE: usize = CROP as usize;
@@ -90,7 +90,7 @@ impl Crop {
         frame: &Frame<'_>,
         sampling: &mut Sampling,
         crop: &mut [i8; FIRST],
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> bool {
         let mut samples = [0; SIDE];
         if let Some(mut sampler) = sampling.sampler(frame) {
@@ -100,13 +100,13 @@ impl Crop {
         if let Some(row) = rows.get_mut(usize::from(self.row)) {
             rolled(row.iter_mut().zip(samples)).for_each(|(to, sample)| *to = sample.cast_signed());
         }
-        work.spend(sampling.work(VIEWED));
+        budget.spend(sampling.work(VIEWED));
         self.row += 1;
         if self.row < self.lattice.rows {
             return false;
         }
         normalise(crop);
-        work.spend(NORMALISED * units(FIRST));
+        budget.spend(NORMALISED * units(FIRST));
         true
     }
 }

@@ -27,7 +27,7 @@ pub(super) use network::{ROOM, WORK};
 use super::sampling::Sampling;
 use crate::image::Frame;
 use crate::kernels::Dense;
-use crate::track::update::UnderWay;
+use crate::track::budget::Budget;
 use network::{Layers, Outputs};
 
 /// The stages of the refiner in one frame.
@@ -49,17 +49,17 @@ impl Refiner {
         first: &[i8],
         sampling: &mut Sampling,
         cells: &mut [i8],
-        work: &mut UnderWay,
+        budget: &mut Budget,
     ) -> Option<Outputs> {
         match self {
             Self::Crop(crop) => {
                 let present = network::room_for_crop(cells);
-                if present.is_none_or(|present| crop.next_row(frame, sampling, present, work)) {
-                    *self = Self::Layers(Layers::begin(first, cells, work));
+                if present.is_none_or(|present| crop.next_row(frame, sampling, present, budget)) {
+                    *self = Self::Layers(Layers::begin(first, cells, budget));
                 }
                 None
             }
-            Self::Layers(layers) => layers.next_row(dense, cells, work),
+            Self::Layers(layers) => layers.next_row(dense, cells, budget),
         }
     }
 }

@@ -18,10 +18,9 @@
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
 //! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
 
-use super::super::cost::units;
 use super::crop::{FIRST, MEAN, SIDE};
 use crate::kernels::{Dense, Layer, SPARE, rolled};
-use crate::track::update::UnderWay;
+use crate::track::budget::{Budget, units};
 
 /// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height.
 /// Unit: 1/4096.
@@ -151,7 +150,7 @@ pub(in super::super) struct Layers {
 impl Layers {
     /// Makes the inputs of the first layer: both crops, sample by sample. Beyond the edge it writes their mean.
     #[inline(never)]
-    pub(super) fn begin(first: &[i8], scratch: &mut [i8], work: &mut UnderWay) -> Self {
+    pub(super) fn begin(first: &[i8], scratch: &mut [i8], budget: &mut Budget) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
         if let Some([present, inputs, ..]) = regions(scratch) {
             inputs.fill(MEAN);
@@ -164,16 +163,16 @@ impl Layers {
                     .for_each(|(pair, (&first, &present))| *pair = [first, present]);
             }
         }
-        work.spend(units(2 * FIRST));
+        budget.spend(units(2 * FIRST));
         Self { number: 0, row: 0 }
     }
 
     /// Computes a row of a convolution, or both full layers. Returns the outputs after the last piece.
     #[inline(never)]
-    pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], work: &mut UnderWay) -> Option<Outputs> {
+    pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
-            return Some(full(dense, even, work));
+            return Some(full(dense, even, budget));
         };
         let (inputs, outputs) = if self.number.is_multiple_of(2) { (even, odd) } else { (odd, even) };
         let layer = layer(self.number, convolution.shift);
@@ -184,7 +183,7 @@ impl Layers {
         }
         let (patches, outputs) = (patches.get(..count), outputs.get_mut(from..from + row));
         dense.outputs(layer, patches.unwrap_or_default(), spare, outputs.unwrap_or_default());
-        work.spend(units(count * (layer.biases.len() + 1)));
+        budget.spend(units(count * (layer.biases.len() + 1)));
         self.row += 1;
         if self.row == convolution.side {
             *self = Self { number: self.number + 1, row: 0 };
@@ -230,11 +229,11 @@ fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
 
 /// Computes the two full layers.
 #[inline(never)]
-fn full(dense: Dense, inputs: &[i8], work: &mut UnderWay) -> Outputs {
+fn full(dense: Dense, inputs: &[i8], budget: &mut Budget) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
     let number = CONVOLUTIONS.len();
     dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut [], &mut hidden);
-    work.spend(units(outputs * (count + last)));
+    budget.spend(units(outputs * (count + last)));
     let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
     [right, down, width, height]
 }
