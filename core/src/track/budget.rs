@@ -43,3 +43,13 @@ impl Budget {
 pub(super) fn units(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
+
+/// The largest of some amounts of work.
+pub(super) const fn largest(of: &[u32]) -> u32 {
+    let (mut rest, mut largest) = (of, 0);
+    while let [work, others @ ..] = rest {
+        largest = if *work > largest { *work } else { largest };
+        rest = others;
+    }
+    largest
+}

@@ -160,6 +160,11 @@ impl Config {
         self.backend.unwrap_or_else(Backend::best)
     }
 
+    /// Whether the refiner corrects the box. False in a build without it.
+    pub(super) const fn refines(&self) -> bool {
+        cfg!(feature = "refiner") && self.refiner
+    }
+
     pub(super) fn reach(&self) -> u16 {
         self.reach.into()
     }

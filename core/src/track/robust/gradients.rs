@@ -19,8 +19,8 @@
 //! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
 
 use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
-use super::cost::SAMPLED;
-use super::sampling::{COLUMNS, Lattice, Sampling};
+use super::grid::Extent;
+use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
 use crate::track::budget::Budget;
@@ -29,6 +29,27 @@ use heapless::Vec;
 
 /// Cells in the longest row.
 pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
+
+/// Units of work for each sample, including its share of the features.
+const FEATURED: u32 = 64;
+/// Lines of samples that a row of cells needs.
+const LINES: u32 = CELL as u32 + 2;
+
+/// The most work for the features of a window.
+pub(super) const fn most_work(extent: Extent) -> u32 {
+    let (columns, rows) = (columns(extent), (extent.down + 2 * extent.reach) * CELL as u32 + 2);
+    columns * rows * FEATURED + most_read(columns, rows)
+}
+
+/// The most work for a row of cells.
+pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+    LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
+}
+
+/// Columns of samples of a window.
+const fn columns(extent: Extent) -> u32 {
+    (extent.across + 2 * extent.reach) * CELL as u32 + 2
+}
 
 /// Sums over the samples of each cell in a row, channel by channel: gradients by orientation, and gray (at most 4,080).
 pub(super) type Row = [[u16; ROW]];
@@ -97,7 +118,7 @@ impl Extractor {
         budget: &mut Budget,
     ) -> bool {
         let done = self.row(frame, lattice, out);
-        budget.spend(self.sampling.work(SAMPLED));
+        budget.spend(self.sampling.work(FEATURED));
         done
     }
 

@@ -9,6 +9,7 @@
 use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS};
 use crate::image::Rect;
 use crate::kernels::rolled;
+use crate::track::budget::units;
 
 /// The shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,10 +59,52 @@ impl Grid {
         usize::from(self.across) * usize::from(self.down) * CHANNELS
     }
 
+    /// Work of one unit for each weight.
+    pub(super) fn work_on_weights(&self) -> u32 {
+        units(self.weights())
+    }
+
     /// The step at `scale`, in units of 1/4096 pixel.
     #[inline(never)]
     pub(super) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
+    }
+}
+
+/// The largest grid for a filter of so many cells, and the reach of its search: what the most work of a stage depends
+/// on.
+#[derive(Clone, Copy)]
+pub(super) struct Extent {
+    pub(super) across: u32,
+    pub(super) down: u32,
+    /// In cells.
+    pub(super) reach: u32,
+}
+
+#[allow(clippy::cast_possible_truncation)] // 10 channels, 1600 pixels
+impl Extent {
+    /// The same filter with another reach.
+    pub(super) const fn with_reach(self, reach: u16) -> Self {
+        Self { reach: reach as u32, ..self }
+    }
+
+    pub(super) const fn weights(self) -> u32 {
+        self.across * self.down * CHANNELS as u32
+    }
+
+    /// The most pixels of the template.
+    pub(super) const fn pixels(self) -> u32 {
+        let all = self.across * self.down * CELL as u32 * CELL as u32;
+        if all < MOST_PIXELS as u32 { all } else { MOST_PIXELS as u32 }
+    }
+
+    /// Offsets of the search on each axis.
+    pub(super) const fn span(self) -> u32 {
+        2 * self.reach + 1
+    }
+
+    pub(super) const fn offsets(self) -> u32 {
+        self.span() * self.span()
     }
 }
 

@@ -23,14 +23,28 @@
 //! Cost: 578 products for each weight by default, twice as many as the responses of a search.
 
 use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
-use super::cost::{CODED, SLOPED, weights};
 use super::division::quotient;
 use super::gaussian::Gaussian;
-use super::grid::Grid;
-use super::response::Responses;
+use super::grid::{Extent, Grid};
+use super::response::{self, CODED, Responses};
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
-use crate::track::budget::{Budget, units};
+use crate::track::budget::{Budget, largest, units};
+
+/// Units of work for each weight when the direction is computed.
+const SLOPED: u32 = 64;
+
+/// The most work for a step: the errors, the gradient, the direction, and the responses to it.
+pub(super) const fn most_work(extent: Extent) -> u32 {
+    extent.offsets() + 2 * response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
+}
+
+/// The most work for a piece: the errors, the direction, or the last piece of responses, which also changes the weights.
+pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+    let errors = extent.offsets() + CODED * extent.weights();
+    let last = response::most_of_a_piece(extent) + CODED * extent.weights();
+    largest(&[errors, SLOPED * extent.weights(), last])
+}
 
 /// The inputs of a step: the filter, and a window in which the target was found.
 pub(super) struct Training<'a> {
@@ -195,7 +209,7 @@ impl Learning {
         match self.phase {
             Phase::Errors => {
                 let error_shift = sums.code_errors(training, self.target);
-                budget.spend(units(layout.span.pow(2)) + CODED * weights(grid));
+                budget.spend(units(layout.span.pow(2)) + CODED * grid.work_on_weights());
                 self.phase = Phase::Gradient { piece: 0, error_shift };
             }
             Phase::Gradient { piece, error_shift } => {
@@ -211,13 +225,13 @@ impl Learning {
             }
             Phase::Direction { error_shift } => {
                 let descent = sums.code_direction(training, error_shift, direction);
-                budget.spend(SLOPED * weights(grid));
+                budget.spend(SLOPED * grid.work_on_weights());
                 self.phase = Phase::Curvature { piece: 0, descent };
             }
             Phase::Curvature { piece, descent } => {
                 budget.spend(units(products.work(piece, layout, count)));
                 if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
-                    budget.spend(CODED * weights(grid));
+                    budget.spend(CODED * grid.work_on_weights());
                     return Some(sums.step_length(direction.numbers(), descent, self.rate));
                 }
                 self.phase = Phase::Curvature { piece: piece + 1, descent };

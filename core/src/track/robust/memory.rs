@@ -1,14 +1,11 @@
 //! The memory of a target from frame to frame.
 
 use super::constants::WEIGHTS;
-#[cfg(feature = "refiner")]
-use super::refiner::FIRST;
+use super::refiner::First;
 use super::template::Template;
 use super::track::Track;
 use crate::correlation::Filter;
 use crate::track::update::Owner;
-#[cfg(feature = "refiner")]
-use heapless::Vec;
 
 /// Everything that the tracker remembers of a target.
 pub(super) struct Memory {
@@ -17,20 +14,13 @@ pub(super) struct Memory {
     pub(super) filter: Filter<WEIGHTS>,
     pub(super) template: Template,
     /// The first frame's target, as the refiner sees it.
-    #[cfg(feature = "refiner")]
-    pub(super) first: Vec<i8, FIRST>,
+    pub(super) first: First,
 }
 
 impl Memory {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self {
-            track: None,
-            filter: Filter::new(),
-            template: Template::new(),
-            #[cfg(feature = "refiner")]
-            first: Vec::new(),
-        }
+        Self { track: None, filter: Filter::new(), template: Template::new(), first: First::new() }
     }
 }
 
@@ -47,11 +37,6 @@ impl Memory {
         let (pairs, odd) = self.template.mean().as_chunks();
         pairs.iter().for_each(|&[first, second]| owner.add(u32::from(first) << 16 | u32::from(second)));
         odd.iter().for_each(|&pixel| owner.add(pixel.into()));
-        #[cfg(feature = "refiner")]
-        self.first
-            .as_chunks()
-            .0
-            .iter()
-            .for_each(|&inputs| owner.add(u32::from_le_bytes(inputs.map(i8::cast_unsigned))));
+        self.first.identify(owner);
     }
 }

@@ -60,6 +60,9 @@ mod redetection;
 mod refinement;
 #[cfg(feature = "refiner")]
 mod refiner;
+#[cfg(not(feature = "refiner"))]
+#[path = "without_refiner.rs"]
+mod refiner;
 mod response;
 mod sampling;
 mod saved;

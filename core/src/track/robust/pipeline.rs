@@ -19,24 +19,20 @@ use super::config::{Config, Parts};
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
 use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
-use super::cost::{CODED, REFINED, weights};
 use super::division::quotient;
 use super::grid::Grid;
 use super::learning::{Learning, Training};
 use super::memory::Memory;
 use super::motion::{Motion, Place};
-use super::refinement::{Refined, refine};
-#[cfg(feature = "refiner")]
-use super::refiner::{self, Crop, Refiner};
-use super::response::layout;
+use super::refinement::{REFINED, Refined, refine};
+use super::refiner::{FirstCrop, Refiner};
+use super::response::{CODED, layout};
 use super::sampling::Lattice;
 use super::scale::{self, ScaleSearch, Tools};
 use super::track::Track;
-use super::verification::{Candidate, Reference, Verification, Verified, View};
+use super::verification::{COPIED, Candidate, Reference, Verification, Verified, View};
 use crate::correlation::Window;
 use crate::image::{Frame, Image};
-#[cfg(feature = "refiner")]
-use crate::kernels::Dense;
 use crate::kernels::Products;
 use crate::track::State;
 use crate::track::budget::Budget;
@@ -65,9 +61,7 @@ enum Stage {
     /// The search, and the growth that refinement found, if any. Unit: 1/65536.
     Scale(ScaleSearch, Option<i32>),
     Learning(Learning),
-    #[cfg(feature = "refiner")]
-    FirstCrop(Crop),
-    #[cfg(feature = "refiner")]
+    FirstCrop(FirstCrop),
     Refiner(Refiner),
 }
 
@@ -148,7 +142,7 @@ impl Model<'_> {
     pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
         self.memory.filter.code(&mut buffers.coded);
         buffers.comparison.begin(&self.reference());
-        budget.spend(CODED * (weights(&self.track.grid) + self.track.grid.pixels()));
+        budget.spend(CODED * self.track.grid.work_on_weights() + COPIED * self.track.grid.pixels());
         pipeline.outcome = Outcome::new(Some(self.track));
         self.search(pipeline, buffers, Purpose::Follow);
     }
@@ -156,11 +150,10 @@ impl Model<'_> {
     /// Begins a lock.
     pub(super) fn begin_lock(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         pipeline.outcome = Outcome { steps_left: FIRST_STEPS, ..Outcome::new(Some(self.track)) };
-        #[cfg(feature = "refiner")]
-        if self.config.refiner {
-            let crop = Crop::begin(self.track.bbox(), self.track.bounds, buffers.extractor.sampling());
-            // Cannot fail: a lock searches no scales, and their features take more.
-            let _ = buffers.small.resize_default(refiner::FIRST);
+        let Buffers { extractor, small, .. } = buffers;
+        if self.config.refines()
+            && let Some(crop) = FirstCrop::begin(self.track.bbox(), self.track.bounds, extractor.sampling(), small)
+        {
             pipeline.stage = Stage::FirstCrop(crop);
             return;
         }
@@ -176,7 +169,7 @@ impl Model<'_> {
     /// Begins a step of a lock's learning: the responses of the present weights.
     pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
         self.memory.filter.code(&mut buffers.coded);
-        budget.spend(CODED * weights(&self.track.grid));
+        budget.spend(CODED * self.track.grid.work_on_weights());
         pipeline.stage = Stage::Response(Purpose::Lock, 0);
     }
 
@@ -269,28 +262,22 @@ impl Model<'_> {
                 let length = learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget);
                 if length.is_some() {
                     (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
-                    #[cfg(feature = "refiner")]
-                    if self.config.refiner {
+                    if self.config.refines() {
                         self.begin_refiner(pipeline, buffers);
                     }
                 }
             }
-            #[cfg(feature = "refiner")]
             Stage::FirstCrop(crop) => {
                 let Buffers { extractor, small, .. } = buffers;
-                let room = small.first_chunk_mut();
-                if room.is_none_or(|room| crop.next_row(frame, extractor.sampling(), room, budget)) {
+                if crop.next_row(frame, extractor.sampling(), small, budget) {
                     self.begin_template(pipeline, buffers);
                 }
             }
-            #[cfg(feature = "refiner")]
             Stage::Refiner(refiner) => {
-                let Buffers { extractor, large: cells, .. } = buffers;
-                let dense = Dense::new(self.config.backend());
-                let estimate =
-                    refiner.next_piece(dense, frame, &self.memory.first, extractor.sampling(), cells, budget);
-                if let (Some(estimate), Some(track)) = (estimate, &mut pipeline.outcome.track) {
-                    track.correction.take(estimate);
+                let Buffers { extractor, large, .. } = buffers;
+                let Some(Track { correction, .. }) = &mut pipeline.outcome.track else { return };
+                let (backend, first) = (self.config.backend(), &self.memory.first);
+                if refiner.next_piece(backend, frame, first, extractor.sampling(), large, correction, budget) {
                     pipeline.stage = Stage::Done;
                 }
             }
@@ -299,7 +286,6 @@ impl Model<'_> {
 
     /// Begins the refiner after the learning of an update, unless the early template gave the exact place and size. The
     /// window's features are not needed any more, so the refiner uses their memory.
-    #[cfg(feature = "refiner")]
     #[inline(never)] // see `next_piece`
     fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
         let Outcome { track: Some(track), candidate, steps_left: 0, .. } = &mut pipeline.outcome else { return };
@@ -307,12 +293,10 @@ impl Model<'_> {
             track.correction.fade();
             return;
         }
-        let Buffers { extractor, large: cells, .. } = buffers;
-        cells.clear();
-        // Cannot fail: a window of features is larger.
-        let _ = cells.resize_default(refiner::ROOM);
-        let crop = Crop::begin(track.bbox(), track.bounds, extractor.sampling());
-        pipeline.stage = Stage::Refiner(Refiner::Crop(crop));
+        let Buffers { extractor, large, .. } = buffers;
+        if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
+            pipeline.stage = Stage::Refiner(refiner);
+        }
     }
 
     /// Begins the search of a window.

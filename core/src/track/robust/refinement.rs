@@ -25,6 +25,8 @@ use super::sampling::row_of;
 use crate::image::Image;
 use crate::kernels::rolled;
 
+/// Units of work for each pixel of the template.
+pub(super) const REFINED: u32 = 40;
 /// The most binary places of a sum when the equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 

@@ -20,7 +20,7 @@
 use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 
 use super::division::quotient;
-use super::grid::Grid;
+use super::grid::{Extent, Grid};
 use crate::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};
 use crate::track::budget::{Budget, units};
@@ -30,6 +30,19 @@ pub(super) struct Responses {
     pub(super) rows: [[i32; SPAN]; SPAN],
     /// Offsets on an axis.
     pub(super) span: usize,
+}
+
+/// Units of work for each weight that is coded or changed.
+pub(super) const CODED: u32 = 16;
+
+/// The most work for the responses at all offsets.
+pub(super) const fn most_work(extent: Extent) -> u32 {
+    extent.offsets() * extent.weights()
+}
+
+/// The most work for a piece. Some backends multiply two rows of cells at a time.
+pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+    2 * extent.span() * extent.weights()
 }
 
 /// The peak: the largest counted response.

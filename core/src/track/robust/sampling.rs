@@ -22,8 +22,16 @@ use heapless::Vec;
 
 /// Columns of the largest lattice: a search window, and the pixel on each side that gradients need.
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
+/// Units of work for each sample.
+pub(super) const SAMPLED: u32 = 32;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
+
+/// The most pixels of the frame that a lattice reads; each is a unit of work. Its steps are less than two blocks, and it
+/// reads four pixels of each block.
+pub(super) const fn most_read(columns: u32, rows: u32) -> u32 {
+    4 * (2 * columns + 1) * (2 * rows + 1)
+}
 
 /// The places of samples: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096
 /// pixel of the frame.

@@ -7,8 +7,7 @@ use super::grid::Grid;
 use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-#[cfg(feature = "refiner")]
-use super::refiner::{Correction, FIRST};
+use super::refiner::{self, Correction, First};
 use super::scale;
 use super::track::Track;
 use crate::image::Rect;
@@ -19,18 +18,14 @@ use crate::track::{Quality, RestoreError, SaveError};
 const NUMBERS: usize = 13;
 /// Bytes of a saved track.
 const TRACK: usize = 58;
-/// Bytes of the refiner's memory: the correction and the first frame's target.
-#[cfg(feature = "refiner")]
-const REFINER: usize = 16 + FIRST;
-#[cfg(not(feature = "refiner"))]
-const REFINER: usize = 0;
 /// The most bytes of a saved target.
-pub(super) const SAVED_SIZE: usize = around(NUMBERS) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + REFINER;
+pub(super) const SAVED_SIZE: usize =
+    around(NUMBERS) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
 impl Memory {
     /// Bytes of the saved form.
     pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
-        let refiner = if config.refiner { REFINER } else { 0 };
+        let refiner = if config.refines() { refiner::SAVED } else { 0 };
         let size = around(NUMBERS) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
@@ -57,11 +52,9 @@ impl Memory {
         to.u16(track.quality.value());
         self.filter.weights().iter().for_each(|&weight| to.i32(weight));
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
-        #[cfg(feature = "refiner")]
-        if config.refiner {
-            let Correction { centre, sides } = track.correction;
-            centre.into_iter().chain(sides).for_each(|number| to.i32(number));
-            self.first.iter().for_each(|input| to.put(&input.to_le_bytes()));
+        if config.refines() {
+            track.correction.save(&mut to);
+            self.first.save(&mut to);
         }
         Ok(to.finish())
     }
@@ -69,31 +62,21 @@ impl Memory {
     /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
     pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
         let mut from = reader(config, bytes)?;
-        #[cfg_attr(not(feature = "refiner"), allow(unused_mut))]
         let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
         let pixels = usize::from(track.grid.columns) * usize::from(track.grid.rows);
         let weights = from.slice(4 * count).ok_or(RestoreError::Damaged)?;
         let mean = from.slice(2 * pixels).ok_or(RestoreError::Damaged)?;
-        #[cfg(feature = "refiner")]
-        let first = if config.refiner {
-            track.correction = read_correction(&mut from).ok_or(RestoreError::Damaged)?;
-            Some(from.slice(FIRST).ok_or(RestoreError::Damaged)?)
-        } else {
-            None
-        };
+        let mut first = None;
+        if config.refines() {
+            track.correction = Correction::read(&mut from).ok_or(RestoreError::Damaged)?;
+            first = Some(First::read(&mut from).ok_or(RestoreError::Damaged)?);
+        }
         if !from.is_empty() {
             return Err(RestoreError::Damaged);
         }
-        #[cfg(feature = "refiner")]
         if let Some(first) = first {
-            if first.iter().any(|&input| input > 127) {
-                return Err(RestoreError::Damaged);
-            }
-            self.first.clear();
-            // Cannot fail: there is room for all.
-            let _ = self.first.resize_default(FIRST);
-            self.first.iter_mut().zip(first).for_each(|(to, input)| *to = input.cast_signed());
+            self.first.restore(first);
         }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
@@ -126,14 +109,8 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         confidence,
         sweep,
         quality,
-        #[cfg(feature = "refiner")]
         correction: Correction::NONE,
     })
-}
-
-#[cfg(feature = "refiner")]
-fn read_correction(from: &mut Reader<'_>) -> Option<Correction> {
-    Correction::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
 }
 
 /// A reader of the state, if the configuration is the one that the target was saved with.

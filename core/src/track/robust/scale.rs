@@ -12,13 +12,12 @@
 
 use super::constants::{CHANNELS, WEIGHTS};
 use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
-use super::cost::weights;
 use super::division::quotient;
-use super::gradients::Extractor;
-use super::grid::Grid;
+use super::gradients::{self, Extractor};
+use super::grid::{Extent, Grid};
 use super::learning::Sums;
 use super::motion::Place;
-use super::response::{layout, peak};
+use super::response::{self, layout, peak};
 use super::sampling::Lattice;
 use crate::correlation::{Coded, Window};
 use crate::image::{Frame, Rect};
@@ -31,6 +30,17 @@ const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
 /// Offsets on each axis.
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
+
+/// The most work for all three scales.
+pub(super) const fn most_work(extent: Extent) -> u32 {
+    let extent = extent.with_reach(SCALE_REACH);
+    3 * (gradients::most_work(extent) + response::most_work(extent))
+}
+
+/// The most work for a piece: the responses at one scale.
+pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+    response::most_work(extent.with_reach(SCALE_REACH))
+}
 
 /// The features at one scale.
 pub(super) type Cells = Vec<i8, CELLS>;
@@ -87,7 +97,7 @@ impl ScaleSearch {
         let [smaller, larger] = other_scales(self.place.scale);
         let scales = [self.place.scale, smaller, larger];
         let height = peak_height(tools, borrowed);
-        budget.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * weights(tools.grid));
+        budget.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * tools.grid.work_on_weights());
         let counted = if self.number == 0 { height } else { (height * SCALE_PENALTY) >> 8 };
         if let Some(&scale) = scales.get(self.number).filter(|_| counted > self.highest) {
             (self.highest, self.best) = (counted, scale);

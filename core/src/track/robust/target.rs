@@ -8,8 +8,7 @@ use super::grid::Grid;
 use super::memory::Memory;
 use super::motion::Place;
 use super::pipeline::Model;
-#[cfg(feature = "refiner")]
-use super::refiner::{FIRST, reachable};
+use super::refiner::reachable;
 use super::sampling::Lattice;
 use super::saved;
 use super::scale::other_scales;
@@ -132,8 +131,7 @@ impl Robust {
                 pixels = union(pixels, track.pixels(Place { scale, ..centre }, reach + 2 * SCALE_REACH));
             }
         }
-        #[cfg(feature = "refiner")]
-        if self.config.refiner {
+        if self.config.refines() {
             pixels = union(pixels, track.refined_pixels(centre, reach));
         }
         pixels
@@ -185,8 +183,7 @@ impl Target for Robust {
         if bounds.contains(target) {
             let window = Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach());
             let window = window.pixels(bounds);
-            #[cfg(feature = "refiner")]
-            if self.config.refiner {
+            if self.config.refines() {
                 return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));
             }
             window
@@ -345,11 +342,8 @@ impl Steps for Robust {
             track.quality = Quality::of(patch, buffers.comparison.table());
             self.memory.template.start(patch);
         }
-        #[cfg(feature = "refiner")]
-        if self.config.refiner {
-            self.memory.first.clear();
-            // Cannot fail: there is room for all.
-            let _ = self.memory.first.extend_from_slice(buffers.small.get(..FIRST).unwrap_or_default());
+        if self.config.refines() {
+            self.memory.first.keep(&buffers.small);
         }
         self.memory.track = Some(track);
         track.quality

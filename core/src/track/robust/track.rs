@@ -2,16 +2,12 @@
 
 use super::confidence::Confidence;
 use super::config::Config;
-#[cfg(feature = "refiner")]
-use super::constants::MARGIN;
-use super::constants::{CELL, PIXEL, SCALE};
+use super::constants::{CELL, MARGIN, PIXEL, SCALE};
 use super::grid::Grid;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-#[cfg(feature = "refiner")]
 use super::refiner::{Correction, reachable};
 use super::sampling::Lattice;
-#[cfg(feature = "refiner")]
 use super::scale;
 use crate::image::{FineRect, Rect};
 use crate::track::Quality;
@@ -30,7 +26,6 @@ pub(super) struct Track {
     pub(super) confidence: Confidence,
     pub(super) sweep: Sweep,
     pub(super) quality: Quality,
-    #[cfg(feature = "refiner")]
     pub(super) correction: Correction,
 }
 
@@ -45,7 +40,6 @@ impl Track {
             confidence: Confidence::FULL,
             sweep: Sweep::new(),
             quality: Quality::NONE,
-            #[cfg(feature = "refiner")]
             correction: Correction::NONE,
         }
     }
@@ -60,11 +54,7 @@ impl Track {
         let mean = self.confidence.mean().cast_unsigned();
         let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into()];
         rest.into_iter().for_each(|number| owner.add(number));
-        #[cfg(feature = "refiner")]
-        {
-            let Correction { centre, sides } = self.correction;
-            centre.into_iter().chain(sides).for_each(|number| owner.add(number.cast_unsigned()));
-        }
+        self.correction.identify(owner);
     }
 
     /// The expected place of the target in the next frame.
@@ -88,16 +78,12 @@ impl Track {
     /// The box of the answer: the followed box, corrected by the refiner.
     #[inline(never)]
     pub(super) fn bbox(&self) -> FineRect {
-        #[cfg(feature = "refiner")]
-        return self.correction.correct(self.followed());
-        #[cfg(not(feature = "refiner"))]
-        self.followed()
+        self.correction.correct(self.followed())
     }
 
     /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`.
     /// Beyond the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement moves by
     /// up to a pixel, and the scale may grow by a step.
-    #[cfg(feature = "refiner")]
     pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
         let [_, larger] = scale::other_scales(centre.scale);
         let pixels = (reach + 1) * CELL + MARGIN + 2;

@@ -16,14 +16,11 @@
 
 use super::alignment::{Alignment, Search, in_view};
 use super::config::Config;
-#[cfg(feature = "refiner")]
-use super::constants::REFINED_FROM;
-use super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, TILES};
-use super::cost::{COMPARED, RELIT, VIEWED};
-use super::grid::Grid;
+use super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
+use super::grid::{Extent, Grid};
 use super::lighting;
 use super::motion::Place;
-use super::sampling::{Lattice, Sampling};
+use super::sampling::{Lattice, SAMPLED, Sampling, most_read};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
@@ -34,6 +31,30 @@ use heapless::Vec;
 /// margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
+
+/// Units of work for each pixel of the template that is copied, compared and relit.
+pub(super) const COPIED: u32 = 16;
+const COMPARED: u32 = 12;
+const RELIT: u32 = 20;
+
+/// The most work for a view.
+pub(super) const fn most_of_a_view(extent: Extent) -> u32 {
+    // The longest template that a filter covers has the longest margin.
+    let (columns, rows) =
+        (extent.across * CELL as u32 + 2 * MARGIN as u32, extent.down * CELL as u32 + 2 * MARGIN as u32);
+    columns * rows * SAMPLED + most_read(columns, rows)
+}
+
+/// The most work: the view, the alignments, and the agreement.
+pub(super) const fn most_work(extent: Extent) -> u32 {
+    let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
+    most_of_a_view(extent) + agreement * extent.pixels()
+}
+
+/// The most work for a piece: the first alignment, for which the template is relit.
+pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+    (RELIT + COMPARED) * extent.pixels()
+}
 
 /// The early template, with the configuration and the grid for comparing it.
 pub(super) struct Reference<'a> {
@@ -62,7 +83,6 @@ impl Candidate {
     }
 
     /// True if the early template agrees so well that it gives the exact place and size.
-    #[cfg(feature = "refiner")]
     pub(super) const fn is_exact(&self) -> bool {
         self.agreement >= REFINED_FROM
     }
@@ -184,7 +204,7 @@ impl View {
         budget: &mut Budget,
     ) -> bool {
         self.lattice.sample_row(frame, sampling, self.row, &mut comparison.view);
-        budget.spend(sampling.work(VIEWED));
+        budget.spend(sampling.work(SAMPLED));
         self.row += 1;
         self.row >= self.lattice.rows
     }

@@ -10,6 +10,8 @@
 //! fades by a quarter.
 
 use crate::image::FineRect;
+use crate::track::saved::{Reader, Writer};
+use crate::track::update::Owner;
 
 /// A factor of 1.
 const ONE: i32 = 1 << 16;
@@ -25,9 +27,9 @@ const MOST_ESTIMATE: i32 = 1 << 12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Correction {
     /// The shift of the centre to the right and down, in units of 1/4096 of the corrected side.
-    pub(in super::super) centre: [i32; 2],
+    centre: [i32; 2],
     /// The factors of width and height, in units of 1/65536.
-    pub(in super::super) sides: [i32; 2],
+    sides: [i32; 2],
 }
 
 impl Correction {
@@ -35,7 +37,7 @@ impl Correction {
     pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
     /// Adds an estimate: right, down, logarithms of width and height, in units of 1/4096.
-    pub(in super::super) fn take(&mut self, [right, down, width, height]: [i32; 4]) {
+    pub(super) fn take(&mut self, [right, down, width, height]: [i32; 4]) {
         let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
@@ -63,8 +65,23 @@ impl Correction {
         FineRect { x, y, width, height }
     }
 
-    /// The correction with saved numbers; `None` if one is out of range.
-    pub(in super::super) fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
+    pub(in super::super) fn identify(&self, owner: &mut Owner) {
+        self.centre.into_iter().chain(self.sides).for_each(|number| owner.add(number.cast_unsigned()));
+    }
+
+    /// Bytes of the saved form.
+    pub(super) const SAVED: usize = 16;
+
+    pub(in super::super) fn save(&self, to: &mut Writer<'_>) {
+        self.centre.into_iter().chain(self.sides).for_each(|number| to.i32(number));
+    }
+
+    /// Reads a saved correction; `None` if a number is out of range.
+    pub(in super::super) fn read(from: &mut Reader<'_>) -> Option<Self> {
+        Self::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
+    }
+
+    fn restore(centre: [i32; 2], sides: [i32; 2]) -> Option<Self> {
         let possible = centre.iter().all(|by| (-FARTHEST..=FARTHEST).contains(by))
             && sides.iter().all(|side| (LEAST..=MOST).contains(side));
         possible.then_some(Self { centre, sides })

@@ -8,20 +8,25 @@
 //! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
 //! plain crop small.
 
-use super::super::cost::{CROP, NORMALISED, VIEWED};
 use super::super::gradients::root;
-use super::super::sampling::{Lattice, Sampling};
+use super::super::sampling::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::rolled;
 use crate::track::budget::{Budget, units};
 
 /// Samples on a side.
-pub(super) const SIDE: usize = CROP as usize;
+pub(super) const SIDE: usize = ROWS as usize;
 /// `SIDE` in the type of a lattice's columns and rows.
 const ROWS: u16 = 32;
-const _: () = assert!(ROWS as usize == SIDE);
 /// Samples of a crop.
-pub(in super::super) const FIRST: usize = SIDE * SIDE;
+pub(super) const SAMPLES: usize = SIDE * SIDE;
+/// Units of work for each sample that is normalised.
+const NORMALISED: u32 = 16;
+/// The most work of a crop. Its steps across and down are less than four blocks together.
+pub(super) const WORK: u32 = {
+    let side = ROWS as u32;
+    side * side * (SAMPLED + NORMALISED) + 4 * (2 * side + 2) * (2 * side + 2)
+};
 /// The value of the mean.
 pub(super) const MEAN: i8 = 64;
 
@@ -45,7 +50,7 @@ fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
 
 /// The crop of a box.
 #[inline(never)]
-pub(in super::super) fn crop_of(target: FineRect) -> Lattice {
+fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
@@ -77,7 +82,7 @@ fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
 
 impl Crop {
     #[inline(never)]
-    pub(in super::super) fn begin(target: FineRect, bounds: Rect, sampling: &mut Sampling) -> Self {
+    pub(super) fn begin(target: FineRect, bounds: Rect, sampling: &mut Sampling) -> Self {
         let lattice = crop_of(target);
         lattice.prepare(bounds, sampling);
         Self { lattice, row: 0 }
@@ -85,11 +90,11 @@ impl Crop {
 
     /// Samples a row into `crop`, and normalises the crop after the last row. True after the last row.
     #[inline(never)]
-    pub(in super::super) fn next_row(
+    pub(super) fn next_row(
         &mut self,
         frame: &Frame<'_>,
         sampling: &mut Sampling,
-        crop: &mut [i8; FIRST],
+        crop: &mut [i8; SAMPLES],
         budget: &mut Budget,
     ) -> bool {
         let mut samples = [0; SIDE];
@@ -100,13 +105,13 @@ impl Crop {
         if let Some(row) = rows.get_mut(usize::from(self.row)) {
             rolled(row.iter_mut().zip(samples)).for_each(|(to, sample)| *to = sample.cast_signed());
         }
-        budget.spend(sampling.work(VIEWED));
+        budget.spend(sampling.work(SAMPLED));
         self.row += 1;
         if self.row < self.lattice.rows {
             return false;
         }
         normalise(crop);
-        budget.spend(NORMALISED * units(FIRST));
+        budget.spend(NORMALISED * units(SAMPLES));
         true
     }
 }
@@ -114,7 +119,7 @@ impl Crop {
 /// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26. A product is at most
 /// `255 * 2^14`.
 #[inline(never)]
-fn normalise(crop: &mut [i8; FIRST]) {
+fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
     let mean = (rolled(crop.iter()).map(sample).sum::<i32>() + (1 << 9)) >> 10;
     let squares = rolled(crop.iter()).map(|at| (sample(at) - mean).unsigned_abs().pow(2)).sum::<u32>();
@@ -131,14 +136,14 @@ mod tests {
 
     #[test]
     fn inputs_are_64_at_the_mean_and_have_bounds() {
-        let mut crop = [0; FIRST];
+        let mut crop = [0; SAMPLES];
         crop.iter_mut().enumerate().for_each(|(at, to)| *to = if at % 2 == 0 { -56 } else { 100 }); // 200 and 100
         normalise(&mut crop);
         assert_eq!([crop[0], crop[1]], [78, 49]);
-        let mut plain = [-1; FIRST];
+        let mut plain = [-1; SAMPLES];
         normalise(&mut plain);
-        assert_eq!(plain, [MEAN; FIRST]);
-        let mut spot = [0; FIRST];
+        assert_eq!(plain, [MEAN; SAMPLES]);
+        let mut spot = [0; SAMPLES];
         spot[7] = -1;
         normalise(&mut spot);
         assert_eq!([spot[0], spot[7]], [64, 127]);

@@ -16,19 +16,28 @@
 
 mod correction;
 mod crop;
+mod first;
 mod network;
 
 pub(super) use correction::Correction;
-pub(super) use crop::{Crop, FIRST, reachable};
+pub(super) use crop::reachable;
+pub(super) use first::{First, FirstCrop};
 #[cfg(feature = "unstable")]
 pub(crate) use network::REFINER_WEIGHTS;
-pub(super) use network::{ROOM, WORK};
 
 use super::sampling::Sampling;
-use crate::image::Frame;
-use crate::kernels::Dense;
+use crate::image::{FineRect, Frame, Rect};
+use crate::kernels::{Backend, Dense};
 use crate::track::budget::Budget;
-use network::{Layers, Outputs};
+use crop::Crop;
+use heapless::Vec;
+use network::{Layers, ROOM};
+
+/// Bytes that the refiner adds to a saved target.
+pub(super) const SAVED: usize = Correction::SAVED + First::SAVED;
+/// The most work of a crop, and of the refiner in a frame.
+pub(super) const CROP_WORK: u32 = crop::WORK;
+pub(super) const WORK: u32 = CROP_WORK + network::WORK;
 
 /// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]
@@ -40,26 +49,44 @@ pub(super) enum Refiner {
 }
 
 impl Refiner {
-    /// Does one piece of work. Returns the network's estimate after the last piece. `first` is the crop of the first
-    /// frame, `cells` scratch memory.
+    /// Begins with the crop of the box `target`. `bytes` become the memory of patches and layers.
+    #[inline(always)] // its one caller is a function of its own
+    pub(super) fn begin<const N: usize>(
+        target: FineRect,
+        bounds: Rect,
+        sampling: &mut Sampling,
+        bytes: &mut Vec<i8, N>,
+    ) -> Option<Self> {
+        bytes.clear();
+        // Cannot fail: a window of features is larger.
+        let _ = bytes.resize_default(ROOM);
+        Some(Self::Crop(Crop::begin(target, bounds, sampling)))
+    }
+
+    /// Does one piece of work. After the last one adds the network's estimate to `correction` and returns true.
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn next_piece(
         &mut self,
-        dense: Dense,
+        backend: Backend,
         frame: &Frame<'_>,
-        first: &[i8],
+        first: &First,
         sampling: &mut Sampling,
-        cells: &mut [i8],
+        bytes: &mut [i8],
+        correction: &mut Correction,
         budget: &mut Budget,
-    ) -> Option<Outputs> {
+    ) -> bool {
         match self {
             Self::Crop(crop) => {
-                let present = network::room_for_crop(cells);
+                let present = network::room_for_crop(bytes);
                 if present.is_none_or(|present| crop.next_row(frame, sampling, present, budget)) {
-                    *self = Self::Layers(Layers::begin(first, cells, budget));
+                    *self = Self::Layers(Layers::begin(first.crop(), bytes, budget));
                 }
-                None
+                false
             }
-            Self::Layers(layers) => layers.next_row(dense, cells, budget),
+            Self::Layers(layers) => {
+                let estimate = layers.next_row(Dense::new(backend), bytes, budget);
+                estimate.map(|estimate| correction.take(estimate)).is_some()
+            }
         }
     }
 }

@@ -18,7 +18,7 @@
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
 //! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
 
-use super::crop::{FIRST, MEAN, SIDE};
+use super::crop::{MEAN, SAMPLES, SIDE};
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::budget::{Budget, units};
 
@@ -103,8 +103,8 @@ fn layer(number: usize, shift: u32) -> Layer<'static> {
 
 /// The work of the network in units: its products, and its inputs each time they are copied.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // at compile time
-pub(in super::super) const WORK: u32 = {
-    let (mut sum, mut number) = (2 * FIRST, 0);
+pub(super) const WORK: u32 = {
+    let (mut sum, mut number) = (2 * SAMPLES, 0);
     while number < LAYERS.len() {
         let (inputs, outputs) = LAYERS[number];
         sum += if number < CONVOLUTIONS.len() {
@@ -121,7 +121,7 @@ pub(in super::super) const WORK: u32 = {
 /// kernels. The present crop lies where the patches are gathered later.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
-pub(in super::super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
+pub(super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
 #[allow(clippy::indexing_slicing)] // at compile time
 const _: () = {
     let mut number = 0;
@@ -131,11 +131,11 @@ const _: () = {
         assert!(side * LAYERS[number].0 <= PATCHES && across * across * channels <= INPUTS);
         number += 1;
     }
-    assert!(FIRST <= PATCHES);
+    assert!(SAMPLES <= PATCHES);
 };
 
 /// The place for the present crop.
-pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; FIRST]> {
+pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; SAMPLES]> {
     scratch.first_chunk_mut()
 }
 
@@ -163,7 +163,7 @@ impl Layers {
                     .for_each(|(pair, (&first, &present))| *pair = [first, present]);
             }
         }
-        budget.spend(units(2 * FIRST));
+        budget.spend(units(2 * SAMPLES));
         Self { number: 0, row: 0 }
     }
 
