@@ -82,7 +82,7 @@
 /** Bytes of storage for one robust tracker, a constant expression. */
 #define SMR_ROBUST_TARGET_SIZE (12392 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
-#define SMR_ROBUST_WORKSPACE_SIZE (40384 + 16 * sizeof(size_t))
+#define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12342
 

@@ -38,7 +38,7 @@ const SAVED_REFINER: usize = 1040;
 pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
-pub const ROBUST_WORKSPACE_SIZE: usize = 39872 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
+pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11302 + SAVED_REFINER;

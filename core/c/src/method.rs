@@ -211,13 +211,13 @@ impl<T: Method> Tracked for Held<T> {
 
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
         let (target, workspace, _) = self.parts()?;
-        calls::conclude_lock(target, workspace, frame);
+        calls::commit_lock(target, workspace, frame);
         Ok(())
     }
 
     fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
         let (target, workspace, _) = self.parts()?;
-        out.write(calls::conclude(target, workspace, frame).into());
+        out.write(calls::commit(target, workspace, frame).into());
         Ok(())
     }
 

@@ -195,17 +195,21 @@ pub trait Steps: Sized {
     #[doc(hidden)]
     fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal);
 
-    /// Continues until the grant is spent. True if only `conclude` or `conclude_lock` is left.
+    /// Continues an update until the grant is spent. True if only `commit` is left.
     #[doc(hidden)]
     fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
 
+    /// Continues a lock until the grant is spent. True if only `commit_lock` is left.
+    #[doc(hidden)]
+    fn step_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
+
     /// Ends an update: changes the target and returns the answer.
     #[doc(hidden)]
-    fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer;
+    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer;
 
     /// Ends a lock: sets the target.
     #[doc(hidden)]
-    fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
+    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
 /// Checks the frame and begins an update that has no owner yet. It can be resumed once [`own`] has set its owner.
@@ -333,7 +337,7 @@ pub mod calls {
         if under_way.owner == owner { under_way.kind } else { Kind::Nothing }
     }
 
-    /// A step of the lock that is [under way](under_way). True if only [`conclude_lock`] is left.
+    /// A step of the lock that is [under way](under_way). True if only [`commit_lock`] is left.
     ///
     /// # Errors
     /// Those of [`Target::resume_lock`](crate::Target::resume_lock).
@@ -344,10 +348,10 @@ pub mod calls {
         work: u32,
     ) -> Result<bool, LockError> {
         target.check_lock_under_way(frame, SEAL)?;
-        Ok(super::step(target, workspace, frame, work))
+        Ok(super::step_lock(target, workspace, frame, work))
     }
 
-    /// A step of the update that is [under way](under_way). True if only [`conclude`] is left.
+    /// A step of the update that is [under way](under_way). True if only [`commit`] is left.
     ///
     /// # Errors
     /// Those of [`Target::resume`](crate::Target::resume).
@@ -362,15 +366,15 @@ pub mod calls {
     }
 
     /// Ends an update whose last step was true.
-    pub fn conclude<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
+    pub fn commit<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
         T::under_way(workspace, SEAL).end();
-        target.conclude(workspace, frame, SEAL)
+        target.commit(workspace, frame, SEAL)
     }
 
     /// Ends a lock whose last step was true.
-    pub fn conclude_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
+    pub fn commit_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
         T::under_way(workspace, SEAL).end();
-        target.conclude_lock(workspace, frame, SEAL)
+        target.commit_lock(workspace, frame, SEAL)
     }
 
     /// Ends the update or lock of `owner`, if one is under way, because the target has changed.
@@ -382,16 +386,30 @@ pub mod calls {
     }
 }
 
-/// Continues for about `work` units of work.
+/// Continues an update for about `work` units of work.
 fn step<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: u32) -> bool {
     T::under_way(workspace, SEAL).budget.grant(work);
     target.step(workspace, frame, SEAL)
 }
 
-/// Does all remaining steps.
-fn complete<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) {
+/// Continues a lock for about `work` units of work.
+fn step_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, work: u32) -> bool {
+    T::under_way(workspace, SEAL).budget.grant(work);
+    target.step_lock(workspace, frame, SEAL)
+}
+
+/// Does the remaining work of an update.
+fn finish<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
     while !step(target, workspace, frame, u32::MAX) {}
     T::under_way(workspace, SEAL).end();
+    target.commit(workspace, frame, SEAL)
+}
+
+/// Does the remaining work of a lock.
+fn finish_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
+    while !step_lock(target, workspace, frame, u32::MAX) {}
+    T::under_way(workspace, SEAL).end();
+    target.commit_lock(workspace, frame, SEAL)
 }
 
 /// Does a whole lock. Unlike [`Lock`] it keeps no second copy of the frame on the stack.
@@ -402,8 +420,7 @@ pub(super) fn lock<T: Steps>(
     rect: Rect,
 ) -> Result<Quality, LockError> {
     begin_lock(target, workspace, frame, rect)?;
-    complete(target, workspace, frame);
-    Ok(target.conclude_lock(workspace, frame, SEAL))
+    Ok(finish_lock(target, workspace, frame))
 }
 
 /// Does a whole update. Unlike [`Update`] it keeps no second copy of the frame on the stack.
@@ -413,8 +430,7 @@ pub(super) fn update<T: Steps>(
     frame: &Frame<'_>,
 ) -> Result<Answer, UpdateError> {
     begin(target, workspace, frame)?;
-    complete(target, workspace, frame);
-    Ok(target.conclude(workspace, frame, SEAL))
+    Ok(finish(target, workspace, frame))
 }
 
 impl<'a, T: Steps> Update<'a, T> {
@@ -466,8 +482,7 @@ impl<'a, T: Steps> Update<'a, T> {
     #[must_use]
     pub fn finish(self) -> Answer {
         let Running { target, workspace, frame } = &mut { self.0 };
-        complete(*target, workspace, frame);
-        target.conclude(workspace, frame, SEAL)
+        finish(*target, workspace, frame)
     }
 }
 
@@ -502,7 +517,7 @@ impl<'a, T: Steps> Lock<'a, T> {
     /// [`Target::resume`](crate::Target::resume) does.
     pub fn step(&mut self, work: u32) -> bool {
         let Running { target, workspace, frame } = &mut self.0;
-        let done = step(*target, workspace, frame, work);
+        let done = step_lock(*target, workspace, frame, work);
         if mem::take(&mut T::under_way(workspace, SEAL).changed) {
             own::<T>(workspace, Kind::Lock, Owner::of(*target));
         }
@@ -518,8 +533,7 @@ impl<'a, T: Steps> Lock<'a, T> {
     /// Does the remaining work and sets the target. Returns how distinct it is.
     pub fn finish(self) -> Quality {
         let Running { target, workspace, frame } = &mut { self.0 };
-        complete(*target, workspace, frame);
-        target.conclude_lock(workspace, frame, SEAL)
+        finish_lock(*target, workspace, frame)
     }
 }
 

@@ -271,7 +271,6 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     #[inline(never)]
     fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Self { template, config, .. } = self;
-        // Without a track, a lock is under way. `conclude_lock` does all of its work.
         let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
         let Workspace { search, table, under_way, window, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
@@ -290,13 +289,18 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         }
     }
 
-    fn conclude(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
+    /// `commit_lock` does all work of a lock.
+    fn step_lock(&mut self, _: &mut Self::Workspace, _: &Frame<'_>, _: &Seal) -> bool {
+        true
+    }
+
+    fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
         let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default()));
         self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
     }
 
     #[inline(never)] // keeps its stack out of that of a step
-    fn conclude_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
+    fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { table, under_way, .. } = workspace;
         let target = self.locking.target();
         if let Some(patch) = frame.patch(target) {

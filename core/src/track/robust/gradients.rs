@@ -63,6 +63,9 @@ pub(super) struct Extractor {
     sums: Packed,
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
+    /// Cells on each axis of the window.
+    across: usize,
+    down: u16,
     /// The next row of cells.
     next: u16,
 }
@@ -75,6 +78,8 @@ impl Extractor {
             lines: [[0; COLUMNS]; SIDE],
             sums: Packed::new(),
             energies: [[0; ROW]; 3],
+            across: 0,
+            down: 0,
             next: 0,
         }
     }
@@ -104,30 +109,25 @@ impl Extractor {
 
     #[inline(never)]
     fn begin_rows(&mut self, bounds: Rect, lattice: &Lattice) {
+        (self.across, self.down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
         self.next = 0;
         self.energies = [[0; ROW]; 3];
         lattice.prepare(bounds, &mut self.sampling);
     }
 
     /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
-    pub(super) fn next_row(
-        &mut self,
-        frame: &Frame<'_>,
-        lattice: &Lattice,
-        out: &mut [i8],
-        budget: &mut Budget,
-    ) -> bool {
-        let done = self.row(frame, lattice, out);
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
+        let done = self.row(frame, out);
         budget.spend(self.sampling.work(FEATURED));
         done
     }
 
     #[inline(never)]
-    fn row(&mut self, frame: &Frame<'_>, lattice: &Lattice, out: &mut [i8]) -> bool {
-        let Self { sampling, lines, sums, energies, next } = self;
+    fn row(&mut self, frame: &Frame<'_>, out: &mut [i8]) -> bool {
+        let Self { sampling, lines, sums, energies, across, down, next } = self;
         let Some(mut sampler) = sampling.sampler(frame) else { return true };
-        let (across, down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
-        let row = *next;
+        let (across, down, row) = (*across, *down, *next);
         *next += 1;
         let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
@@ -144,7 +144,7 @@ impl Extractor {
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             // An assignment would copy by way of the stack.
             for (to, from) in [(first, fifth), (second, sixth)] {
-                let columns = usize::from(lattice.columns).min(COLUMNS);
+                let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
                 if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
                     to.copy_from_slice(from);
                 }
@@ -172,7 +172,7 @@ impl Extractor {
             out.clear();
             return false;
         }
-        while !self.row(frame, lattice, out) {}
+        while !self.row(frame, out) {}
         true
     }
 }

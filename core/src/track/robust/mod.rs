@@ -36,9 +36,17 @@
 //! frame that is learned, without the refiner; the rest of it is the coding of weights. A frame is learned or
 //! redetected, never both.
 //!
-//! `pipeline.rs` runs these stages and cuts them into steps, `memory.rs` and `track.rs` hold what the tracker remembers,
-//! `saved.rs` writes it as bytes, `buffers.rs` says which stage uses which memory, `cost.rs` counts the work,
-//! `division.rs` divides wide numbers, `constants.rs` holds most constants of the method that are not in [`Config`].
+//! | file | what it does |
+//! |---|---|
+//! | `pipeline.rs` | runs these stages for an update and cuts them into pieces; `lock.rs` does so for a lock |
+//! | `model.rs` | the inputs of the stages, and those that both pipelines share |
+//! | `windows.rs` | where an update looks, and the pixels that it may read |
+//! | `memory.rs`, `track.rs`, `saved.rs` | what the tracker remembers, and the same as bytes |
+//! | `buffers.rs` | which stage uses which memory |
+//! | `cost.rs` | the most work of an update, a lock and a step |
+//! | `target.rs`, `workspace.rs` | the calls |
+//! | `division.rs` | divides wide numbers |
+//! | `constants.rs` | most constants of the method that are not in [`Config`] |
 
 mod alignment;
 mod buffers;
@@ -53,7 +61,9 @@ mod gradients;
 mod grid;
 mod learning;
 mod lighting;
+mod lock;
 mod memory;
+mod model;
 mod motion;
 mod pipeline;
 mod redetection;
@@ -74,6 +84,7 @@ mod template;
 mod tests;
 mod track;
 mod verification;
+mod windows;
 mod workspace;
 
 pub use config::Config;

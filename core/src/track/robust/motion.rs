@@ -66,16 +66,12 @@ impl Motion {
         Place { x: further(x, right), y: further(y, down), scale }.inside(bounds)
     }
 
-    /// Follows the target to `place` and updates the velocity.
-    pub(super) fn follow(&mut self, place: Place) {
-        let [right, down] = self.velocity;
+    /// Follows the target to `place` and updates the velocity. `None`: it was not seen. Then its place stays, and its
+    /// velocity is halved.
+    pub(super) fn follow(&mut self, place: Option<Place>) {
+        let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
-    }
-
-    /// Keeps the place of a target that was not seen, and halves its velocity.
-    pub(super) fn hold(&mut self) {
-        self.follow(self.place);
     }
 
     /// Moves the place with the picture, by units of 1/256 pixel. The target's own velocity stays.
@@ -95,10 +91,10 @@ mod tests {
         let mut motion = Motion::at(Place::of(Rect::new(20, 20, 11, 11)));
         let at = |x: i64| Place { x: x * PIXEL, y: 25 * PIXEL, scale: SCALE };
         assert_eq!(motion.place, at(25));
-        motion.follow(at(33));
+        motion.follow(Some(at(33)));
         assert_eq!(motion.expected(true, bounds), at(35));
         assert_eq!(motion.expected(false, bounds), at(33));
-        motion.follow(at(97));
+        motion.follow(Some(at(97)));
         assert_eq!(motion.expected(true, bounds), at(99), "no further than the frame");
         assert_eq!(Motion::at(at(40)).expected(true, bounds), at(40));
     }

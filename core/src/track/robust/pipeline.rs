@@ -1,460 +1,289 @@
-//! The pipeline: runs a frame through the stages, in units of work, so that an update or a lock can be done in steps.
+//! The pipeline of an update: runs a frame through the stages, piece by piece, so that it can be done in steps.
 //!
 //! ```text
-//! update: search -> verification -> refinement -> scale -> decision
-//!           if there is enough evidence:   -> learning -> refiner (feature `refiner`)
-//!           if the target is lost:         -> search -> verification, in a second window
-//! lock:   crop (feature `refiner`) -> view, which becomes the template -> features -> learning
-//!           24 times:                      -> response -> learning
+//! search -> verification -> refinement -> scale -> decision
+//!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
+//!   if the target is lost:         -> search -> verification, in a second window
 //! ```
 //!
-//! A search computes features and responses. Each stage holds its inputs and passes on its result. An update changes
-//! only the workspace until it is finished. A lock changes the target earlier: its start drops the track and sets all
-//! weights to 0, and each of its 25 steps of learning changes the weights. Its end sets template and track.
+//! A search computes features and responses. Each stage holds its inputs and passes on its result. To add a stage, add
+//! it to `Stage` and `next_piece`, and begin it at the end of the stage before it; one that runs in every frame before
+//! the decision begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. A lock has a pipeline of its
+//! own (`lock.rs`).
 
 use super::alignment::Alignment;
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
 use super::config::{Config, Parts};
+use super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::constants::{CELL, FIRST_RATE, FIRST_STEPS};
 use super::division::quotient;
 use super::grid::Grid;
-use super::learning::{Learning, Training};
+use super::learning::Learning;
 use super::memory::Memory;
+use super::model::Model;
 use super::motion::{Motion, Place};
 use super::refinement::{REFINED, Refined, refine};
-use super::refiner::{FirstCrop, Refiner};
-use super::response::{CODED, layout};
+use super::refiner::Refiner;
+use super::response::CODED;
+#[cfg(feature = "unstable")]
 use super::sampling::Lattice;
-use super::scale::{self, ScaleSearch, Tools};
+use super::scale::{self, Borrowed, ScaleSearch, Tools};
 use super::track::Track;
-use super::verification::{COPIED, Candidate, Reference, Verification, Verified, View};
-use crate::correlation::Window;
-use crate::image::{Frame, Image};
-use crate::kernels::Products;
+use super::verification::{COPIED, Candidate, Verification, Verified};
+use super::windows::{expected, swept};
+use crate::image::Frame;
 use crate::track::State;
 use crate::track::budget::Budget;
 
-/// The purpose of a search.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Purpose {
-    /// Learns the target at a lock.
-    Lock,
-    /// Follows the target in the window around its expected place.
-    Follow,
-    /// Finds the lost target elsewhere.
-    Redetect,
-}
-
 /// The next stage, with its inputs.
 #[derive(Clone, Copy)]
-#[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 enum Stage {
     Done,
-    Template(View),
-    Features(Purpose, Lattice),
-    Response(Purpose, usize),
-    Verification(Purpose, Verification),
+    Features,
+    /// The number of the next piece.
+    Response(usize),
+    Verification(Verification),
     Refinement(Verified),
     /// The search, and the growth that refinement found, if any. Unit: 1/65536.
     Scale(ScaleSearch, Option<i32>),
     Learning(Learning),
-    FirstCrop(FirstCrop),
     Refiner(Refiner),
 }
 
-/// The decisions of the stages so far.
+/// The progress of an update, and its decisions.
 #[derive(Clone, Copy)]
-pub(super) struct Outcome {
-    /// The new track. `None` before the first update or lock in this workspace.
-    pub(super) track: Option<Track>,
-    /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
-    pub(super) candidate: Candidate,
-    /// The best alignment of the early template.
-    alignment: Alignment,
-    /// Whether the early template learns from this frame.
-    pub(super) template_learns: bool,
-    /// The length of the filter's step.
-    step: Option<i64>,
-    /// Steps of learning left in a lock, including the present one; 0 in an update.
-    steps_left: u32,
-}
-
-/// The progress of an update or a lock.
 pub(super) struct Pipeline {
     stage: Stage,
-    pub(super) outcome: Outcome,
+    /// The middle of the present window.
+    centre: Place,
+    /// True while the target is searched elsewhere.
+    redetects: bool,
+    /// The new track.
+    track: Track,
+    /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
+    candidate: Candidate,
+    /// The best alignment of the early template.
+    alignment: Alignment,
+    /// The length of the filter's step, if the tracker learns from this frame.
+    learned: Option<i64>,
 }
 
 impl Pipeline {
-    #[inline(always)]
-    pub(super) const fn new() -> Self {
-        Self { stage: Stage::Done, outcome: Outcome::new(None) }
-    }
-
-    pub(super) const fn response(&self) -> i32 {
-        self.outcome.candidate.response
-    }
-}
-
-impl Outcome {
-    const fn new(track: Option<Track>) -> Self {
-        Self { track, candidate: Candidate::NONE, alignment: (0, 0), template_learns: false, step: None, steps_left: 0 }
-    }
-
-    /// The patch that the early template starts as or learns from.
-    #[inline(never)]
-    pub(super) fn patch<'a>(&self, buffers: &'a Buffers, grid: &Grid) -> Option<Image<'a>> {
-        buffers.comparison.patch(grid, self.alignment)
-    }
-
-    /// Makes the filter's step, if one was computed.
-    pub(super) fn make_step(&mut self, memory: &mut Memory, buffers: &Buffers) {
-        if let Some(length) = self.step.take() {
-            memory.filter.descend(length, &buffers.coded);
-        }
-    }
-
-    /// True in an unfinished lock.
-    pub(super) const fn is_lock(&self) -> bool {
-        self.steps_left > 0
-    }
-
-    /// Counts a finished step of a lock. True if another one follows.
-    pub(super) fn has_another_step(&mut self) -> bool {
-        self.steps_left = self.steps_left.saturating_sub(1);
-        self.steps_left > 0
-    }
-}
-
-/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
-/// `memory` at each step of learning.
-pub(super) struct Model<'a> {
-    pub(super) config: &'a Config,
-    pub(super) memory: &'a Memory,
-    pub(super) track: Track,
-}
-
-impl Model<'_> {
     /// Begins an update.
-    pub(super) fn begin(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
-        self.memory.filter.code(&mut buffers.coded);
-        buffers.comparison.begin(&self.reference());
-        budget.spend(CODED * self.track.grid.work_on_weights() + COPIED * self.track.grid.pixels());
-        pipeline.outcome = Outcome::new(Some(self.track));
-        self.search(pipeline, buffers, Purpose::Follow);
-    }
-
-    /// Begins a lock.
-    pub(super) fn begin_lock(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
-        pipeline.outcome = Outcome { steps_left: FIRST_STEPS, ..Outcome::new(Some(self.track)) };
-        let Buffers { extractor, small, .. } = buffers;
-        if self.config.refines()
-            && let Some(crop) = FirstCrop::begin(self.track.bbox(), self.track.bounds, extractor.sampling(), small)
-        {
-            pipeline.stage = Stage::FirstCrop(crop);
-            return;
+    pub(super) fn begin(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
+        let grid = &model.track.grid;
+        model.memory.filter.code(&mut buffers.coded);
+        buffers.comparison.begin(&model.reference());
+        budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
+        let centre = expected(model.track, model.config);
+        model.begin_features(&centre, buffers);
+        Self {
+            stage: Stage::Features,
+            centre,
+            redetects: false,
+            track: *model.track,
+            candidate: Candidate::NONE,
+            alignment: (0, 0),
+            learned: None,
         }
-        self.begin_template(pipeline, buffers);
     }
 
-    /// Begins the view that becomes the early template.
-    #[inline(never)] // see `next_piece`
-    fn begin_template(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
-        pipeline.stage = Stage::Template(self.view(buffers, self.track.motion.place));
-    }
-
-    /// Begins a step of a lock's learning: the responses of the present weights.
-    pub(super) fn begin_step(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget) {
-        self.memory.filter.code(&mut buffers.coded);
-        budget.spend(CODED * self.track.grid.work_on_weights());
-        pipeline.stage = Stage::Response(Purpose::Lock, 0);
+    /// The candidate on which the answer is based.
+    pub(super) const fn candidate(&self) -> &Candidate {
+        &self.candidate
     }
 
     /// Continues until the grant is spent. True if no stage is left.
-    #[inline(never)]
     pub(super) fn step(
-        &self,
-        pipeline: &mut Pipeline,
+        &mut self,
+        model: &Model<'_>,
         buffers: &mut Buffers,
         budget: &mut Budget,
         frame: &Frame<'_>,
     ) -> bool {
-        while !matches!(pipeline.stage, Stage::Done) && !budget.is_spent() {
-            self.next_piece(pipeline, buffers, budget, frame);
+        loop {
+            if matches!(self.stage, Stage::Done) {
+                return true;
+            }
+            if budget.is_spent() {
+                return false;
+            }
+            self.next_piece(model, buffers, budget, frame);
         }
-        matches!(pipeline.stage, Stage::Done)
     }
 
     /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
     /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
-    fn next_piece(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
-        match &mut pipeline.stage {
+    #[inline(never)] // inlined, it would compute the addresses of all buffers before the loop
+    fn next_piece(&mut self, model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
+        match &mut self.stage {
             Stage::Done => {}
-            Stage::Template(view) => {
+            Stage::Features => {
+                if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                    self.stage = Stage::Response(0);
+                }
+            }
+            Stage::Response(piece) => {
+                if model.respond(piece, buffers, budget) {
+                    self.verify(model, buffers);
+                }
+            }
+            Stage::Verification(verification) => {
                 let Buffers { extractor, comparison, .. } = buffers;
-                if view.next_row(frame, extractor.sampling(), comparison, budget) {
-                    self.search(pipeline, buffers, Purpose::Lock);
+                let reference = model.reference();
+                let verified = verification.next_piece(&reference, frame, extractor.sampling(), comparison, budget);
+                match verified {
+                    None => {}
+                    Some(Verified { candidate, .. }) if self.redetects => self.redetect(candidate),
+                    Some(verified) => self.stage = Stage::Refinement(verified),
                 }
             }
-            Stage::Features(purpose, lattice) => {
-                let Buffers { extractor, large: cells, .. } = buffers;
-                if extractor.next_row(frame, lattice, cells, budget) {
-                    match *purpose {
-                        Purpose::Lock => {
-                            // All weights are 0, and so are their responses.
-                            buffers.responses.clear(self.config.span());
-                            pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
-                        }
-                        purpose => pipeline.stage = Stage::Response(purpose, 0),
-                    }
-                }
-            }
-            Stage::Response(purpose, piece) => {
-                let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
-                let (window, spare) = (self.window(cells), &mut sums.per_weight);
-                let done =
-                    responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
-                *piece += 1;
-                match *purpose {
-                    _ if !done => {}
-                    Purpose::Lock => pipeline.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE)),
-                    purpose => self.verify(pipeline, buffers, purpose),
-                }
-            }
-            Stage::Verification(purpose, verification) => {
-                let Buffers { extractor, comparison, .. } = buffers;
-                let reference = self.reference();
-                if let Some(verified) =
-                    verification.next_piece(&reference, frame, extractor.sampling(), comparison, budget)
-                {
-                    match *purpose {
-                        Purpose::Redetect => redetect(pipeline, verified),
-                        _ => pipeline.stage = Stage::Refinement(verified),
-                    }
-                }
-            }
-            Stage::Refinement(verified) => {
-                let verified = *verified;
-                if let Some(scale) = self.refine(pipeline, verified, buffers, budget) {
-                    self.decide(pipeline, scale, buffers);
-                }
-            }
+            Stage::Refinement(_) => self.refine(model, buffers, budget),
             Stage::Scale(search, growth) => {
-                let (tools, mut borrowed) = self.scale_search(buffers);
+                let (tools, mut borrowed) = scale_search(model, buffers);
                 if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
-                    let last = pipeline.outcome.candidate.place.scale;
+                    let last = self.candidate.place.scale;
                     let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
-                    self.decide(pipeline, scale, buffers);
+                    self.scaled(model, scale, buffers);
                 }
             }
             Stage::Learning(learning) => {
-                let Buffers { large: cells, responses, extractor, coded, sums, .. } = buffers;
-                let training = Training {
-                    filter: &self.memory.filter,
-                    grid: &self.track.grid,
-                    window: self.window(cells),
-                    responses,
-                    products: self.products(),
-                };
-                let length = learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget);
+                let length = model.learn(learning, buffers, budget);
                 if length.is_some() {
-                    (pipeline.outcome.step, pipeline.stage) = (length, Stage::Done);
-                    if self.config.refines() {
-                        self.begin_refiner(pipeline, buffers);
+                    (self.learned, self.stage) = (length, Stage::Done);
+                    if model.config.refines() {
+                        self.begin_refiner(buffers);
                     }
-                }
-            }
-            Stage::FirstCrop(crop) => {
-                let Buffers { extractor, small, .. } = buffers;
-                if crop.next_row(frame, extractor.sampling(), small, budget) {
-                    self.begin_template(pipeline, buffers);
                 }
             }
             Stage::Refiner(refiner) => {
                 let Buffers { extractor, large, .. } = buffers;
-                let Some(Track { correction, .. }) = &mut pipeline.outcome.track else { return };
-                let (backend, first) = (self.config.backend(), &self.memory.first);
+                let (backend, first) = (model.config.backend(), &model.memory.first);
+                let correction = &mut self.track.correction;
                 if refiner.next_piece(backend, frame, first, extractor.sampling(), large, correction, budget) {
-                    pipeline.stage = Stage::Done;
+                    self.stage = Stage::Done;
                 }
             }
-        }
-    }
-
-    /// Begins the refiner after the learning of an update, unless the early template gave the exact place and size. The
-    /// window's features are not needed any more, so the refiner uses their memory.
-    #[inline(never)] // see `next_piece`
-    fn begin_refiner(&self, pipeline: &mut Pipeline, buffers: &mut Buffers) {
-        let Outcome { track: Some(track), candidate, steps_left: 0, .. } = &mut pipeline.outcome else { return };
-        if candidate.is_exact() {
-            track.correction.fade();
-            return;
-        }
-        let Buffers { extractor, large, .. } = buffers;
-        if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
-            pipeline.stage = Stage::Refiner(refiner);
-        }
-    }
-
-    /// Begins the search of a window.
-    #[inline(never)] // see `next_piece`
-    fn search(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
-        let lattice = Lattice::search_window(self.centre(purpose), &self.track.grid, self.config.reach());
-        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
-        pipeline.stage = Stage::Features(purpose, lattice);
-    }
-
-    #[inline(never)]
-    fn centre(&self, purpose: Purpose) -> Place {
-        match purpose {
-            Purpose::Lock => self.track.motion.place,
-            Purpose::Follow => self.track.expected(self.config),
-            Purpose::Redetect => self.track.swept(self.config.reach()),
         }
     }
 
     /// Begins the verification of the peak.
     #[inline(never)] // see `next_piece`
-    fn verify(&self, pipeline: &mut Pipeline, buffers: &mut Buffers, purpose: Purpose) {
-        let peak = buffers.responses.peak(self.config.parts.distance_penalty);
+    fn verify(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
+        let Track { grid, bounds, .. } = model.track;
+        let peak = buffers.responses.peak(model.config.parts.distance_penalty);
         // 1/256 cell is 1/64 pixel of the grid.
-        let place = self.centre(purpose).moved(&self.track.grid, (peak.x, peak.y)).inside(self.track.bounds);
+        let place = self.centre.moved(grid, (peak.x, peak.y)).inside(*bounds);
         let candidate = Candidate::new(place, peak.response);
-        let view = self.view(buffers, place);
-        pipeline.stage = Stage::Verification(purpose, Verification::begin(candidate, view));
+        model.begin_view(&place, buffers);
+        self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
-    /// Begins the view of a place.
-    #[inline(never)]
-    fn view(&self, buffers: &mut Buffers, place: Place) -> View {
-        let Buffers { extractor, comparison, .. } = buffers;
-        View::begin(place, &self.track.grid, self.track.bounds, extractor.sampling(), comparison)
-    }
-
-    /// Refines a verified candidate and begins the scale search. Returns the scale if the configuration has no scale
-    /// search.
+    /// Refines a verified candidate and begins the scale search, if the configuration has one.
     #[inline(never)] // see `next_piece`
-    fn refine(
-        &self,
-        pipeline: &mut Pipeline,
-        Verified { mut candidate, alignment }: Verified,
-        buffers: &mut Buffers,
-        budget: &mut Budget,
-    ) -> Option<u32> {
-        let (grid, comparison) = (&self.track.grid, &buffers.comparison);
+    fn refine(&mut self, model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+        let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
+        let Track { grid, bounds, .. } = model.track;
+        let comparison = &buffers.comparison;
         let refined = match (comparison.patch(grid, alignment), comparison.relit(grid)) {
             (Some(patch), Some(relit)) => refine(candidate.agreement, alignment, patch, relit, comparison.alpha()),
             _ => None,
         };
         if let Some(Refined { x, y, .. }) = refined {
-            candidate.place = candidate.place.moved(grid, (x, y)).inside(self.track.bounds);
+            candidate.place = candidate.place.moved(grid, (x, y)).inside(*bounds);
         }
         budget.spend(REFINED * grid.pixels());
-        (pipeline.outcome.candidate, pipeline.outcome.alignment) = (candidate, alignment);
-        if self.config.size {
-            let (tools, mut borrowed) = self.scale_search(buffers);
+        (self.candidate, self.alignment) = (candidate, alignment);
+        if model.config.size {
+            let (tools, mut borrowed) = scale_search(model, buffers);
             let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);
-            pipeline.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
-            None
+            self.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
         } else {
-            Some(candidate.place.scale)
+            self.scaled(model, candidate.place.scale, buffers);
         }
     }
 
-    /// Decides on the state, and on learning or redetection, when place and scale are known.
+    /// Sets the candidate's scale. Place and scale are known now.
     #[inline(never)] // see `next_piece`
-    fn decide(&self, pipeline: &mut Pipeline, scale: u32, buffers: &mut Buffers) {
-        pipeline.stage = Stage::Done;
-        let Outcome { track: Some(track), candidate, template_learns, .. } = &mut pipeline.outcome else { return };
-        let Parts { gated_learning, verification, .. } = self.config.parts;
-        candidate.place.scale = scale;
+    fn scaled(&mut self, model: &Model<'_>, scale: u32, buffers: &mut Buffers) {
+        self.candidate.place.scale = scale;
+        self.decide(model, buffers);
+    }
+
+    /// Decides on the state, and on learning or redetection.
+    fn decide(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
+        let Self { track, candidate, .. } = self;
+        let Parts { gated_learning, verification, .. } = model.config.parts;
+        self.stage = Stage::Done;
+        let evidence = Evidence::of(candidate);
         if verification {
-            track.confidence = track.confidence.after(Evidence::of(candidate), self.config.patience);
+            track.confidence = track.confidence.after(evidence, model.config.patience);
         }
-        if candidate.visible || !verification {
-            track.motion.follow(candidate.place);
-        } else {
-            track.motion.hold();
-        }
-        if track.confidence.state(self.config) == State::Lost {
-            if self.config.sweep {
-                self.search(pipeline, buffers, Purpose::Redetect);
+        track.motion.follow((candidate.visible || !verification).then_some(candidate.place));
+        if track.confidence.state(model.config) == State::Lost {
+            if model.config.sweeps() {
+                (self.centre, self.redetects) = (swept(model.track, model.config), true);
+                self.stage = Stage::Features;
+                model.begin_features(&self.centre, buffers);
             }
-            return;
-        }
-        *template_learns = Evidence::of(candidate).may_be_learned() || !gated_learning || !verification;
-        if *template_learns {
+        } else if evidence.may_be_learned() || !gated_learning || !verification {
             // Cells and responses are still those of the first window.
-            let target = offset(&self.track.grid, self.centre(Purpose::Follow), candidate.place);
-            pipeline.stage = Stage::Learning(Learning::begin(target, self.config.learning_rate));
+            let target = offset(&model.track.grid, self.centre, candidate.place);
+            self.stage = Stage::Learning(Learning::begin(target, model.config.learning_rate));
         }
     }
 
-    fn reference(&self) -> Reference<'_> {
-        Reference { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+    /// Ends redetection: follows its candidate if that is the lost target.
+    #[inline(never)] // see `next_piece`
+    fn redetect(&mut self, candidate: Candidate) {
+        self.stage = Stage::Done;
+        let Self { track, .. } = self;
+        track.sweep.move_on();
+        let evidence = Evidence::of(&candidate);
+        if evidence.finds(Evidence::of(&self.candidate)) {
+            track.motion = Motion::at(candidate.place);
+            track.confidence = Confidence::found(evidence);
+            self.candidate = candidate;
+        }
     }
 
-    fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
-        Window { cells, layout: layout(&self.track.grid, self.config.span()) }
+    /// Begins the refiner after learning, unless the early template gave the exact place and size. The window's
+    /// features are not needed any more, so the refiner uses their memory.
+    #[inline(never)] // see `next_piece`
+    fn begin_refiner(&mut self, buffers: &mut Buffers) {
+        let Self { track, candidate, .. } = self;
+        let Buffers { extractor, large, .. } = buffers;
+        if candidate.is_exact() {
+            track.correction.fade();
+        } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
+            self.stage = Stage::Refiner(refiner);
+        }
     }
 
-    fn scale_search<'a>(&'a self, buffers: &'a mut Buffers) -> (Tools<'a>, scale::Borrowed<'a>) {
-        let Buffers { extractor, small, coded, sums, .. } = buffers;
-        let Track { grid, bounds, .. } = &self.track;
-        (
-            Tools { grid, bounds: *bounds, weights: coded, products: self.products() },
-            scale::Borrowed { extractor, cells: small, sums },
-        )
-    }
-
-    #[inline(never)]
-    fn products(&self) -> Products {
-        Products::new(self.config.backend())
-    }
-
-    /// Computes the features of the search window, as the next update will. False if a needed pixel is not in memory.
-    #[cfg(feature = "unstable")]
-    pub(super) fn features(&self, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
-        let place = self.centre(Purpose::Follow);
-        let lattice = Lattice::search_window(place, &self.track.grid, self.config.reach());
-        buffers.extractor.features(frame, &lattice, &mut buffers.large)
-    }
-
-    /// Computes the filter's responses to these features, without penalty.
-    #[cfg(feature = "unstable")]
-    pub(super) fn responses(&self, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
-        self.memory.filter.code(&mut buffers.coded);
-        let Buffers { extractor, large: cells, coded, responses, sums, .. } = buffers;
-        responses.rows = [[0; SPAN]; SPAN];
-        let mut pieces = 0..;
-        while !responses.compute(
-            coded,
-            self.products(),
-            extractor.lend_sums(),
-            &mut sums.per_weight,
-            self.window(cells),
-            pieces.next().unwrap_or(0),
-            budget,
-        ) {}
-        responses.rows
+    /// Changes the memory as decided.
+    pub(super) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
+        let Self { track, alignment, .. } = self;
+        if let Some(length) = self.learned {
+            let patch = buffers.comparison.patch(&track.grid, *alignment);
+            patch.into_iter().for_each(|patch| memory.template.learn(patch, config.early_rate));
+            memory.filter.descend(length, &buffers.coded);
+        }
+        if track.confidence.state(config) == State::Tracking {
+            track.tracked_scale = track.motion.place.scale;
+        }
+        memory.track = Some(*track);
     }
 }
 
-/// Ends redetection: follows its candidate if that is the lost target.
-#[inline(never)]
-fn redetect(Pipeline { stage, outcome }: &mut Pipeline, Verified { candidate, .. }: Verified) {
-    *stage = Stage::Done;
-    let Some(track) = &mut outcome.track else { return };
-    track.sweep.move_on();
-    let evidence = Evidence::of(&candidate);
-    if evidence.finds(Evidence::of(&outcome.candidate)) {
-        track.motion = Motion::at(candidate.place);
-        track.confidence = Confidence::found(evidence);
-        outcome.candidate = candidate;
-    }
+fn scale_search<'a>(model: &Model<'a>, buffers: &'a mut Buffers) -> (Tools<'a>, Borrowed<'a>) {
+    let Buffers { extractor, small, coded, sums, .. } = buffers;
+    let Track { grid, bounds, .. } = model.track;
+    (
+        Tools { grid, bounds: *bounds, weights: coded, products: model.products() },
+        Borrowed { extractor, cells: small, sums },
+    )
 }
 
 /// The target's place from the middle of a window, in units of 1/256 cell.
@@ -462,4 +291,23 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let cells = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
     (cells(target.x, centre.x), cells(target.y, centre.y))
+}
+
+/// Computes the features of the search window of the next update. False if a needed pixel is not in
+/// memory.
+#[cfg(feature = "unstable")]
+pub(super) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+    let place = expected(model.track, model.config);
+    let lattice = Lattice::search_window(&place, &model.track.grid, model.config.reach());
+    buffers.extractor.features(frame, &lattice, &mut buffers.large)
+}
+
+/// Computes the filter's responses to these features, without penalty.
+#[cfg(feature = "unstable")]
+pub(super) fn responses(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
+    model.memory.filter.code(&mut buffers.coded);
+    buffers.responses.rows = [[0; SPAN]; SPAN];
+    let mut piece = 0;
+    while !model.respond(&mut piece, buffers, budget) {}
+    buffers.responses.rows
 }

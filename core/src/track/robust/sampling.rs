@@ -88,18 +88,18 @@ impl Lattice {
     /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that
     /// gradients need.
     #[inline(never)]
-    pub(super) fn search_window(place: Place, grid: &Grid, reach: u16) -> Self {
+    pub(super) fn search_window(place: &Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
     }
 
     /// The view: the template's pixels, and `MARGIN` more on each side.
-    pub(super) fn view(place: Place, grid: &Grid) -> Self {
+    pub(super) fn view(place: &Place, grid: &Grid) -> Self {
         Self::around(place, grid, grid.columns + 2 * MARGIN, grid.rows + 2 * MARGIN)
     }
 
     #[inline(never)]
-    fn around(Place { x, y, scale }: Place, grid: &Grid, columns: u16, rows: u16) -> Self {
+    fn around(&Place { x, y, scale }: &Place, grid: &Grid, columns: u16, rows: u16) -> Self {
         let step = grid.step_at(scale);
         Self { x, y, step, step_down: step, columns, rows }
     }
@@ -148,6 +148,7 @@ impl Lattice {
             sampling.columns.push(block.wrapping_sub(left), fraction);
         }
         (sampling.made, sampling.read, sampling.sampled) = ([None; 2], 0, 0);
+        (sampling.next, sampling.rows) = (0, self.rows);
     }
 
     /// Begins to sample into `out`. False if there is no room.
@@ -155,16 +156,6 @@ impl Lattice {
         out.clear();
         self.prepare(bounds, sampling);
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
-    }
-
-    /// Samples the next row, from the top. False if a needed pixel is not in memory.
-    #[inline(never)]
-    pub(super) fn sample_row(&self, frame: &Frame<'_>, sampling: &mut Sampling, row: u16, out: &mut [u8]) -> bool {
-        let (from, columns) = (usize::from(row) * usize::from(self.columns), usize::from(self.columns));
-        let out = out.get_mut(from..from + columns);
-        let (Some(mut sampler), Some(out)) = (sampling.sampler(frame), out) else { return false };
-        sampler.row(row, out);
-        true
     }
 
     /// Samples all rows. False if a needed pixel is not in memory or there is no room.
@@ -175,8 +166,9 @@ impl Lattice {
         sampling: &mut Sampling,
         out: &mut Vec<u8, N>,
     ) -> bool {
-        self.begin(frame.bounds(), sampling, out)
-            && (0..self.rows).all(|row| self.sample_row(frame, sampling, row, out))
+        let possible = self.begin(frame.bounds(), sampling, out) && frame.covers(self.pixels(frame.bounds()));
+        while possible && !sampling.next_row(frame, out) {}
+        possible
     }
 }
 
@@ -194,6 +186,9 @@ pub(super) struct Sampling {
     means: [Vec<u8, ROW>; 2],
     /// The numbers of these rows.
     made: [Option<u16>; 2],
+    /// The next row of the lattice, and the number of rows.
+    next: u16,
+    rows: u16,
     /// Pixels read from the frame, and samples computed.
     read: u32,
     sampled: u32,
@@ -211,6 +206,8 @@ impl Sampling {
             pixels: Rect::new(0, 0, 0, 0),
             means: [const { Vec::new() }; 2],
             made: [None; 2],
+            next: 0,
+            rows: 0,
             read: 0,
             sampled: 0,
             mixed: [0; Interpolation::<COLUMNS>::PLACES + 4],
@@ -221,6 +218,30 @@ impl Sampling {
     #[inline(never)]
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
         Some(Sampler { pixels: frame.patch(self.pixels)?, sampling: self })
+    }
+
+    /// The number of the next row.
+    pub(super) fn next(&self) -> u16 {
+        self.next
+    }
+
+    /// Samples the next row, from the top, into its place in `out`. True after the last row. If a needed pixel is not
+    /// in memory, the row stays as it is.
+    #[inline(never)]
+    pub(super) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
+        let columns = self.columns.count();
+        let from = usize::from(self.next()) * columns;
+        self.next_row_alone(frame, out.get_mut(from..from + columns).unwrap_or_default())
+    }
+
+    /// Samples the next row into `out`: see [`Sampling::next_row`].
+    pub(super) fn next_row_alone(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
+        let row = self.next;
+        if let Some(mut sampler) = self.sampler(frame) {
+            sampler.row(row, out);
+        }
+        self.next += 1;
+        self.next >= self.rows
     }
 
     /// The work since the last call: 1 for each pixel read, and `each` for each sample.

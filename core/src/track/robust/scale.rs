@@ -54,7 +54,6 @@ pub(super) struct ScaleSearch {
     best: u32,
     /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
     number: usize,
-    lattice: Lattice,
     /// Whether its features are known.
     sampled: bool,
 }
@@ -77,9 +76,9 @@ pub(super) struct Borrowed<'a> {
 
 impl ScaleSearch {
     pub(super) fn begin(place: Place, tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> Self {
-        let lattice = Lattice::search_window(place, tools.grid, SCALE_REACH);
+        let lattice = Lattice::search_window(&place, tools.grid, SCALE_REACH);
         borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
-        Self { place, highest: i64::MIN, best: place.scale, number: 0, lattice, sampled: false }
+        Self { place, highest: i64::MIN, best: place.scale, number: 0, sampled: false }
     }
 
     /// Does one piece of work. Returns the best scale after the last piece.
@@ -91,7 +90,7 @@ impl ScaleSearch {
         budget: &mut Budget,
     ) -> Option<u32> {
         if !self.sampled {
-            self.sampled = borrowed.extractor.next_row(frame, &self.lattice, borrowed.cells, budget);
+            self.sampled = borrowed.extractor.next_row(frame, borrowed.cells, budget);
             return None;
         }
         let [smaller, larger] = other_scales(self.place.scale);
@@ -104,9 +103,9 @@ impl ScaleSearch {
         }
         self.number += 1;
         let Some(&scale) = scales.get(self.number) else { return Some(self.best) };
-        self.lattice = Lattice::search_window(Place { scale, ..self.place }, tools.grid, SCALE_REACH);
+        let lattice = Lattice::search_window(&Place { scale, ..self.place }, tools.grid, SCALE_REACH);
         self.sampled = false;
-        borrowed.extractor.begin(tools.bounds, &self.lattice, borrowed.cells);
+        borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
         None
     }
 }

@@ -1,19 +1,20 @@
 //! The calls of a target of the robust tracker.
 
 use super::config::Config;
+use super::constants::SCALE;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::constants::{MARGIN_CELLS, QUALITY_ALPHA, SCALE, SCALE_REACH};
 use super::grid::Grid;
+use super::lock::LockPipeline;
 use super::memory::Memory;
-use super::motion::Place;
-use super::pipeline::Model;
-use super::refiner::reachable;
-use super::sampling::Lattice;
+use super::model::Model;
+#[cfg(feature = "unstable")]
+use super::pipeline;
+use super::pipeline::Pipeline;
 use super::saved;
-use super::scale::other_scales;
 use super::track::Track;
-use super::workspace::Workspace;
+use super::windows::{expected_pixels, lock_pixels, swept_pixels};
+use super::workspace::{Progress, Workspace};
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::saved::Settings;
 use crate::track::target::{lock_goes_on, lockable};
@@ -97,9 +98,9 @@ impl Robust {
         frame: &Frame<'_>,
     ) -> Result<&'a [i8], UpdateError> {
         self.check(frame, SEAL)?;
-        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
+        let model = self.model().ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
-        if !self.model(track).features(&mut workspace.buffers, frame) {
+        if !pipeline::features(&model, &mut workspace.buffers, frame) {
             return Err(UpdateError::WindowNotInMemory);
         }
         Ok(&workspace.buffers.large)
@@ -112,37 +113,14 @@ impl Robust {
         frame: &Frame<'_>,
     ) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
         self.features(workspace, frame)?;
-        let track = self.memory.track.ok_or(UpdateError::NotLocked)?;
-        Ok(self.model(track).responses(&mut workspace.buffers, &mut workspace.under_way.budget))
+        let model = self.model().ok_or(UpdateError::NotLocked)?;
+        Ok(pipeline::responses(&model, &mut workspace.buffers, &mut workspace.under_way.budget))
     }
 
-    fn model(&self, track: Track) -> Model<'_> {
-        Model { config: &self.config, memory: &self.memory, track }
-    }
-
-    /// The pixels that an update may read around the expected place: the search window, the view of any place in it,
-    /// the windows of other scales, and the refiner's crop.
-    fn expected_pixels(&self, track: &Track) -> Rect {
-        let centre = track.expected(&self.config);
-        let reach = self.config.reach();
-        let mut pixels = track.pixels(centre, reach + MARGIN_CELLS);
-        if self.config.size {
-            for scale in other_scales(centre.scale) {
-                pixels = union(pixels, track.pixels(Place { scale, ..centre }, reach + 2 * SCALE_REACH));
-            }
-        }
-        if self.config.refines() {
-            pixels = union(pixels, track.refined_pixels(centre, reach));
-        }
-        pixels
-    }
-
-    /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is
-    /// `Some` whenever it may be.
-    fn swept_pixels(&self, track: &Track) -> Option<Rect> {
-        let reach = self.config.reach();
-        let may_be_lost = self.config.sweeps() && track.confidence.may_be_lost_next(&self.config);
-        may_be_lost.then(|| track.pixels(track.swept(reach), reach + MARGIN_CELLS))
+    /// The inputs of the stages of an update; `None` before the first lock.
+    fn model(&self) -> Option<Model<'_>> {
+        let track = self.memory.track.as_ref()?;
+        Some(Model { config: &self.config, memory: &self.memory, track })
     }
 }
 
@@ -180,24 +158,17 @@ impl Target for Robust {
 
     /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
-        if bounds.contains(target) {
-            let window = Lattice::search_window(Place::of(target), &Grid::new(target), self.config.reach());
-            let window = window.pixels(bounds);
-            if self.config.refines() {
-                return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));
-            }
-            window
-        } else {
-            Rect::default()
-        }
+        if bounds.contains(target) { lock_pixels(bounds, target, &self.config) } else { Rect::default() }
     }
 
     fn window(&self) -> Option<Rect> {
-        self.memory.track.as_ref().map(|track| self.expected_pixels(track))
+        let track = self.memory.track.as_ref()?;
+        Some(expected_pixels(track, &self.config))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
-        self.memory.track.as_ref().and_then(|track| self.swept_pixels(track))
+        let track = self.memory.track.as_ref()?;
+        swept_pixels(track, &self.config)
     }
 
     fn bbox(&self) -> Option<FineRect> {
@@ -261,8 +232,8 @@ impl Steps for Robust {
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        let covered =
-            frame.covers(self.expected_pixels(track)) && self.swept_pixels(track).is_none_or(|rect| frame.covers(rect));
+        let covered = frame.covers(expected_pixels(track, &self.config))
+            && swept_pixels(track, &self.config).is_none_or(|rect| frame.covers(rect));
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
@@ -278,46 +249,48 @@ impl Steps for Robust {
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
-        let Workspace { pipeline, buffers, under_way } = workspace;
-        if let Some(track) = self.memory.track {
-            self.model(track).begin(pipeline, buffers, &mut under_way.budget);
+        let Workspace { progress, buffers, under_way } = workspace;
+        if let Some(model) = self.model() {
+            *progress = Progress::Update(Pipeline::begin(&model, buffers, &mut under_way.budget));
         }
     }
 
     #[inline(never)] // a step need not reserve its stack
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
+        let Workspace { progress, buffers, .. } = workspace;
+        self.locking = Locking::new(bounds, target);
         let track = Track::new(bounds, target);
-        (self.memory.track, self.locking) = (None, Locking::new(bounds, target));
-        self.memory.filter.start(track.grid.weights());
-        self.model(track).begin_lock(&mut workspace.pipeline, &mut workspace.buffers);
+        *progress = Progress::Lock(LockPipeline::begin(track, &self.config, &mut self.memory, buffers));
     }
 
     fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
-        while self.step_pipeline(workspace, frame) {
-            if !self.begin_another_step(workspace) {
-                return true;
-            }
+        let Workspace { progress, buffers, under_way } = workspace;
+        match (self.model(), progress) {
+            (Some(model), Progress::Update(update)) => update.step(&model, buffers, &mut under_way.budget, frame),
+            _ => true,
         }
-        false
     }
 
-    fn conclude(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
+    #[inline(never)] // a step of an update need not reserve its stack
+    fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
+        let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
+        let before = lock.steps_left();
+        let done = lock.step((&self.config, &mut self.memory), buffers, &mut under_way.budget, frame);
+        if lock.steps_left() != before {
+            under_way.change();
+        }
+        done
+    }
+
+    fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
         let before = self.state();
-        let Workspace { pipeline, buffers, .. } = workspace;
-        let outcome = &mut pipeline.outcome;
-        if let Some(mut track) = outcome.track {
-            if outcome.template_learns {
-                let patch = outcome.patch(buffers, &track.grid);
-                patch.into_iter().for_each(|patch| self.memory.template.learn(patch, self.config.early_rate));
-            }
-            outcome.make_step(&mut self.memory, buffers);
-            if track.confidence.state(&self.config) == State::Tracking {
-                track.tracked_scale = track.motion.place.scale;
-            }
-            self.memory.track = Some(track);
+        let mut ratio = 0;
+        if let Workspace { progress: Progress::Update(update), buffers, .. } = workspace {
+            update.commit(&self.config, &mut self.memory, buffers);
+            ratio = update.candidate().agreement;
         }
         let fine = self.bbox().unwrap_or_default();
-        let (state, confidence, scale) = self.memory.track.map_or((State::Lost, 0, SCALE), |track| {
+        let (state, confidence, scale) = self.memory.track.as_ref().map_or((State::Lost, 0, SCALE), |track| {
             (track.confidence.state(&self.config), track.confidence.value(), track.motion.place.scale)
         });
         Answer {
@@ -325,7 +298,7 @@ impl Steps for Robust {
             fine,
             state,
             confidence,
-            ratio: outcome.candidate.agreement,
+            ratio,
             runner_up_ratio: None,
             alpha: None,
             scale,
@@ -334,54 +307,8 @@ impl Steps for Robust {
     }
 
     #[inline(never)] // a step need not reserve its stack
-    fn conclude_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
-        let Workspace { pipeline, buffers, .. } = workspace;
-        let Some(mut track) = pipeline.outcome.track else { return Quality::NONE };
-        buffers.comparison.table_mut().set(self.config.table, QUALITY_ALPHA);
-        if let Some(patch) = pipeline.outcome.patch(buffers, &track.grid) {
-            track.quality = Quality::of(patch, buffers.comparison.table());
-            self.memory.template.start(patch);
-        }
-        if self.config.refines() {
-            self.memory.first.keep(&buffers.small);
-        }
-        self.memory.track = Some(track);
-        track.quality
+    fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
+        let Workspace { progress: Progress::Lock(lock), buffers, .. } = workspace else { return Quality::NONE };
+        lock.commit(&self.config, &mut self.memory, buffers)
     }
-}
-
-impl Robust {
-    /// Continues until the grant is spent. True if an update or a learning step of a lock is done.
-    fn step_pipeline(&self, workspace: &mut Workspace, frame: &Frame<'_>) -> bool {
-        let Workspace { pipeline, buffers, under_way } = workspace;
-        // During a lock the track is in the workspace. `or` would put both on the stack.
-        let track = if self.memory.track.is_some() { &self.memory.track } else { &pipeline.outcome.track };
-        let Some(track) = *track else { return true };
-        self.model(track).step(pipeline, buffers, &mut under_way.budget, frame)
-    }
-
-    /// Changes the weights after a learning step of a lock. True if another step has begun.
-    #[inline(never)] // a step of an update need not reserve its stack
-    fn begin_another_step(&mut self, workspace: &mut Workspace) -> bool {
-        let Workspace { pipeline, buffers, under_way } = workspace;
-        let outcome = &mut pipeline.outcome;
-        if !outcome.is_lock() {
-            return false;
-        }
-        outcome.make_step(&mut self.memory, buffers);
-        under_way.change();
-        let (another, track) = (outcome.has_another_step(), outcome.track);
-        if another && let Some(track) = track {
-            self.model(track).begin_step(pipeline, buffers, &mut under_way.budget);
-        }
-        another
-    }
-}
-
-/// The smallest rectangle that holds both.
-#[inline(never)]
-fn union(a: Rect, b: Rect) -> Rect {
-    let (left, top) = (a.x.min(b.x), a.y.min(b.y));
-    let side = |from: i32, to: i32| u16::try_from(to.saturating_sub(from)).unwrap_or(u16::MAX);
-    Rect::new(left, top, side(left, a.right().max(b.right())), side(top, a.bottom().max(b.bottom())))
 }

@@ -1,14 +1,11 @@
 //! The track of a target: what the tracker remembers of its place, size and state.
 
 use super::confidence::Confidence;
-use super::config::Config;
-use super::constants::{CELL, MARGIN, PIXEL, SCALE};
+use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-use super::refiner::{Correction, reachable};
-use super::sampling::Lattice;
-use super::scale;
+use super::refiner::Correction;
 use crate::image::{FineRect, Rect};
 use crate::track::Quality;
 use crate::track::update::Owner;
@@ -57,39 +54,10 @@ impl Track {
         self.correction.identify(owner);
     }
 
-    /// The expected place of the target in the next frame.
-    pub(super) fn expected(&self, config: &Config) -> Place {
-        self.motion.expected(config.parts.velocity, self.bounds)
-    }
-
-    /// The middle of the next window of redetection, at the scale when the state was last tracking.
-    #[inline(never)]
-    pub(super) fn swept(&self, reach: u16) -> Place {
-        let side = i64::from(2 * reach * CELL) * self.grid.step_at(self.tracked_scale);
-        let (x, y) = self.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), self.bounds);
-        Place { x, y, scale: self.tracked_scale }
-    }
-
-    /// The pixels of the frame that the search window around a place reads.
-    pub(super) fn pixels(&self, place: Place, reach: u16) -> Rect {
-        Lattice::search_window(place, &self.grid, reach).pixels(self.bounds)
-    }
-
     /// The box of the answer: the followed box, corrected by the refiner.
     #[inline(never)]
     pub(super) fn bbox(&self) -> FineRect {
         self.correction.correct(self.followed())
-    }
-
-    /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`.
-    /// Beyond the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement moves by
-    /// up to a pixel, and the scale may grow by a step.
-    pub(super) fn refined_pixels(&self, centre: Place, reach: u16) -> Rect {
-        let [_, larger] = scale::other_scales(centre.scale);
-        let pixels = (reach + 1) * CELL + MARGIN + 2;
-        let by = i64::from(pixels) * self.grid.step_at(larger);
-        let target = Self { motion: Motion::at(Place { scale: larger, ..centre }), ..*self };
-        reachable(target.bbox(), by, self.bounds)
     }
 
     /// The box of the followed place and scale, without the refiner's correction.

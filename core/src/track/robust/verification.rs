@@ -108,8 +108,7 @@ impl Comparison {
     /// Measures the template's contrast, before an update.
     pub(super) fn begin(&mut self, reference: &Reference<'_>) {
         reference.template.copy_to(&mut self.relit);
-        let Grid { columns, rows, .. } = *reference.grid;
-        self.contrast = Image::new(&self.relit, columns, rows).map_or(Contrast::NONE, Contrast::of);
+        self.contrast = self.relit(reference.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
     pub(super) fn table_mut(&mut self) -> &mut CutTable {
@@ -118,6 +117,20 @@ impl Comparison {
 
     pub(super) fn table(&self) -> &CutTable {
         &self.table
+    }
+
+    /// Begins the view of a place.
+    #[inline(never)]
+    pub(super) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
+        Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
+    }
+
+    /// Samples a row of the view; true after the last one.
+    #[inline(never)]
+    pub(super) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
+        let done = sampling.next_row(frame, &mut self.view);
+        budget.spend(sampling.work(SAMPLED));
+        done
     }
 
     pub(super) fn alpha(&self) -> u16 {
@@ -174,42 +187,6 @@ fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<
     view.crop(Rect::new(left, top, columns, rows))
 }
 
-/// A view of a place that is sampled row by row.
-#[derive(Clone, Copy)]
-pub(super) struct View {
-    lattice: Lattice,
-    row: u16,
-}
-
-impl View {
-    pub(super) fn begin(
-        place: Place,
-        grid: &Grid,
-        bounds: Rect,
-        sampling: &mut Sampling,
-        comparison: &mut Comparison,
-    ) -> Self {
-        let lattice = Lattice::view(place, grid);
-        lattice.begin(bounds, sampling, &mut comparison.view);
-        Self { lattice, row: 0 }
-    }
-
-    /// Samples a row; true after the last one.
-    #[inline(never)]
-    pub(super) fn next_row(
-        &mut self,
-        frame: &Frame<'_>,
-        sampling: &mut Sampling,
-        comparison: &mut Comparison,
-        budget: &mut Budget,
-    ) -> bool {
-        self.lattice.sample_row(frame, sampling, self.row, &mut comparison.view);
-        budget.spend(sampling.work(SAMPLED));
-        self.row += 1;
-        self.row >= self.lattice.rows
-    }
-}
-
 /// The verification of a candidate.
 #[derive(Clone, Copy)]
 pub(super) struct Verification {
@@ -221,7 +198,7 @@ pub(super) struct Verification {
 #[derive(Clone, Copy)]
 enum Phase {
     /// Samples a row of the view.
-    View(View),
+    View,
     /// Scores the alignment of this number.
     Alignment(u16),
     /// Measures the agreement at the best one.
@@ -236,8 +213,9 @@ pub(super) struct Verified {
 }
 
 impl Verification {
-    pub(super) fn begin(candidate: Candidate, view: View) -> Self {
-        Self { candidate, search: Search::new(), phase: Phase::View(view) }
+    /// Begins with the view, which has begun.
+    pub(super) fn begin(candidate: Candidate) -> Self {
+        Self { candidate, search: Search::new(), phase: Phase::View }
     }
 
     /// Does one piece of work. Returns the result after the last piece.
@@ -252,8 +230,8 @@ impl Verification {
         let pixels = reference.grid.pixels();
         let (phase, search) = (&mut self.phase, &mut self.search);
         match phase {
-            Phase::View(view) => {
-                if view.next_row(frame, sampling, comparison, budget) {
+            Phase::View => {
+                if comparison.next_row(frame, sampling, budget) {
                     *phase = Phase::Alignment(0);
                 }
             }

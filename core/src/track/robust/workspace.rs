@@ -1,8 +1,18 @@
 //! Scratch memory of the robust tracker. One workspace serves any number of targets, one update at a time.
 
 use super::buffers::Buffers;
+use super::lock::LockPipeline;
 use super::pipeline::Pipeline;
 use crate::track::update::UnderWay;
+
+/// The progress of the present or last update or lock.
+#[derive(Clone, Copy)]
+#[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
+pub(super) enum Progress {
+    Nothing,
+    Update(Pipeline),
+    Lock(LockPipeline),
+}
 
 /// The memory that an update needs in addition to the target.
 ///
@@ -13,7 +23,7 @@ use crate::track::update::UnderWay;
 /// ```
 #[repr(C)] // see `Buffers`
 pub struct Workspace {
-    pub(super) pipeline: Pipeline,
+    pub(super) progress: Progress,
     pub(super) under_way: UnderWay,
     pub(super) buffers: Buffers,
 }
@@ -23,13 +33,13 @@ impl Workspace {
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { pipeline: const { Pipeline::new() }, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
+        Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
     /// The filter's penalised response at the last update's peak, or at the peak of redetection if that found the
     /// target. Unit: 1/16384. 0 after a lock, and during an update until its candidate is refined.
     pub(crate) const fn response(&self) -> i32 {
-        self.pipeline.response()
+        if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }
 }
 

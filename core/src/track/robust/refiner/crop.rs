@@ -32,10 +32,7 @@ pub(super) const MEAN: i8 = 64;
 
 /// A crop, sampled row by row.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Crop {
-    lattice: Lattice,
-    row: u16,
-}
+pub(in super::super) struct Crop(());
 
 /// The crop's steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256 pixel.
 fn steps([width, height]: [u32; 2]) -> [i64; 2] {
@@ -83,9 +80,8 @@ fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
 impl Crop {
     #[inline(never)]
     pub(super) fn begin(target: FineRect, bounds: Rect, sampling: &mut Sampling) -> Self {
-        let lattice = crop_of(target);
-        lattice.prepare(bounds, sampling);
-        Self { lattice, row: 0 }
+        crop_of(target).prepare(bounds, sampling);
+        Self(())
     }
 
     /// Samples a row into `crop`, and normalises the crop after the last row. True after the last row.
@@ -97,17 +93,14 @@ impl Crop {
         crop: &mut [i8; SAMPLES],
         budget: &mut Budget,
     ) -> bool {
-        let mut samples = [0; SIDE];
-        if let Some(mut sampler) = sampling.sampler(frame) {
-            sampler.row(self.row, &mut samples);
-        }
+        let (mut samples, row) = ([0; SIDE], usize::from(sampling.next()));
+        let done = sampling.next_row_alone(frame, &mut samples);
         let (rows, _) = crop.as_chunks_mut::<SIDE>();
-        if let Some(row) = rows.get_mut(usize::from(self.row)) {
+        if let Some(row) = rows.get_mut(row) {
             rolled(row.iter_mut().zip(samples)).for_each(|(to, sample)| *to = sample.cast_signed());
         }
         budget.spend(sampling.work(SAMPLED));
-        self.row += 1;
-        if self.row < self.lattice.rows {
+        if !done {
             return false;
         }
         normalise(crop);

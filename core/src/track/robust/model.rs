@@ -1,0 +1,75 @@
+//! The inputs of the stages, and the stages that updates and locks share.
+
+use super::buffers::Buffers;
+use super::config::Config;
+use super::learning::{Learning, Training};
+use super::memory::Memory;
+use super::motion::Place;
+use super::response::layout;
+use super::sampling::Lattice;
+use super::track::Track;
+use super::verification::Reference;
+use crate::correlation::Window;
+use crate::kernels::Products;
+use crate::track::budget::Budget;
+
+/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in `memory`
+/// at each step of learning.
+pub(super) struct Model<'a> {
+    pub(super) config: &'a Config,
+    pub(super) memory: &'a Memory,
+    /// The track before this frame.
+    pub(super) track: &'a Track,
+}
+
+impl Model<'_> {
+    /// Begins the features of the search window around `centre`.
+    #[inline(never)]
+    pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
+        let lattice = Lattice::search_window(centre, &self.track.grid, self.config.reach());
+        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
+    }
+
+    /// Begins the view of a place.
+    pub(super) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
+        let Buffers { extractor, comparison, .. } = buffers;
+        comparison.begin_view(place, &self.track.grid, self.track.bounds, extractor.sampling());
+    }
+
+    /// Computes a piece of the responses, and counts it. True after the last one.
+    #[inline(never)]
+    pub(super) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
+        let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
+        let (window, spare) = (self.window(large), &mut sums.per_weight);
+        let done = responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
+        *piece += 1;
+        done
+    }
+
+    /// Does a piece of learning. Returns the length of the filter's step after the last one.
+    #[inline(never)]
+    pub(super) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
+        let Buffers { large, responses, extractor, coded, sums, .. } = buffers;
+        let training = Training {
+            filter: &self.memory.filter,
+            grid: &self.track.grid,
+            window: self.window(large),
+            responses,
+            products: self.products(),
+        };
+        learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget)
+    }
+
+    pub(super) fn reference(&self) -> Reference<'_> {
+        Reference { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+    }
+
+    fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
+        Window { cells, layout: layout(&self.track.grid, self.config.span()) }
+    }
+
+    #[inline(never)]
+    pub(super) fn products(&self) -> Products {
+        Products::new(self.config.backend())
+    }
+}
