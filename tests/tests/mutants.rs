@@ -32,7 +32,7 @@ const PAPER: [Mutant; 22] = [
     ),
     (
         "growth of the window",
-        "track/paper/gate.rs",
+        "track/paper/track.rs",
         "saturating_mul(self.lost_for)",
         "saturating_mul(self.lost_for.min(1))",
     ),
@@ -43,7 +43,7 @@ const PAPER: [Mutant; 22] = [
         "ratio.numerator.cmp(&(ratio.denominator + ratio.denominator / 50))",
     ),
     ("what a group can reach", "search/ranges.rs", "others + score)", "others + score / 2)"),
-    ("the last groups of a tile", "search/scan.rs", "column < new.0 || row", "column <= new.0 || row"),
+    ("the last groups of a tile", "search/tiles.rs", "column < new.0 || row", "column <= new.0 || row"),
     (
         "the zone of updates: left",
         "track/paper/config.rs",
@@ -134,7 +134,7 @@ const ROBUST: [Mutant; 29] = [
     ("scales", "track/robust/constants.rs", "SCALE_STEP: i64 = 66_847;", "SCALE_STEP: i64 = 66_848;"),
     ("what other scales count", "track/robust/constants.rs", "SCALE_PENALTY: i64 = 252;", "SCALE_PENALTY: i64 = 128;"),
     ("the early template", "track/robust/config.rs", "early_rate: 1,", "early_rate: 16,"),
-    ("the growth", "track/robust/refinement.rs", "-32 * part([", "-16 * part(["),
+    ("the growth", "track/robust/refinement.rs", "-32 * solve([", "-16 * solve(["),
     ("slopes outward", "track/robust/refinement.rs", "+ down * v) >> 6", "- down * v) >> 6"),
     (
         "where place and size are refined",
@@ -168,7 +168,7 @@ const LOST: [Mutant; 3] = [
         "(2 * i64::from(number) + 1)",
         "(2 * i64::from(number))",
     ),
-    ("what is asked for", "track/robust/target.rs", "reach + 2 * SCALE_REACH", "reach"),
+    ("what is asked for", "track/robust/windows.rs", "reach + 2 * SCALE_REACH", "reach"),
 ];
 
 /// Mutants that no recording shows yet, but smr-core's own tests.

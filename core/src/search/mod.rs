@@ -11,21 +11,27 @@
 //! | `runner_up.rs` | the runner-up, from the maximum of each row and column of scores |
 //! | `floor.rs` | the peak so far, and the floor: the least score that can change the result |
 //! | `ranges.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
-//! | `scan.rs` | the order in which offsets are scored, in steps |
+//! | `progress.rs` | the progress of a search and its budget; scores an offset |
+//! | `descent.rs` | a good score early: moves from the last position to a small SAD |
+//! | `tiles.rs` | excludes or scores the groups of a window |
+//! | `scan.rs` | the order of these, in steps; the scouts |
 //! | `bound.rs` | the most comparisons of a search |
 
 mod bound;
+mod descent;
 mod floor;
 mod peak;
+mod progress;
 mod ranges;
 mod runner_up;
 mod scan;
+mod tiles;
 mod window;
 
 pub(crate) use bound::Extent;
 pub(crate) use peak::Wanted;
 pub use peak::{Found, Peak};
-pub(crate) use scan::{Scene, Search};
+pub(crate) use progress::{Scene, Search};
 pub use window::{Radius, Window};
 
 #[cfg(test)]
