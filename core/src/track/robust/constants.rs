@@ -1,6 +1,6 @@
 //! The constants of the method that are not in [`Config`](super::Config), with their units. A few others stand beside
 //! their formula: in `motion.rs`, `confidence.rs`, `refiner/crop.rs`, `refiner/correction.rs` and
-//! `similarity/contrast.rs`.
+//! `similarity/contrast.rs`. The units of work stand in the stages that spend them.
 //!
 //! *R with ...* gives the change of R with another value. R is the fraction of frames in which the box is right, as a
 //! mean over 90 recordings that start from the first frame's annotated box; the differences are paired and have a

@@ -39,7 +39,7 @@ pub(super) const fn most_work(extent: Extent) -> u32 {
     extent.offsets() + 2 * response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
-/// The most work for a piece: the errors, the direction, or the last piece of responses, which also changes the weights.
+/// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
 pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
     let last = response::most_of_a_piece(extent) + CODED * extent.weights();

@@ -5,8 +5,8 @@
 //!   24 times:                                                      -> response -> learning
 //! ```
 //!
-//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each of its
-//! 25 steps of learning changes the weights. Its end sets template and track.
+//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each of
+//! its 25 steps of learning changes the weights. Its end sets template and track.
 
 use super::buffers::Buffers;
 use super::config::Config;

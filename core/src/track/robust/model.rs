@@ -13,8 +13,8 @@ use crate::correlation::Window;
 use crate::kernels::Products;
 use crate::track::budget::Budget;
 
-/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in `memory`
-/// at each step of learning.
+/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
+/// `memory` at each step of learning.
 pub(super) struct Model<'a> {
     pub(super) config: &'a Config,
     pub(super) memory: &'a Memory,

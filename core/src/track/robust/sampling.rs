@@ -27,8 +27,8 @@ pub(super) const SAMPLED: u32 = 32;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The most pixels of the frame that a lattice reads; each is a unit of work. Its steps are less than two blocks, and it
-/// reads four pixels of each block.
+/// The most pixels of the frame that a lattice reads; each is a unit of work. Its steps are less than two blocks, and
+/// it reads four pixels of each block.
 pub(super) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
