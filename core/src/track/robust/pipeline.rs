@@ -116,7 +116,6 @@ impl Pipeline {
 
     /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
     /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
-    #[inline(never)] // inlined, it would compute the addresses of all buffers before the loop
     fn next_piece(&mut self, model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}
