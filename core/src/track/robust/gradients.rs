@@ -64,7 +64,7 @@ pub(super) struct Extractor {
     /// Energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
     /// Cells on each axis of the window.
-    across: usize,
+    across: u16,
     down: u16,
     /// The next row of cells.
     next: u16,
@@ -109,7 +109,7 @@ impl Extractor {
 
     #[inline(never)]
     fn begin_rows(&mut self, bounds: Rect, lattice: &Lattice) {
-        (self.across, self.down) = (usize::from(lattice.columns / CELL).min(ROW), lattice.rows / CELL);
+        (self.across, self.down) = (lattice.columns / CELL, lattice.rows / CELL);
         self.next = 0;
         self.energies = [[0; ROW]; 3];
         lattice.prepare(bounds, &mut self.sampling);
@@ -127,7 +127,7 @@ impl Extractor {
     fn row(&mut self, frame: &Frame<'_>, out: &mut [i8]) -> bool {
         let Self { sampling, lines, sums, energies, across, down, next } = self;
         let Some(mut sampler) = sampling.sampler(frame) else { return true };
-        let (across, down, row) = (*across, *down, *next);
+        let (across, down, row) = (usize::from(*across).min(ROW), *down, *next);
         *next += 1;
         let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
