@@ -71,6 +71,7 @@ mod arm {
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
         pub(in super::super) mod weights;
+        mod words;
     }
     #[cfg(smr_helium)]
     pub(super) mod helium {
@@ -83,6 +84,7 @@ mod arm {
         pub(in super::super) mod levels;
         pub(in super::super) mod products;
         pub(in super::super) mod scores;
+        mod vectors;
         pub(in super::super) mod weights;
     }
     mod bounds;
@@ -90,6 +92,7 @@ mod arm {
 }
 mod backend;
 mod bilinear;
+mod blocks;
 mod cells;
 mod cut_table;
 #[cfg(feature = "refiner")]
@@ -112,6 +115,7 @@ mod generic;
 mod gradients;
 mod layout;
 mod levels;
+mod one;
 mod plain {
     pub(super) mod bilinear;
     #[cfg(feature = "refiner")]
@@ -141,6 +145,7 @@ mod verify {
     #[cfg(feature = "refiner")]
     pub(super) mod dense;
     pub(super) mod filter;
+    mod noise;
     pub(super) mod scores;
 }
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -164,21 +169,22 @@ mod x86 {
 
 pub use backend::Backend;
 pub(crate) use bilinear::Interpolation;
+pub(crate) use blocks::{Blocks, RowsOfRanges};
 pub(crate) use cells::SIDE;
 pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
-pub(crate) use cut_table::{MAX_PIXELS, ONE};
 #[cfg(feature = "refiner")]
 pub(crate) use dense::{Dense, SPARE};
 pub(crate) use gradients::{gradients, scale};
 pub(crate) use layout::{Layout, PACKED, Packed};
 pub(crate) use levels::{deviation, replace};
+pub(crate) use one::{MAX_PIXELS, ONE};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
-pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
+pub(crate) use scores::ALL_FOUR;
 pub(crate) use unrolling::rolled;
 #[cfg(any(test, feature = "verify"))]
 pub use verify::filter::verify_filter;

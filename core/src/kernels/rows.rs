@@ -1,7 +1,7 @@
 //! The rows of two pictures, as addresses that are cheap to step through.
 
-use super::cut_table::ONE;
-use super::scores::Blocks;
+use super::blocks::Blocks;
+use super::one::ONE;
 use crate::image::Image;
 
 /// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.
@@ -48,22 +48,17 @@ impl Rows {
 
     /// A template, and the ranges that it is compared with; `None` if there are fewer ranges than pixels.
     #[inline(always)] // in memory it would stall: it is written in halves of words
-    #[allow(dead_code)] // for backends that use vectors
+    #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
-        let (g, template_stride) = template.parts();
-        let (width, height) = (usize::from(template.width()), usize::from(template.height()));
-        let size = (height - 1).checked_mul(blocks.stride)?.checked_add(width)?;
-        let range = blocks.start..blocks.start.checked_add(size)?;
-        let (low, high) = (blocks.low.get(range.clone())?, blocks.high.get(range)?);
-        Some(Self {
-            patch: low.as_ptr(),
-            high: high.as_ptr(),
-            template: g.as_ptr(),
+        let template = Self::of(template, template);
+        let above = (template.height - 1).saturating_mul(blocks.stride);
+        let end = above.saturating_add(blocks.start.saturating_add(template.width));
+        (end <= blocks.low.len().min(blocks.high.len())).then(|| Self {
+            patch: blocks.low.as_ptr().wrapping_add(blocks.start),
+            high: blocks.high.as_ptr().wrapping_add(blocks.start),
             patch_stride: blocks.stride,
             high_stride: blocks.stride,
-            template_stride,
-            width,
-            height,
+            ..template
         })
     }
 

@@ -7,9 +7,11 @@ use super::arm::dsp::scores as dsp;
 #[cfg(smr_helium)]
 use super::arm::helium::scores as helium;
 use super::backend::Backend;
-use super::cut_table::{CutTable, MAX_PIXELS};
+use super::blocks::{Blocks, RowsOfRanges};
+use super::cut_table::CutTable;
+use super::one::MAX_PIXELS;
 use super::plain::scores::{self as plain, Plain};
-use super::scores::{Blocks, RowsOfRanges, Scores};
+use super::scores::Scores;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
 #[cfg(any(test, feature = "verify"))]

@@ -1,8 +1,6 @@
 //! The kernels that a backend of SMR has: scores, distances, and bounds that exclude offsets.
 
-use super::plain::scores as plain;
-#[cfg(any(smr_dsp, smr_helium))]
-use super::rows::Rows;
+use super::blocks::{Blocks, RowsOfRanges};
 use crate::image::Image;
 
 /// All of four offsets, one bit for each: see [`Scores::candidates`].
@@ -35,10 +33,7 @@ pub(crate) trait Scores {
 
     /// Computes the ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in another form than
     /// [`Scores::spread`].
-    #[inline(always)]
-    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        self.spread(rows, low, high);
-    }
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
     /// Computes the ranges for all blocks of `pixels`, every `step`th row. Returns false, and does nothing, if this
     /// backend does not compute them faster than row by row.
@@ -49,55 +44,5 @@ pub(crate) trait Scores {
 
     /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has computed; `None` if it
     /// is less than `floor`.
-    #[inline(always)]
-    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let Some((low, high)) = blocks.pictures(template) else { return Some(plain::most(template, template)) };
-        self.score_between_at_least(low, high, template, floor)
-    }
-}
-
-/// Memory for rows of ranges.
-#[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
-pub(crate) struct RowsOfRanges<'a> {
-    pub(crate) low: &'a mut [u8],
-    pub(crate) high: &'a mut [u8],
-    /// Bytes from row to row.
-    pub(crate) stride: usize,
-}
-
-/// Rows of ranges.
-#[derive(Clone, Copy)]
-pub(crate) struct Blocks<'a> {
-    pub(crate) low: &'a [u8],
-    pub(crate) high: &'a [u8],
-    /// The index of the range that the first pixel of a template is compared with.
-    pub(crate) start: usize,
-    /// Bytes from row to row, a multiple of four.
-    pub(crate) stride: usize,
-}
-
-impl<'a> Blocks<'a> {
-    /// The rows of a template and of the ranges that it is compared with; `None` if there are too few ranges.
-    #[cfg(any(smr_dsp, smr_helium))]
-    #[inline(always)]
-    pub(crate) fn rows(&self, template: Image<'_>) -> Option<Rows> {
-        let template = Rows::of(template, template);
-        let above = (template.height - 1).saturating_mul(self.stride);
-        let end = above.saturating_add(self.start.saturating_add(template.width));
-        (end <= self.low.len().min(self.high.len())).then(|| Rows {
-            patch: self.low.as_ptr().wrapping_add(self.start),
-            high: self.high.as_ptr().wrapping_add(self.start),
-            patch_stride: self.stride,
-            high_stride: self.stride,
-            ..template
-        })
-    }
-
-    /// The lower and the upper bounds of a patch, of the size of `template`.
-    #[cfg_attr(any(smr_dsp, smr_helium), allow(dead_code))]
-    pub(crate) fn pictures(&self, template: Image<'_>) -> Option<(Image<'a>, Image<'a>)> {
-        let (width, height) = (template.width(), template.height());
-        let low = Image::with_stride(self.low.get(self.start..)?, width, height, self.stride).ok()?;
-        Some((low, low.like(self.high.get(self.start..)?)?))
-    }
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 }

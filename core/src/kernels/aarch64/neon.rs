@@ -6,12 +6,13 @@
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::image::Image;
+use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::scores::Scores;
 use core::arch::aarch64::*;
 
 impl Vector for uint8x16_t {

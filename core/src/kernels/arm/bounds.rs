@@ -8,11 +8,12 @@
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
-use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::blocks::Blocks;
+use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
+use crate::kernels::one::ONE;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Blocks;
 
 /// A table that these kernels look up pixel by pixel.
 pub(crate) struct Lookup<'a> {
@@ -56,7 +57,7 @@ impl<'a> Lookup<'a> {
         floor: u32,
         misses: unsafe fn(&Rows, u32) -> u32,
     ) -> Option<u32> {
-        let Some(rows) = blocks.rows(template) else { return Some(plain::most(template, template)) };
+        let Some(rows) = Rows::of_blocks(blocks, template) else { return Some(plain::most(template, template)) };
         let full = rows.full_after(0);
         let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
         let some_count = (1..256).contains(&self.plain.table.threshold());

@@ -1,7 +1,9 @@
 //! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds
 //! by which the search excludes offsets. Every backend gives the same scores and distances.
 
-use super::super::cut_table::{CutTable, ONE};
+use super::super::blocks::Blocks;
+use super::super::cut_table::CutTable;
+use super::super::one::ONE;
 use super::super::scores::Scores;
 #[cfg(any(smr_swar, test, feature = "verify"))]
 use super::super::unrolling::rolled;
@@ -37,12 +39,23 @@ impl Scores for Plain<'_> {
     fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         spread(rows, low, high);
     }
+
+    #[inline(always)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        spread(rows, low, high);
+    }
+
+    #[inline(always)]
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let Some((low, high)) = blocks.pictures(template) else { return Some(most(template, template)) };
+        self.score_between_at_least(low, high, template, floor)
+    }
 }
 
 /// The sum of the similarities of all pairs of pixels.
 ///
 /// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
-/// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
+/// [`MAX_PIXELS`](super::super::one::MAX_PIXELS) pixels.
 #[cfg(any(test, feature = "verify"))]
 #[must_use]
 pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
@@ -79,7 +92,7 @@ pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
-/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) of them.
+/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::one::MAX_PIXELS) of them.
 pub(crate) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
 }

@@ -5,9 +5,10 @@ use super::guard::{Guarded, Side};
 use super::table::{cut, similarity};
 use crate::image::{Image, Rect};
 use crate::kernels::backend::Backend;
+use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
-use crate::kernels::scores::{ALL_FOUR, Blocks, RowsOfRanges};
+use crate::kernels::scores::ALL_FOUR;
 use std::boxed::Box;
 use std::vec::Vec;
 

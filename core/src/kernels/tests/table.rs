@@ -1,6 +1,7 @@
 //! The paper's table for tests of kernels, which must not depend on `similarity`.
 
-use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::one::ONE;
 
 /// 65535 * exp(-difference / 255), rounded.
 pub(in crate::kernels) fn similarity(difference: u8) -> u16 {

@@ -3,7 +3,7 @@
 use super::super::backend::Backend;
 use super::super::dense::{Dense, SPARE};
 use super::super::plain::dense::Layer;
-use super::filter::Noise;
+use super::noise::Noise;
 
 /// Patches, inputs and outputs: those of the refiner, and odd ones.
 const SHAPES: [(usize, usize, usize); 16] = [

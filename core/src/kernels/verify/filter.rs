@@ -9,6 +9,7 @@ use super::super::layout::{Layout, Packed};
 use super::super::plain::bilinear::{BIAS, MixedRow};
 use super::super::products::Products;
 use super::super::weights::{GradientStep, ScaledSums, scale_by};
+use super::noise::Noise;
 
 /// Features of a cell.
 const STEP: usize = 10;
@@ -20,18 +21,6 @@ const WEIGHTS: usize = 2000;
 const EXTREMES: [i32; 12] =
     [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
 
-/// Numbers from `-most` to `most` that look random, the same in every run.
-pub(super) struct Noise(u32);
-
-impl Noise {
-    pub(super) fn next(&mut self, most: u32) -> i32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        ((self.0 >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
-    }
-}
-
 /// Compares the kernels of a filter with the plain loops.
 ///
 /// # Panics
@@ -42,7 +31,7 @@ impl Noise {
 /// ```
 #[inline(never)]
 pub fn verify_filter() {
-    let mut noise = Noise(1);
+    let mut noise = Noise::new();
     for (across, down) in [(4, 4), (5, 40), (6, 32), (7, 9), (13, 15), (14, 14), (15, 13), (32, 6)] {
         for span in (1..=SPAN).step_by(2) {
             for extreme in [false, true] {

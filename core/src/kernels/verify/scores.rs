@@ -1,9 +1,9 @@
 //! Compares a backend with the plain loops (feature `verify`). A difference panics with a message that names the call.
 
+#[cfg(not(any(smr_dsp, smr_helium)))]
+use super::super::blocks::{Blocks, RowsOfRanges};
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
-#[cfg(not(any(smr_dsp, smr_helium)))]
-use super::super::scores::{Blocks, RowsOfRanges};
 use crate::image::Image;
 use crate::image::Rect;
 

@@ -14,7 +14,7 @@
 //! table and four additions.
 
 use super::super::points::{OFFSETS, Points};
-use super::scores::LANES;
+use super::words::{LANES, in_lanes};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
@@ -58,7 +58,6 @@ macro_rules! add {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
     let left = pair.width % LANES;
     let words = pair.width - left;
     #[allow(clippy::cast_possible_truncation)] // at most 65535 columns

@@ -6,7 +6,7 @@
 //! `usub8` (the distance above the lower end, modulo 256), `usub8` (sets a flag where that is at most the length),
 //! `sel` and `usada8`, which adds one for each pixel outside.
 
-use super::scores::LANES;
+use super::words::LANES;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 

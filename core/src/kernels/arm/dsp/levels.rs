@@ -1,7 +1,7 @@
 //! Sums over the gray levels of a row, and the replacement of a row, by the DSP extension: four pixels at a time. The
 //! plain loops are in `plain/levels.rs`.
 
-use super::scores::LANES;
+use super::words::{LANES, in_lanes};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
@@ -69,8 +69,4 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
         *old = new;
     }
     largest
-}
-
-fn in_lanes(byte: u8) -> u32 {
-    u32::from_ne_bytes([byte; LANES])
 }

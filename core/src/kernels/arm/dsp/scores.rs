@@ -12,16 +12,16 @@
 use super::super::bounds::{Limit, Lookup, blocks};
 use super::candidates;
 use super::groups;
+use super::words::{LANES, in_lanes};
 use crate::image::Image;
-use crate::kernels::cut_table::{CutTable, ONE};
+use crate::kernels::blocks::Blocks;
+use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
+use crate::kernels::one::ONE;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::scores::Scores;
 use core::arch::asm;
-
-/// Pixels in a register.
-pub(super) const LANES: usize = 4;
 
 /// Columns that `distance` takes at a time. Its loop is unrolled for this many.
 const STRIP: usize = 16 * LANES;
@@ -122,7 +122,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
         return;
     }
     let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-    let from = Spread { rows: [a, b, c, d], margin: u32::from_ne_bytes([margin; LANES]), last: blocks - LANES };
+    let from = Spread { rows: [a, b, c, d], margin: in_lanes(margin), last: blocks - LANES };
     // SAFETY: the rows have the pixels of these blocks, and `low` and `span` have room for them.
     unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
 }
@@ -459,7 +459,6 @@ macro_rules! clipped_word {
 /// not count.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let in_lanes = |byte: u8| u32::from_ne_bytes([byte; LANES]);
     let left = pair.width % LANES;
     let words = pair.width - left;
     let mut round = Round {

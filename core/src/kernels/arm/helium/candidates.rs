@@ -1,7 +1,7 @@
 //! Excludes offsets that cannot reach a score, by Helium: counts the points of four neighbouring offsets at a time.
 
 use super::super::points::{OFFSETS, Points};
-use super::scores::LANES;
+use super::vectors::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
@@ -24,7 +24,7 @@ macro_rules! add {
 /// The patch has three more columns than the template.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    let advance = pair.width.next_multiple_of(LANES);
+    let [f_stride, g_stride] = strides(pair, LANES);
     #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
     let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
     // The points so far, plus the most that the rows left can give, less those needed. The offset is excluded once this
@@ -61,8 +61,8 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             "4:",
             f = inout(reg) pair.patch => _,
             g = inout(reg) pair.template => _,
-            f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
-            g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+            f_stride = in(reg) f_stride,
+            g_stride = in(reg) g_stride,
             rows = inout(reg) pair.height => _,
             width = in(reg) pair.width,
             full = in(reg) full,

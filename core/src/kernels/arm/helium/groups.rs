@@ -3,7 +3,7 @@
 //! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are
 //! stored as that test needs them: the lower end, and the length.
 
-use super::scores::LANES;
+use super::vectors::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
@@ -14,7 +14,7 @@ use core::arch::asm;
 /// Patch and upper bound have the same stride.
 #[inline(never)]
 pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
-    let advance = pair.width.next_multiple_of(LANES);
+    let [low_stride, g_stride] = strides(pair, LANES);
     let misses: u32;
     // SAFETY: only the `width` pixels of a row are read. Nothing is written.
     unsafe {
@@ -41,8 +41,8 @@ pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
             low = inout(reg) pair.patch => _,
             span = inout(reg) pair.high => _,
             g = inout(reg) pair.template => _,
-            low_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
-            g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+            low_stride = in(reg) low_stride,
+            g_stride = in(reg) g_stride,
             rows = inout(reg) pair.height => _,
             width = in(reg) pair.width,
             allowed = in(reg) allowed,

@@ -10,17 +10,16 @@
 //! There are no intrinsics, so these are `asm!`.
 
 use super::super::bounds::{Limit, Lookup, blocks};
+use super::vectors::{LANES, strides};
 use super::{candidates, groups};
 use crate::image::Image;
+use crate::kernels::blocks::Blocks;
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::scores::Scores;
 use core::arch::asm;
-
-/// Pixels in a vector.
-pub(super) const LANES: usize = 16;
 
 pub(crate) struct Helium<'a> {
     lookup: Lookup<'a>,
@@ -57,8 +56,8 @@ impl Scores for Helium<'_> {
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let pair = Rows::of(patch, template);
         let mut reachable = pair.full_after(0);
-        // Bytes by which the loop over a row advances: whole vectors of eight pixels.
-        let advance = pair.width.next_multiple_of(LANES / 2);
+        // A vector has eight entries of the table.
+        let [f_stride, g_stride] = strides(&pair, LANES / 2);
         // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
         unsafe {
             asm!(
@@ -81,8 +80,8 @@ impl Scores for Helium<'_> {
                 "4:",
                 inout("r0") pair.patch => _,
                 inout("r1") pair.template => _,
-                f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
-                g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+                f_stride = in(reg) f_stride,
+                g_stride = in(reg) g_stride,
                 rows = inout(reg) pair.height => _,
                 width = in(reg) pair.width,
                 full = in(reg) plain::full(pair.width),
@@ -107,8 +106,7 @@ impl Scores for Helium<'_> {
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let pair = Rows::of(patch, template);
         let mut sum = 0;
-        // Bytes by which the loop over a row advances: whole vectors.
-        let advance = pair.width.next_multiple_of(LANES);
+        let [f_stride, g_stride] = strides(&pair, LANES);
         // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
         unsafe {
             asm!(
@@ -128,8 +126,8 @@ impl Scores for Helium<'_> {
                 "4:",
                 f = inout(reg) pair.patch => _,
                 g = inout(reg) pair.template => _,
-                f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
-                g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+                f_stride = in(reg) f_stride,
+                g_stride = in(reg) g_stride,
                 rows = inout(reg) pair.height => _,
                 width = in(reg) pair.width,
                 enough = in(reg) enough,
@@ -231,7 +229,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
 /// The least loss of the pictures. Stops once it is more than allowed.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let advance = pair.width.next_multiple_of(LANES);
+    let [f_stride, g_stride] = strides(pair, LANES);
     let lost: u32;
     // SAFETY: as in `distance`. The upper bound has the same stride as the patch.
     unsafe {
@@ -264,8 +262,8 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             f = inout(reg) pair.patch => _,
             high = inout(reg) pair.high => _,
             g = inout(reg) pair.template => _,
-            f_stride = in(reg) pair.patch_stride.wrapping_sub(advance),
-            g_stride = in(reg) pair.template_stride.wrapping_sub(advance),
+            f_stride = in(reg) f_stride,
+            g_stride = in(reg) g_stride,
             rows = inout(reg) pair.height => _,
             width = in(reg) pair.width,
             chord = in(reg) limit.chord,
