@@ -1,7 +1,75 @@
 //! The instruction sets that kernels are written for, and those that this machine has.
 
-#[cfg(target_arch = "x86_64")]
-use super::x86::{avx2::scores as avx2, sse2};
+/// Evaluates `$call` with the kernels of a backend: `$set` stands for the module of its instruction set. This is the
+/// one list of the modules: each has `is_available`, `scores`, `products` and `dense`. A backend that the program is
+/// not compiled for has the plain loops.
+macro_rules! by_backend {
+    ($backend:expr, $set:ident => $call:expr) => {
+        by_backend!($backend, $set => $call, else {
+            use $crate::kernels::plain as $set;
+            $call
+        })
+    };
+    ($backend:expr, $set:ident => $call:expr, else $other:expr) => {
+        by_backend!(@ $backend, Backend, $set => $call; _ => $other)
+    };
+    // The same for a type with a variant for each backend that the program is compiled for, which holds `$kernels`.
+    ($ready:expr, $type:ident($kernels:ident) => $call:expr) => {
+        by_backend!(@ $ready, $type($kernels), set => $call; $type::Scalar($kernels) => $call)
+    };
+    (@ $value:expr, $type:ident$(($kernels:ident))?, $set:ident => $call:expr; $last:pat => $other:expr) => {{
+        #[allow(unused_imports)] // kernels that a variant holds need no module
+        match $value {
+            #[cfg(target_arch = "x86_64")]
+            $type::Sse2$(($kernels))? => {
+                use $crate::kernels::x86::sse2 as $set;
+                $call
+            }
+            #[cfg(target_arch = "x86_64")]
+            $type::Avx2$(($kernels))? => {
+                use $crate::kernels::x86::avx2 as $set;
+                $call
+            }
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            $type::Neon$(($kernels))? => {
+                use $crate::kernels::aarch64::neon as $set;
+                $call
+            }
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            $type::Simd128$(($kernels))? => {
+                use $crate::kernels::wasm32::simd128 as $set;
+                $call
+            }
+            #[cfg(smr_dsp)]
+            $type::Dsp$(($kernels))? => {
+                use $crate::kernels::arm::dsp as $set;
+                $call
+            }
+            #[cfg(smr_helium)]
+            $type::Helium$(($kernels))? => {
+                use $crate::kernels::arm::helium as $set;
+                $call
+            }
+            #[cfg(not(any(smr_dsp, smr_helium)))]
+            $type::Swar$(($kernels))? => {
+                use $crate::kernels::swar as $set;
+                $call
+            }
+            $last => $other,
+        }
+    }};
+}
+
+pub(crate) use by_backend;
+
+/// The instruction set that the program is compiled for. Kernels that no [`Backend`] chooses follow it: `bilinear`,
+/// `gradients`, `levels` and `weights`.
+#[cfg(smr_dsp)]
+pub(super) use super::arm::dsp as native;
+#[cfg(smr_helium)]
+pub(super) use super::arm::helium as native;
+#[cfg(not(any(smr_dsp, smr_helium)))]
+pub(super) use super::plain as native;
 
 /// An instruction set that computes scores and sums of products. All give the same integers.
 ///
@@ -70,19 +138,11 @@ impl Backend {
     /// True if this machine can run the backend.
     #[must_use]
     pub fn is_available(self) -> bool {
-        match self {
-            Self::Scalar => true,
-            #[cfg(target_arch = "x86_64")]
-            Self::Sse2 => sse2::is_available(),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::is_available(),
-            Self::Neon => cfg!(all(target_arch = "aarch64", target_feature = "neon")),
-            Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
-            #[cfg(not(target_arch = "x86_64"))]
-            Self::Sse2 | Self::Avx2 => false,
-            Self::Dsp => cfg!(smr_dsp),
-            Self::Helium => cfg!(smr_helium),
-            Self::Swar => cfg!(not(any(smr_dsp, smr_helium))),
-        }
+        by_backend!(self, set => set::is_available(), else self == Self::Scalar)
+    }
+
+    /// This backend, or the plain loops if the machine does not have it.
+    pub(crate) fn or_scalar(self) -> Self {
+        by_backend!(self, set => if set::is_available() { self } else { Self::Scalar }, else Self::Scalar)
     }
 }

@@ -1,13 +1,10 @@
 //! Bilinear sampling: the columns of a resampled row, each interpolated from two neighbouring numbers, in units of
 //! 1/256.
 
-#[cfg(smr_dsp)]
-use super::arm::dsp::bilinear as fast;
-#[cfg(smr_helium)]
-use super::arm::helium::bilinear as fast;
-#[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
-use super::plain::bilinear::levels;
+use super::backend::native;
 use super::plain::bilinear::{MixedRow, PLACES};
+#[cfg(any(test, feature = "verify"))]
+use super::verify;
 use heapless::Vec;
 
 /// The places of up to `N` columns in a row.
@@ -47,17 +44,13 @@ impl<const N: usize> Interpolation<N> {
     #[inline(always)]
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
-        #[cfg(any(smr_dsp, smr_helium))]
-        {
-            // SAFETY: `push` keeps each place below PLACES.
-            unsafe { fast::mix(from, parts, row, out) };
-            #[cfg(any(test, feature = "verify"))]
-            for (number, (&out, wanted)) in out.iter().zip(levels(from, parts, row)).enumerate() {
-                assert_eq!(out, wanted, "column {number}");
-            }
+        // SAFETY: `push` keeps each place below PLACES.
+        #[allow(unused_unsafe)] // the plain loop is safe
+        unsafe {
+            native::bilinear::mix(from, parts, row, out);
         }
-        #[cfg(not(any(smr_dsp, smr_helium)))]
-        out.iter_mut().zip(levels(from, parts, row)).for_each(|(out, level)| *out = level);
+        #[cfg(any(test, feature = "verify"))]
+        verify::bilinear::mix(out, from, parts, row);
     }
 }
 

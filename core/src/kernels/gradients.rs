@@ -1,34 +1,29 @@
 //! Cells of gradient orientations (HOG, Dalal and Triggs): the sums of a row of cells, and their features as bytes.
 
-#[cfg(smr_dsp)]
-use super::arm::dsp::gradients::{self as dsp, cell};
-#[cfg(smr_helium)]
-pub(crate) use super::arm::helium::gradients::{gradients, scale};
-#[cfg(not(smr_helium))]
-use super::cells::{CELL, SIDE};
-#[cfg(not(any(smr_dsp, smr_helium)))]
-use super::plain::gradients::cell;
-#[cfg(not(any(smr_dsp, smr_helium)))]
-pub(crate) use super::plain::gradients::scale;
-#[cfg(smr_dsp)]
-pub(crate) use dsp::scale;
+use super::backend::native;
+use super::cells::{CHANNELS, SIDE};
+#[cfg(any(test, feature = "verify"))]
+use super::verify;
 
 /// Computes the sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
-#[cfg(not(smr_helium))]
-#[inline(never)]
+/// Rows and lines have room for a multiple of eight cells.
+#[inline(always)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],
     energies: &mut [u32; ROW],
     across: usize,
 ) {
-    for (number, energy) in energies.iter_mut().enumerate().take(across) {
-        let cell = cell(lines, number * usize::from(CELL));
-        *energy = cell.energy();
-        for (row, sum) in sums.iter_mut().zip(cell.0) {
-            if let Some(of_cell) = row.get_mut(number) {
-                *of_cell = sum;
-            }
-        }
-    }
+    native::gradients::gradients(lines, sums, energies, across);
+    #[cfg(any(test, feature = "verify"))]
+    verify::gradients::gradients(lines, sums, energies, across);
+}
+
+/// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
+/// level less 128.
+#[inline(always)]
+pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+    native::gradients::scale(sums, inverses, out);
+    #[cfg(any(test, feature = "verify"))]
+    verify::gradients::scale(out, sums, inverses);
 }

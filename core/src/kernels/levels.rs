@@ -1,21 +1,17 @@
 //! Sums over the gray levels of a row, and the replacement of a row. They serve the contrast of a patch and the update
 //! of a template.
 
-#[cfg(smr_dsp)]
-use super::arm::dsp::levels as fast;
-#[cfg(smr_helium)]
-use super::arm::helium::levels as fast;
-#[cfg(not(any(smr_dsp, smr_helium)))]
-use super::plain::levels as fast;
+use super::backend::native;
 #[cfg(any(test, feature = "verify"))]
-use super::plain::levels as plain;
+use super::verify;
+
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
 /// 65537 pixels.
 #[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
-    let sums = fast::deviation(pixels, level);
+    let sums = native::levels::deviation(pixels, level);
     #[cfg(any(test, feature = "verify"))]
-    assert_eq!(sums, plain::deviation(pixels, level), "{} pixels", pixels.len());
+    verify::levels::deviation(sums, pixels, level);
     sums
 }
 
@@ -24,8 +20,8 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
 #[inline(never)] // keeps its registers out of its caller
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     #[cfg(any(test, feature = "verify"))]
-    let wanted = old.iter().zip(new).fold(largest, |largest, (old, &new)| largest.max(old.abs_diff(new)));
-    let largest = fast::replace(old, new, largest);
+    let wanted = verify::levels::largest(old, new, largest);
+    let largest = native::levels::replace(old, new, largest);
     #[cfg(any(test, feature = "verify"))]
     assert!(largest == wanted && old == new, "{} pixels", old.len());
     largest

@@ -54,42 +54,9 @@
 #![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-mod aarch64 {
-    pub(super) mod neon;
-}
+mod aarch64;
 #[cfg(any(smr_dsp, smr_helium))]
-mod arm {
-    #[cfg(smr_dsp)]
-    pub(super) mod dsp {
-        pub(in super::super) mod bilinear;
-        mod candidates;
-        #[cfg(feature = "refiner")]
-        pub(in super::super) mod dense;
-        pub(in super::super) mod gradients;
-        mod groups;
-        pub(in super::super) mod levels;
-        pub(in super::super) mod products;
-        pub(in super::super) mod scores;
-        pub(in super::super) mod weights;
-        mod words;
-    }
-    #[cfg(smr_helium)]
-    pub(super) mod helium {
-        pub(in super::super) mod bilinear;
-        mod candidates;
-        #[cfg(feature = "refiner")]
-        pub(in super::super) mod dense;
-        pub(in super::super) mod gradients;
-        mod groups;
-        pub(in super::super) mod levels;
-        pub(in super::super) mod products;
-        pub(in super::super) mod scores;
-        mod vectors;
-        pub(in super::super) mod weights;
-    }
-    mod bounds;
-    pub(super) mod points;
-}
+mod arm;
 mod backend;
 mod bilinear;
 mod blocks;
@@ -97,14 +64,7 @@ mod cells;
 mod cut_table;
 #[cfg(feature = "refiner")]
 mod dense;
-#[cfg(any(
-    smr_dsp,
-    smr_helium,
-    target_arch = "riscv32",
-    target_arch = "x86_64",
-    all(target_arch = "aarch64", target_feature = "neon"),
-    all(target_arch = "wasm32", target_feature = "simd128")
-))]
+#[allow(dead_code)] // not every target has a backend that bounds four offsets
 mod effort;
 #[cfg(any(
     target_arch = "x86_64",
@@ -116,56 +76,23 @@ mod gradients;
 mod layout;
 mod levels;
 mod one;
-mod plain {
-    pub(super) mod bilinear;
-    #[cfg(feature = "refiner")]
-    pub(super) mod dense;
-    #[cfg(any(not(smr_helium), test, feature = "verify"))]
-    pub(super) mod gradients;
-    #[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
-    pub(super) mod levels;
-    pub(super) mod products;
-    pub(super) mod scores;
-    pub(super) mod weights;
-}
+mod plain;
 mod products;
 mod rows;
 mod scorer;
 mod scores;
 #[cfg(not(any(smr_dsp, smr_helium)))]
-mod swar {
-    pub(super) mod products;
-    pub(super) mod scores;
-}
+mod swar;
 #[cfg(not(smr_helium))]
 mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]
-mod verify {
-    #[cfg(feature = "refiner")]
-    pub(super) mod dense;
-    pub(super) mod filter;
-    mod noise;
-    pub(super) mod scores;
-}
+mod verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-mod wasm32 {
-    pub(super) mod simd128 {
-        pub(in super::super) mod products;
-        pub(in super::super) mod scores;
-    }
-}
+mod wasm32;
 mod weights;
 #[cfg(target_arch = "x86_64")]
-mod x86 {
-    pub(super) mod avx2 {
-        #[cfg(feature = "refiner")]
-        pub(in super::super) mod dense;
-        pub(in super::super) mod products;
-        pub(in super::super) mod scores;
-    }
-    pub(super) mod sse2;
-}
+mod x86;
 
 pub use backend::Backend;
 pub(crate) use bilinear::Interpolation;
@@ -187,7 +114,7 @@ pub use scorer::Scorer;
 pub(crate) use scores::ALL_FOUR;
 pub(crate) use unrolling::rolled;
 #[cfg(any(test, feature = "verify"))]
-pub use verify::filter::verify_filter;
+pub use verify::extremes::filter::verify_filter;
 pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 
 #[cfg(test)]

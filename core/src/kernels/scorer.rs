@@ -1,12 +1,12 @@
 //! The kernels of SMR: chooses those of a backend and checks their arguments.
 
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-use super::aarch64::neon;
+use super::aarch64::neon::scores as neon;
 #[cfg(smr_dsp)]
 use super::arm::dsp::scores as dsp;
 #[cfg(smr_helium)]
 use super::arm::helium::scores as helium;
-use super::backend::Backend;
+use super::backend::{Backend, by_backend};
 use super::blocks::{Blocks, RowsOfRanges};
 use super::cut_table::CutTable;
 use super::one::MAX_PIXELS;
@@ -19,7 +19,7 @@ use super::verify::scores as verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::wasm32::simd128::scores as simd128;
 #[cfg(target_arch = "x86_64")]
-use super::x86::{avx2::scores as avx2, sse2};
+use super::x86::{avx2::scores as avx2, sse2::scores as sse2};
 use crate::image::{Image, Rect};
 
 /// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures
@@ -68,29 +68,6 @@ enum Ready<'a> {
     Swar(swar::Swar<'a>),
 }
 
-/// Calls the backend of a scorer.
-macro_rules! dispatch {
-    ($scorer:ident, $kernels:ident => $call:expr) => {
-        match &$scorer.ready {
-            Ready::Scalar($kernels) => $call,
-            #[cfg(target_arch = "x86_64")]
-            Ready::Sse2($kernels) => $call,
-            #[cfg(target_arch = "x86_64")]
-            Ready::Avx2($kernels) => $call,
-            #[cfg(smr_dsp)]
-            Ready::Dsp($kernels) => $call,
-            #[cfg(smr_helium)]
-            Ready::Helium($kernels) => $call,
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Ready::Neon($kernels) => $call,
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Ready::Simd128($kernels) => $call,
-            #[cfg(not(any(smr_dsp, smr_helium)))]
-            Ready::Swar($kernels) => $call,
-        }
-    };
-}
-
 impl<'a> Scorer<'a> {
     /// The scorer with `table` by `backend`, or by the plain loop if the machine does not have the backend.
     #[must_use]
@@ -124,7 +101,7 @@ impl<'a> Scorer<'a> {
     #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
-        let score = dispatch!(self, kernels => kernels.score(patch, template));
+        let score = by_backend!(&self.ready, Ready(kernels) => kernels.score(patch, template));
         #[cfg(any(test, feature = "verify"))]
         verify::score(Some(score), (patch, template), self.plain.table, 0);
         Some(score)
@@ -136,7 +113,7 @@ impl<'a> Scorer<'a> {
     #[cfg_attr(not(smr_small), inline(always))]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
-        let score = dispatch!(self, kernels => kernels.score_at_least(patch, template, floor));
+        let score = by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(patch, template, floor));
         #[cfg(any(test, feature = "verify"))]
         verify::score(score, (patch, template), self.plain.table, floor);
         score
@@ -148,7 +125,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
         checked(patch, template)?;
-        let distance = dispatch!(self, kernels => kernels.distance(patch, template, enough));
+        let distance = by_backend!(&self.ready, Ready(kernels) => kernels.distance(patch, template, enough));
         #[cfg(any(test, feature = "verify"))]
         verify::distance(distance, (patch, template), enough);
         Some(distance)
@@ -167,7 +144,8 @@ impl<'a> Scorer<'a> {
         floor: u32,
     ) -> Option<u32> {
         checked(low, template)?;
-        let score = dispatch!(self, kernels => kernels.score_between_at_least(low, high, template, floor));
+        let score =
+            by_backend!(&self.ready, Ready(kernels) => kernels.score_between_at_least(low, high, template, floor));
         #[cfg(any(test, feature = "verify"))]
         verify::score_between(score, (low, high, template), self.plain.table, floor);
         score
@@ -186,7 +164,7 @@ impl<'a> Scorer<'a> {
         if !fits || checked(patch, template).is_none() {
             return wanted;
         }
-        let candidates = dispatch!(self, kernels => kernels.candidates(patch, template, floor, wanted));
+        let candidates = by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted));
         #[cfg(any(test, feature = "verify"))]
         verify::candidates(candidates | !wanted, (patch, template), self.plain.table, floor);
         candidates
@@ -197,7 +175,7 @@ impl<'a> Scorer<'a> {
     #[cfg(any(test, feature = "unstable"))]
     #[inline(always)]
     pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        dispatch!(self, kernels => kernels.spread(rows, low, high));
+        by_backend!(&self.ready, Ready(kernels) => kernels.spread(rows, low, high));
         #[cfg(any(test, feature = "verify"))]
         verify::spread(rows, low, high);
     }
@@ -207,7 +185,7 @@ impl<'a> Scorer<'a> {
     /// blocks. `examples/kernels` compares the ranges of DSP and Helium.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        dispatch!(self, kernels => kernels.ranges(rows, low, high));
+        by_backend!(&self.ready, Ready(kernels) => kernels.ranges(rows, low, high));
         #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         match self.ready {
             Ready::Scalar(_) => verify::spread(rows, low, high),
@@ -226,7 +204,7 @@ impl<'a> Scorer<'a> {
     /// Computes the ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
-        let done = dispatch!(self, kernels => kernels.ranges_of_rows(pixels, step, &mut to));
+        let done = by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to));
         #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         if done {
             verify::rows_of_spans(pixels, step, self.plain.table, &to);
@@ -237,7 +215,7 @@ impl<'a> Scorer<'a> {
     /// An upper bound of the score of every patch between `blocks`, if it is at least `floor`.
     #[inline(always)]
     pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let bound = dispatch!(self, kernels => kernels.bound(blocks, template, floor));
+        let bound = by_backend!(&self.ready, Ready(kernels) => kernels.bound(blocks, template, floor));
         #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
         match self.ready {
             Ready::Scalar(_) => {
@@ -273,7 +251,8 @@ impl<'a> Scorer<'a> {
                 if let Some(template) = template.crop(part)
                     && let Some(black) = Image::repeated(&BLACK, part.width, part.height)
                 {
-                    sum += dispatch!(self, kernels => kernels.score_at_least(black, template, 0)).unwrap_or(0);
+                    sum += by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(black, template, 0))
+                        .unwrap_or(0);
                 }
                 part.x += i32::from(part.width);
             }

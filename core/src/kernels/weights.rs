@@ -1,12 +1,9 @@
 //! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down. Helium and the DSP extension have loops
 //! of their own.
 
-#[cfg(smr_dsp)]
-use super::arm::dsp::weights as dsp;
-#[cfg(smr_helium)]
-use super::arm::helium::weights as helium;
-use super::plain::weights as plain;
-use super::unrolling::rolled_if_spare;
+use super::backend::native;
+#[cfg(any(test, feature = "verify"))]
+use super::verify;
 
 /// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
 /// down.
@@ -30,45 +27,19 @@ impl<'a> ScaledSums<'a> {
     #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;
-        #[cfg(smr_helium)]
-        if let Ok(factor) = i32::try_from(factor) {
-            let largest = helium::largest(weights, factor, sums, left);
-            #[cfg(any(test, feature = "verify"))]
-            assert_eq!(largest, plain::largest(weights, factor.into(), sums, left), "the largest number");
-            return largest;
-        }
-        #[cfg(smr_dsp)]
-        {
-            let largest = dsp::largest(weights, factor, sums, left);
-            #[cfg(any(test, feature = "verify"))]
-            assert_eq!(largest, plain::largest(weights, factor, sums, left), "the largest number");
-            return largest;
-        }
-        #[cfg(not(smr_dsp))]
-        plain::largest(weights, factor, sums, left)
+        let largest = native::weights::largest(weights, factor, sums, left);
+        #[cfg(any(test, feature = "verify"))]
+        verify::weights::largest(largest, weights, factor, sums, left);
+        largest
     }
 
     /// Codes all numbers: divides them by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
     #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
-        #[cfg(any(not(smr_dsp), test, feature = "verify"))]
-        let coded = plain::code(weights, factor, sums, left, shift);
-        #[cfg(smr_helium)]
-        if let Ok(factor) = i32::try_from(factor) {
-            helium::code(weights, factor, sums, left, shift, out);
-            #[cfg(any(test, feature = "verify"))]
-            assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
-            return;
-        }
-        #[cfg(smr_dsp)]
-        {
-            dsp::code(weights, factor, sums, left, shift, out);
-            #[cfg(any(test, feature = "verify"))]
-            assert!(out.iter().copied().zip(coded).all(|(given, wanted)| given == wanted), "coded numbers");
-        }
-        #[cfg(not(smr_dsp))]
-        out.iter_mut().zip(coded).for_each(|(out, coded)| *out = coded);
+        native::weights::code(weights, factor, sums, left, shift, out);
+        #[cfg(any(test, feature = "verify"))]
+        verify::weights::code(out, weights, factor, sums, left, shift);
     }
 }
 
@@ -85,21 +56,11 @@ impl GradientStep {
     #[inline(never)]
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;
-        let stepped = |weight, slope| plain::stepped(weight, slope, length, back);
         #[cfg(any(test, feature = "verify"))]
-        let wanted: heapless::Vec<i32, 4096> = weights.iter().zip(slopes).map(|(&w, &s)| stepped(w, s)).collect();
-        #[cfg(smr_helium)]
-        let done = helium::step(weights, slopes, length, back);
-        #[cfg(smr_dsp)]
-        let done = dsp::step(weights, slopes, length, back);
-        #[cfg(not(any(smr_dsp, smr_helium)))]
-        let done = false;
-        if !done {
-            rolled_if_spare(weights.iter_mut().zip(slopes))
-                .for_each(|(weight, &slope)| *weight = stepped(*weight, slope));
-        }
+        let mut before = verify::copy(weights);
+        native::weights::step(weights, slopes, length, back);
         #[cfg(any(test, feature = "verify"))]
-        assert!(weights.iter().zip(&wanted).all(|(given, wanted)| given == wanted), "moved weights");
+        verify::weights::step(weights, &mut before, slopes, length, back);
     }
 }
 
@@ -107,15 +68,10 @@ impl GradientStep {
 /// of the products of old and new numbers, which is below 2^31.
 #[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
-    #[cfg(not(smr_helium))]
-    return plain::scale_by(numbers, part);
-    #[cfg(smr_helium)]
-    {
-        #[cfg(any(test, feature = "verify"))]
-        let mut wanted: heapless::Vec<i16, 16> = numbers.iter().copied().collect();
-        let sum = helium::scale_by(numbers, part);
-        #[cfg(any(test, feature = "verify"))]
-        assert_eq!((plain::scale_by(&mut wanted, part), &*wanted), (sum, &*numbers), "scaled numbers");
-        sum
-    }
+    #[cfg(any(test, feature = "verify"))]
+    let mut before = verify::copy(numbers);
+    let sum = native::weights::scale_by(numbers, part);
+    #[cfg(any(test, feature = "verify"))]
+    verify::weights::scale_by(sum, numbers, &mut before, part);
+    sum
 }

@@ -12,7 +12,6 @@ pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
 
 /// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
 /// begins. `parts` are the weights of the first and of the second number, 256 in sum.
-#[cfg(any(not(any(smr_dsp, smr_helium)), test, feature = "verify"))]
 #[inline(always)]
 pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
@@ -22,4 +21,10 @@ pub(crate) fn levels(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl I
         let [_, _, level, _] = (first * rest + second * part + (1 << 15)).to_le_bytes();
         level
     })
+}
+
+/// Writes the [`levels`] of columns, up to the length of `out`.
+#[inline(always)]
+pub(crate) fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
+    out.iter_mut().zip(levels(from, parts, row)).for_each(|(out, level)| *out = level);
 }

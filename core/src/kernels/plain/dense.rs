@@ -52,8 +52,8 @@ pub(crate) fn shifted(sum: i32, shift: u32) -> i8 {
     i8::try_from((sum >> shift).max(0)).unwrap_or(i8::MAX)
 }
 
-/// Calls [`outputs_inline`], in one copy.
+/// Calls [`outputs_inline`], in one copy. Other instruction sets use the scratch memory.
 #[inline(never)]
-pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], _: &mut [i8], out: &mut [i8]) {
     outputs_inline(layer, patches, out);
 }

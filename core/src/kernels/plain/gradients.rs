@@ -6,7 +6,6 @@
 //! and no division.
 
 use super::super::cells::{CELL, CHANNELS, SIDE};
-#[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, any(test, feature = "verify"))))]
 use super::super::unrolling::rolled;
 
 /// The number of directions of gradients.
@@ -32,7 +31,6 @@ pub(crate) struct Votes(pub(crate) [[u32; 5]; 2]);
 
 impl Votes {
     /// Adds the votes of a pixel, given its four neighbours.
-    #[cfg(any(not(smr_dsp), test, feature = "verify"))]
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
@@ -84,10 +82,28 @@ impl Votes {
 }
 
 /// The sums of a cell. They depend on its pixels and their neighbours.
-#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     votes(lines, at).sums(gray(lines, at))
+}
+
+/// Computes the sums and the energy of each cell of a row, one by one.
+#[inline(never)] // one copy in flash
+pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
+    lines: &[[u8; COLUMNS]; SIDE],
+    sums: &mut [[u16; ROW]],
+    energies: &mut [u32; ROW],
+    across: usize,
+) {
+    for (number, energy) in energies.iter_mut().enumerate().take(across) {
+        let cell = cell(lines, number * usize::from(CELL));
+        *energy = cell.energy();
+        for (row, sum) in sums.iter_mut().zip(cell.0) {
+            if let Some(of_cell) = row.get_mut(number) {
+                *of_cell = sum;
+            }
+        }
+    }
 }
 
 /// The sum of the gray levels of a cell.
@@ -104,7 +120,6 @@ pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
 }
 
 /// The votes of all pixels of a cell.
-#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
     let mut votes = Votes([[0; 5]; 2]);
     let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
@@ -130,7 +145,6 @@ fn low(number: u32) -> u16 {
 
 /// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
 /// level less 128.
-#[cfg(any(not(any(smr_dsp, smr_helium)), all(smr_dsp, any(test, feature = "verify"))))]
 #[inline(always)]
 pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {

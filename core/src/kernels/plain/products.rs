@@ -7,7 +7,7 @@
 //! | x | feature of a cell | `i8` |
 //! | e | error of a response | `i16` |
 
-use super::super::layout::Layout;
+use super::super::layout::{Layout, Packed};
 use super::super::unrolling::rolled_if_spare;
 use core::ops::Range;
 
@@ -70,10 +70,17 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// Calls [`responses_inline`], in one copy.
+/// True if a part of the responses is two rows of cells. Here it is a row of offsets.
+pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
+/// The number of parts of the gradient, unless they are those of the responses.
+pub(crate) const GATHER_PARTS: Option<usize> = None;
+
+/// Calls [`responses_inline`], in one copy. Other instruction sets use the scratch memory.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
+    _: &mut Packed,
+    _: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
@@ -86,6 +93,8 @@ pub(crate) fn responses<const N: usize>(
 #[inline(never)]
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
+    _: &mut Packed,
+    _: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],

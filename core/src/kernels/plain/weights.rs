@@ -2,7 +2,6 @@
 
 use super::super::unrolling::rolled_if_spare;
 
-#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 /// The largest absolute value of [`number`]. Of a negative number the sign is removed first, then the number is rounded
 /// down.
 #[inline(always)]
@@ -14,10 +13,9 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
-#[cfg(any(not(smr_dsp), test, feature = "verify"))]
 /// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
 #[inline(always)]
-pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
+pub(crate) fn coded(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
     // Rounds by the last bit that is dropped: adding half of the divisor to the sum could overflow.
     let (first, last) = (shift.saturating_sub(1), shift.min(1));
     let shifted = move |number: i32| ((number >> first) + last.cast_signed()) >> last;
@@ -25,7 +23,12 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
-#[cfg(any(not(smr_dsp), test, feature = "verify"))]
+/// Writes the [`coded`] numbers.
+#[inline(always)]
+pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
+    out.iter_mut().zip(coded(weights, factor, sums, left, shift)).for_each(|(out, coded)| *out = coded);
+}
+
 /// `weight * factor / 2^32 + sum`; the quotient is rounded down.
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
@@ -37,15 +40,21 @@ fn number(weight: i32, factor: i64, sum: i32) -> i32 {
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 
+/// Subtracts `slope * length / 2^back`, rounded, from each weight.
+#[inline(always)]
+pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
+    rolled_if_spare(weights.iter_mut().zip(slopes))
+        .for_each(|(weight, &slope)| *weight = stepped(*weight, slope, length, back));
+}
+
 /// `weight - slope * length / 2^back`, rounded; `weight` if that would overflow an `i32`.
 #[inline(always)]
-pub(crate) fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
+fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
     let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
     i32::try_from(i64::from(weight) - change).unwrap_or(weight)
 }
 
 /// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
-#[cfg(any(not(smr_helium), test, feature = "verify"))]
 #[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     let less = |number: i16| low((i32::from(number) * part + (1 << 13)) >> 14);

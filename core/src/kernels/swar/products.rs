@@ -12,6 +12,10 @@ use crate::kernels::three_sums::{Pairs, Rows};
 use crate::kernels::unrolling::{in_order, rolled};
 use core::ops::Range;
 
+/// A part of the responses is two rows of cells.
+pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
+pub(crate) use plain::GATHER_PARTS;
+
 const STEP: usize = CHANNELS;
 
 /// Offsets that are computed at a time. With more, Armv6-M would not have a register for each sum.
@@ -67,7 +71,7 @@ pub(crate) fn responses<const N: usize>(
     // SAFETY: a word may hold any two numbers.
     let spare = unsafe { spare.align_to_mut::<i16>().1 };
     let (true, Some(factors)) = (fits, spare.get_mut(..totals.len() * row)) else {
-        return plain::responses(whole_of(parts, span), cells, layout, weights, out);
+        return plain::responses(whole_of(parts, span), room, &mut [], cells, layout, weights, out);
     };
     if parts.start == 0 {
         let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
@@ -200,6 +204,7 @@ unsafe fn add_responses<const COUNT: usize>(
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
@@ -207,7 +212,7 @@ pub(crate) fn gather<const N: usize>(
 ) {
     let Layout { row, stride, step, span } = layout;
     if !fits(cells.len(), layout, sums.len()) || span < 4 || span > N || errors.len() < span {
-        return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
+        return plain::gather(whole_of(parts, span), room, spare, cells, layout, errors, sums);
     }
     let width = (span - 1) * step + row;
     for number in 2 * parts.start..layout.rows(sums.len()).min(2 * parts.end) {

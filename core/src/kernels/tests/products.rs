@@ -41,7 +41,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     for part in 0..products.parts(layout, weights.len()) {
         products.responses(part..part + 1, &mut room, &mut spare, cells, layout, &weights, &mut given);
     }
-    responses(0..layout.span, cells, layout, &weights, &mut expected);
+    responses(0..layout.span, &mut Packed::new(), &mut [], cells, layout, &weights, &mut expected);
     for (given, expected) in given.iter().zip(&expected).take(layout.span) {
         assert_eq!(given[..layout.span], expected[..layout.span], "{backend:?}: {layout:?}, {down} rows");
     }
@@ -52,7 +52,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     for part in 0..products.gather_parts(layout, sums.len()) {
         products.gather(part..part + 1, &mut room, &mut spare, cells, layout, &errors, &mut sums);
     }
-    gather(0..layout.span, cells, layout, &errors, &mut wanted);
+    gather(0..layout.span, &mut Packed::new(), &mut [], cells, layout, &errors, &mut wanted);
     assert_eq!(sums, wanted, "{backend:?}: {layout:?}, {down} rows");
 }
 

@@ -21,7 +21,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     let number = rows(patches.len(), inputs);
     let whole = inputs.is_multiple_of(4) && number * inputs == patches.len() && count >= OUTPUTS;
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
-        return plain::outputs(layer, patches, out);
+        return plain::outputs(layer, patches, spare, out);
     }
     // Two patches are unpacked: four words for four inputs of both.
     // SAFETY: all bit patterns are valid words.

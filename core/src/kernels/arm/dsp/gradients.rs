@@ -1,7 +1,7 @@
 //! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
 //! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
-use crate::kernels::cells::{CHANNELS, SIDE};
+use crate::kernels::cells::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
 use core::arch::asm;
 use core::mem::MaybeUninit;
@@ -146,22 +146,33 @@ pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW]
             options(nostack),
         );
     }
-    #[cfg(any(test, feature = "verify"))]
-    {
-        let mut wanted = [[0; CHANNELS]; ROW];
-        plain::scale(sums, inverses, &mut wanted);
-        assert!(out.iter().zip(&wanted).all(|(given, wanted)| given == wanted), "features, given and expected");
+}
+
+/// Computes the sums and the energy of each cell of a row, one by one.
+#[inline(never)] // one copy in flash
+pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
+    lines: &[[u8; COLUMNS]; SIDE],
+    sums: &mut [[u16; ROW]],
+    energies: &mut [u32; ROW],
+    across: usize,
+) {
+    // A function that both this and the plain loop call would take more flash.
+    for (number, energy) in energies.iter_mut().enumerate().take(across) {
+        let cell = cell(lines, number * usize::from(CELL));
+        *energy = cell.energy();
+        for (row, sum) in sums.iter_mut().zip(cell.0) {
+            if let Some(of_cell) = row.get_mut(number) {
+                *of_cell = sum;
+            }
+        }
     }
 }
 
 /// The sums of a cell. They depend on its pixels and their neighbours.
 #[inline(always)]
-pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
+fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     static SECTORS: Directions = Directions::new(DIRECTIONS);
-    let sums = Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at));
-    #[cfg(any(test, feature = "verify"))]
-    assert_eq!(sums.0, plain::cell(lines, at).0, "sums of a cell, given and expected");
-    sums
+    Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at))
 }
 
 /// The votes of the pixels of the cell at the column `at`, by sector, and those of the mirrored sectors (see

@@ -53,7 +53,7 @@ pub(crate) fn responses<const N: usize>(
         row >= LEAST * STEP && span <= N && out.len() >= span && room
     };
     let Some(down) = fits(cells, layout, weights.len()).filter(has_room) else {
-        return plain::responses(whole_of(parts, span), cells, layout, weights, out);
+        return plain::responses(whole_of(parts, span), room, spare, cells, layout, weights, out);
     };
     let pairs = Pairs::new(layout, down);
     if parts.start == 0 {
@@ -249,8 +249,10 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
     }
 }
 
-/// The number of parts of [`gather`]: the channels.
-pub(crate) const GATHER_PARTS: usize = STEP;
+/// A part of the responses is two rows of cells.
+pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
+/// The parts of [`gather`] are the channels.
+pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
 
 /// See [`plain::gather`]. A part is a channel. The caller leaves `room` as it is between parts; `spare` holds the sums
 /// of a channel.
@@ -274,7 +276,7 @@ pub(crate) fn gather<const N: usize>(
     let fitting = fits(cells, layout, sums.len()).filter(has_room);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
-        return plain::gather(whole_of(parts, span), cells, layout, errors, sums);
+        return plain::gather(whole_of(parts, span), room, spare, cells, layout, errors, sums);
     };
     if parts.start == 0 {
         let error = |y: usize, x: usize| {

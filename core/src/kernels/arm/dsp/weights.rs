@@ -1,7 +1,10 @@
 //! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are
 //! in `plain/weights.rs`.
 
+use crate::kernels::plain::weights as plain;
 use core::arch::asm;
+
+pub(crate) use plain::scale_by;
 
 /// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. Of a negative number the sign is removed
 /// first, then the number is rounded down.
@@ -88,12 +91,11 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
 }
 
 /// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
-/// stays. Returns false, and changes nothing, if this loop cannot take these numbers: it divides by 2^32, and each
-/// change must fit in an `i32`.
-pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) -> bool {
+/// stays. This loop divides by 2^32, and each change must fit in an `i32`; else the plain loop runs.
+pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
     let count = weights.len().min(slopes.len());
     if count == 0 || back > 32 || length.unsigned_abs() >> (15 + back) != 0 {
-        return false;
+        return plain::step(weights, slopes, length, back);
     }
     let [lower, upper] = halves(length << (32 - back));
     // SAFETY: each slice has `count` numbers.
@@ -123,7 +125,6 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
             options(nostack),
         );
     }
-    true
 }
 
 /// The two halves of `number = lower + upper * 2^32`. The lower half is signed.

@@ -12,14 +12,14 @@ use core::ptr;
 const OUTPUTS: usize = 3;
 
 /// See [`plain::outputs`].
-pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
+pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();
     let rows = |length: usize, of: usize| length.checked_div(of).unwrap_or(0);
     let number = rows(patches.len(), inputs);
     let whole = number * inputs == patches.len() && count >= OUTPUTS;
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
-        return plain::outputs(layer, patches, out);
+        return plain::outputs(layer, patches, spare, out);
     }
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);
     while left > 0 {

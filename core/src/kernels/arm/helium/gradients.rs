@@ -1,11 +1,7 @@
 //! Cells of gradient orientations by Helium: eight cells at a time, each in a lane. The plain loops are in
 //! `plain/gradients.rs`.
 
-#[cfg(any(test, feature = "verify"))]
-use crate::kernels::cells::CELL;
 use crate::kernels::cells::{CHANNELS, SIDE};
-#[cfg(any(test, feature = "verify"))]
-use crate::kernels::plain::gradients as plain;
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
@@ -122,7 +118,7 @@ macro_rules! sum {
 
 /// Computes the sums of a row of cells and their energies, as the plain loop does. Rows and lines have room for a
 /// multiple of eight cells.
-#[inline(never)]
+#[inline(never)] // one copy in flash
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],
@@ -132,15 +128,6 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     let Some(sums) = sums.first_chunk_mut() else { return };
     for block in 0..across.div_ceil(LANES) {
         eight_cells(lines, block, sums, energies);
-    }
-    #[cfg(any(test, feature = "verify"))]
-    for (number, &energy) in energies.iter().enumerate().take(across) {
-        let wanted = plain::cell(lines, number * usize::from(CELL));
-        assert_eq!(energy, wanted.energy(), "energy of cell {number}, given and expected");
-        assert!(
-            sums.iter().zip(wanted.0).all(|(row, wanted)| row.get(number) == Some(&wanted)),
-            "sums of cell {number}"
-        );
     }
 }
 

@@ -29,6 +29,8 @@ fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
+    room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
@@ -38,7 +40,7 @@ pub(crate) fn responses<const N: usize>(
     let Some(down) =
         fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
     else {
-        return plain::responses(parts, cells, layout, weights, out);
+        return plain::responses(parts, room, spare, cells, layout, weights, out);
     };
     let read = row.next_multiple_of(8);
     let rows = Rows { width: row, cells: stride.wrapping_sub(read), weights: (row.wrapping_sub(read)).wrapping_mul(2) };
@@ -303,8 +305,9 @@ impl Rows {
     }
 }
 
-/// The number of parts of [`gather`]: the channels.
-pub(crate) const GATHER_PARTS: usize = STEP;
+pub(crate) use plain::TAKES_ROWS_OF_CELLS;
+/// The parts of [`gather`] are the channels.
+pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
 /// The offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
@@ -329,7 +332,7 @@ pub(crate) fn gather<const N: usize>(
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
         // In the plain loop a part is a row of errors. The first part here replaces all of those.
         let parts = if parts.start == 0 { 0..span } else { 0..0 };
-        return plain::gather(parts, cells, layout, errors, sums);
+        return plain::gather(parts, room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };

@@ -2,10 +2,12 @@
 //!
 //! In a loop from `dlstp` to `letp` the last round uses one lane for each number left.
 
+use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
 /// The largest absolute value of `weight * factor / 2^32 + (sum << left)`.
-pub(crate) fn largest(weights: &[i32], factor: i32, sums: &[i32], left: u32) -> u32 {
+pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
+    let Ok(factor) = i32::try_from(factor) else { return plain::largest(weights, factor, sums, left) };
     let count = weights.len().min(sums.len());
     let mut largest = 0;
     if count == 0 {
@@ -49,7 +51,8 @@ pub(crate) fn largest(weights: &[i32], factor: i32, sums: &[i32], left: u32) -> 
 }
 
 /// Codes each number `weight * factor / 2^32 + (sum << left)`: divides it by `2^shift` and rounds.
-pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
+pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
+    let Ok(factor) = i32::try_from(factor) else { return plain::code(weights, factor, sums, left, shift, out) };
     let count = weights.len().min(sums.len()).min(out.len());
     if count == 0 {
         return;
@@ -85,7 +88,7 @@ pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift:
 }
 
 /// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
-/// stays. Returns false, and changes nothing, if this loop cannot take these numbers.
+/// stays. If this loop cannot take these numbers, the plain loop runs.
 ///
 /// The product of a slope and the length is computed in three products, one for each 16 bits of the length. The bits of
 /// a product above the lowest 16 are added to the next product.
@@ -93,10 +96,10 @@ pub(crate) fn code(weights: &[i32], factor: i32, sums: &[i32], left: u32, shift:
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).
 /// - If `back` is more than 16, rounding adds nothing to the lowest 16 bits.
-pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) -> bool {
+pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
     let count = weights.len().min(slopes.len());
     if count == 0 || !(17..=47).contains(&back) || length.unsigned_abs() >> (15 + back).min(47) != 0 {
-        return false;
+        return plain::step(weights, slopes, length, back);
     }
     let half = 1_i64 << (back - 1);
     let piece = |number: i64| u32::try_from(number & 0xFFFF).unwrap_or(0);
@@ -142,7 +145,6 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
             options(nostack),
         );
     }
-    true
 }
 
 /// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.

@@ -1,10 +1,12 @@
 //! Sums of products by SIMD128: eight products in one instruction. It multiplies eight pairs of 16-bit numbers and adds
 //! them two by two.
 
-use crate::kernels::layout::Layout;
+use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::arch::wasm32::*;
 use core::ops::Range;
+
+pub(crate) use plain::{GATHER_PARTS, TAKES_ROWS_OF_CELLS};
 
 /// Numbers in a vector.
 const LANES: usize = 8;
@@ -41,13 +43,15 @@ fn last_lanes(count: usize) -> v128 {
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
+    room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
     if !fits(cells.len(), layout, weights.len()) {
-        return plain::responses(parts, cells, layout, weights, out);
+        return plain::responses(parts, room, spare, cells, layout, weights, out);
     }
     let Layout { stride, step, span, .. } = layout;
     for y in parts.start..parts.end.min(span) {
@@ -100,13 +104,15 @@ fn across(sum: v128) -> i32 {
 /// See [`plain::gather`].
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
+    room: &mut Packed,
+    spare: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
     if !fits(cells.len(), layout, sums.len()) || layout.span > N {
-        return plain::gather(parts, cells, layout, errors, sums);
+        return plain::gather(parts, room, spare, cells, layout, errors, sums);
     }
     let Layout { row, stride, step, span } = layout;
     for y in parts.start..parts.end.min(span) {

@@ -1,13 +1,17 @@
 //! Sums of products by AVX2: the plain loops, compiled with its instructions, which compute eight products each.
 
-use crate::kernels::layout::Layout;
+use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::ops::Range;
+
+pub(crate) use plain::{GATHER_PARTS, TAKES_ROWS_OF_CELLS};
 
 /// See [`plain::responses`].
 #[target_feature(enable = "avx2")]
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
+    _: &mut Packed,
+    _: &mut [i32],
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
@@ -20,6 +24,8 @@ pub(crate) fn responses<const N: usize>(
 #[target_feature(enable = "avx2")]
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
+    _: &mut Packed,
+    _: &mut [i32],
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],

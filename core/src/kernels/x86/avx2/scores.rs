@@ -140,19 +140,12 @@ pub(crate) struct Lookup {
     candidates: Effort,
 }
 
-pub(crate) fn is_available() -> bool {
-    #[cfg(feature = "std")]
-    return std::is_x86_feature_detected!("avx2");
-    #[cfg(not(feature = "std"))]
-    return cfg!(target_feature = "avx2");
-}
-
 scores!(Lookup, Planes, __m256i, "avx2", segments: 1 2 3 4 8 or 16);
 
 impl Lookup {
     /// `None` if the machine has no AVX2. So a `Lookup` proves that it has.
     pub(crate) fn new(table: &CutTable) -> Option<Self> {
-        if !is_available() {
+        if !super::is_available() {
             return None;
         }
         let threshold = table.threshold();

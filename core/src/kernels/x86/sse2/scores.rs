@@ -80,10 +80,6 @@ pub(crate) struct Bound<'a> {
     candidates: Effort,
 }
 
-pub(crate) const fn is_available() -> bool {
-    cfg!(target_feature = "sse2")
-}
-
 impl Scores for Bound<'_> {
     #[inline(always)] // keeps `Rows` in registers; reading it back from memory would stall
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
@@ -204,7 +200,7 @@ impl<'a> Bound<'a> {
     /// `None` if no pixel counts, or if there is no SSE2. So a `Bound` proves that there is.
     pub(crate) fn new(table: &'a CutTable) -> Option<Self> {
         let last = u8::try_from(table.threshold().checked_sub(1)?).ok()?;
-        is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
+        super::is_available().then_some(Self { table, last, chord: table.chord(), candidates: Effort::NEW })
     }
 
     /// An upper bound of the score, if it is at least `floor`. `BETWEEN`: the patch lies between two pictures.

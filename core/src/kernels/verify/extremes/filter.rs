@@ -3,13 +3,13 @@
 //!
 //! The unit tests of the crate do not run on a microcontroller. There `examples/conformance_robust` calls this.
 
-use super::super::backend::Backend;
-use super::super::bilinear::Interpolation;
-use super::super::layout::{Layout, Packed};
-use super::super::plain::bilinear::{BIAS, MixedRow};
-use super::super::products::Products;
-use super::super::weights::{GradientStep, ScaledSums, scale_by};
 use super::noise::Noise;
+use crate::kernels::backend::Backend;
+use crate::kernels::bilinear::Interpolation;
+use crate::kernels::layout::{Layout, Packed};
+use crate::kernels::plain::bilinear::{BIAS, MixedRow};
+use crate::kernels::products::Products;
+use crate::kernels::weights::{GradientStep, ScaledSums, scale_by};
 
 /// Features of a cell.
 const STEP: usize = 10;
@@ -42,7 +42,7 @@ pub fn verify_filter() {
     weights(&mut noise);
     columns(&mut noise);
     #[cfg(feature = "refiner")]
-    super::dense::layers(&mut noise);
+    super::layers::layers(&mut noise);
 }
 
 /// Compares sums of products; with the largest possible ones if `extreme`.

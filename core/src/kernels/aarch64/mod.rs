@@ -1,0 +1,3 @@
+//! The instruction set of AArch64.
+
+pub(crate) mod neon;

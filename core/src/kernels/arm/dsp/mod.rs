@@ -1,0 +1,18 @@
+//! The DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a word, by assembly.
+
+pub(crate) mod bilinear;
+mod candidates;
+#[cfg(feature = "refiner")]
+pub(crate) mod dense;
+pub(crate) mod gradients;
+mod groups;
+pub(crate) mod levels;
+pub(crate) mod products;
+pub(crate) mod scores;
+pub(crate) mod weights;
+mod words;
+
+/// True: it is compiled only for processors that have it.
+pub(crate) const fn is_available() -> bool {
+    true
+}

@@ -1,0 +1,12 @@
+//! Words of four pixels in ordinary 32-bit registers, for processors without a faster instruction set.
+
+pub(crate) mod products;
+pub(crate) mod scores;
+
+#[cfg(feature = "refiner")]
+pub(crate) use crate::kernels::plain::dense;
+
+/// True: every processor has such registers.
+pub(crate) const fn is_available() -> bool {
+    true
+}

@@ -1,0 +1,3 @@
+//! The instruction set of WebAssembly.
+
+pub(crate) mod simd128;
