@@ -6,9 +6,9 @@
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
 //! | `plain/` | any | no faster backend exists | always |
-//! | `x86/sse2.rs` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
+//! | `x86/sse2/` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
 //! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
-//! | `aarch64/neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
+//! | `aarch64/neon/` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
 //! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
@@ -19,24 +19,28 @@
 //!
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
-//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
-//! | which of four offsets may reach a score | `scorer.rs` | | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `candidates.rs` | RV32: `scores.rs` |
-//! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `sse2.rs`, `avx2/scores.rs` | `neon.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
-//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | `avx2/products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
+//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
+//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | RV32: `scores.rs` |
+//! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
+//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
-//! | layers of the refiner's network | `dense.rs` | `dense.rs` | `avx2/dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
+//! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | (plain) |
 //! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
-//! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can. A [`Backend`] chooses scores and
-//! products. The other loops follow what the program is compiled for.
+//! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
+//!
+//! A [`Backend`] chooses scores, products and layers, by the macro `by_backend!` (`backend.rs`). It has the one list of
+//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` what it does not
+//! do faster. The other loops follow the set that the program is compiled for: `native`.
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly. Both instruction
 //! sets there share the bounds of `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth
 //! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
-//! loops small. `verify/` compares the other loops with the plain ones (feature `verify`).
+//! loops small. `verify/` compares the other loops with the plain ones, in every call (unit tests, and
+//! feature `verify`).
 //!
 //! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
 //! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
