@@ -170,6 +170,33 @@ macro_rules! by_width {
     }};
 }
 
+/// Defines the ranges of a backend: `spread` and `ranges_of_rows`. The first of its vectors that fits in a row is used.
+macro_rules! ranges {
+    ($features:literal, $($vector:ty)+) => {
+        /// See [`Scores::ranges_of_rows`].
+        ///
+        /// # Safety
+        /// The processor has the instruction set.
+        #[target_feature(enable = $features)]
+        unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+            // SAFETY: as the caller guarantees.
+            unsafe { $(generic::ranges_of_rows::<$vector>(pixels, step, last, to))||+ }
+        }
+
+        /// See [`plain::spread`].
+        ///
+        /// # Safety
+        /// The processor has the instruction set.
+        #[target_feature(enable = $features)]
+        unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+            // SAFETY: as the caller guarantees.
+            if !unsafe { $(generic::spread::<$vector>(rows, low, high))||+ } {
+                plain::spread(rows, low, high);
+            }
+        }
+    };
+}
+
 /// Implements `Scores` for a backend that looks up a table. Its field `segments` is the number of segments in use; each
 /// number listed gets a loop of its own, and the last one serves all others. Its field `last` is the largest difference
 /// that counts, if there is one.
@@ -281,7 +308,6 @@ macro_rules! scores {
         }
 
         /// See [`Scores::ranges`].
-        #[allow(unused_unsafe)] // `spread` is safe there where all processors have its instructions
         #[target_feature(enable = $features)]
         unsafe fn ranges(rows: &[&[u8]; 4], last: u8, low: &mut [u8], high: &mut [u8]) {
             // SAFETY: as the caller guarantees.
@@ -297,7 +323,7 @@ macro_rules! scores {
     };
 }
 
-pub(crate) use {by_width, intrinsics, scores};
+pub(crate) use {by_width, intrinsics, ranges, scores};
 
 /// The number of pixels of a row in whole vectors.
 #[inline(always)]

@@ -42,7 +42,7 @@ impl Scores for Plain<'_> {
 
     #[inline(always)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        spread(rows, low, high);
+        self.spread(rows, low, high);
     }
 
     #[inline(always)]

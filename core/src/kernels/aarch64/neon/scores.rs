@@ -9,7 +9,7 @@ use crate::image::Image;
 use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
-use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Scores;
@@ -67,6 +67,7 @@ pub(crate) struct Lookup {
 }
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
+ranges!("neon", uint8x16_t);
 
 impl Lookup {
     /// Always succeeds: this file is compiled only if the target has NEON.
@@ -81,25 +82,6 @@ impl Lookup {
             [*low, *high] = entry.to_le_bytes();
         }
         lookup
-    }
-}
-
-/// See [`Scores::ranges_of_rows`].
-///
-/// # Safety
-/// The processor has NEON.
-#[target_feature(enable = "neon")]
-unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-    // SAFETY: as the caller guarantees.
-    unsafe { generic::ranges_of_rows::<uint8x16_t>(pixels, step, last, to) }
-}
-
-/// See [`plain::spread`].
-#[target_feature(enable = "neon")]
-fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    // SAFETY: this is compiled for NEON.
-    if !unsafe { generic::spread::<uint8x16_t>(rows, low, high) } {
-        plain::spread(rows, low, high);
     }
 }
 

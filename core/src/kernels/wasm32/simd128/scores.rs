@@ -10,7 +10,7 @@ use crate::image::Image;
 use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
-use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Scores;
@@ -91,6 +91,7 @@ pub(crate) struct Lookup {
 }
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
+ranges!("simd128", v128);
 
 impl Lookup {
     /// Always succeeds: this file is compiled only if the target has SIMD128.
@@ -105,28 +106,6 @@ impl Lookup {
             [*low, *high] = entry.to_le_bytes();
         }
         lookup
-    }
-}
-
-/// See [`Scores::ranges_of_rows`].
-///
-/// # Safety
-/// The engine has SIMD128.
-#[target_feature(enable = "simd128")]
-unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-    // SAFETY: as the caller guarantees.
-    unsafe { generic::ranges_of_rows::<v128>(pixels, step, last, to) }
-}
-
-/// See [`plain::spread`].
-///
-/// # Safety
-/// The engine has SIMD128.
-#[target_feature(enable = "simd128")]
-unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    // SAFETY: as the caller guarantees.
-    if !unsafe { generic::spread::<v128>(rows, low, high) } {
-        plain::spread(rows, low, high);
     }
 }
 

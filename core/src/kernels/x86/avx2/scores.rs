@@ -12,7 +12,7 @@ use crate::image::Image;
 use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
-use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, scores};
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use crate::kernels::scores::Scores;
@@ -141,6 +141,7 @@ pub(crate) struct Lookup {
 }
 
 scores!(Lookup, Planes, __m256i, "avx2", segments: 1 2 3 4 8 or 16);
+ranges!("avx2", __m256i __m128i);
 
 impl Lookup {
     /// `None` if the machine has no AVX2. So a `Lookup` proves that it has.
@@ -176,29 +177,6 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
             last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
             rest = before;
         }
-    }
-}
-
-/// See [`Scores::ranges_of_rows`].
-///
-/// # Safety
-/// The processor has AVX2.
-#[target_feature(enable = "avx2")]
-unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-    // SAFETY: as the caller guarantees.
-    unsafe {
-        generic::ranges_of_rows::<__m256i>(pixels, step, last, to)
-            || generic::ranges_of_rows::<__m128i>(pixels, step, last, to)
-    }
-}
-
-/// See [`plain::spread`].
-#[target_feature(enable = "avx2")]
-pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    // SAFETY: this is compiled for AVX2, which no processor has without SSE2.
-    let done = unsafe { generic::spread::<__m256i>(rows, low, high) || generic::spread::<__m128i>(rows, low, high) };
-    if !done {
-        plain::spread(rows, low, high);
     }
 }
 

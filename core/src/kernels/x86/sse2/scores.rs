@@ -18,7 +18,7 @@ use crate::image::Image;
 use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
-use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside};
+use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside, ranges};
 use crate::kernels::one::ONE;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
@@ -151,20 +151,12 @@ impl Scores for Bound<'_> {
     }
 }
 
+ranges!("sse2", __m128i);
+
 #[target_feature(enable = "sse2")]
 unsafe fn distance(rows: &Rows, enough: u32) -> u32 {
     // SAFETY: as the caller guarantees.
     unsafe { by_width!(rows.width, __m128i, generic::distance::<__m128i, WHOLE, END>(rows, enough)) }
-}
-
-/// See [`Scores::ranges_of_rows`].
-///
-/// # Safety
-/// The processor has SSE2.
-#[target_feature(enable = "sse2")]
-unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-    // SAFETY: as the caller guarantees.
-    unsafe { generic::ranges_of_rows::<__m128i>(pixels, step, last, to) }
 }
 
 /// See [`generic::inside_at_least`].
@@ -185,15 +177,6 @@ unsafe fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32> {
 unsafe fn candidates(rows: &Rows, last: u8, floor: u32) -> u8 {
     // SAFETY: as the caller guarantees.
     unsafe { by_width!(rows.width, __m128i, generic::candidates::<__m128i, WHOLE, END>(rows, last, floor)) }
-}
-
-/// See [`plain::spread`].
-#[target_feature(enable = "sse2")]
-fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-    // SAFETY: this is compiled for SSE2.
-    if !unsafe { generic::spread::<__m128i>(rows, low, high) } {
-        plain::spread(rows, low, high);
-    }
 }
 
 impl<'a> Bound<'a> {
