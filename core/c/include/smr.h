@@ -164,8 +164,8 @@ enum smr_status
    */
   SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
   /**
-   * One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the configuration
-   * was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
+   * One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
+   * configuration was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
    */
   SMR_ERROR_NOT_INITIALISED = 6,
   /**
@@ -249,8 +249,8 @@ enum smr_status
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
   /**
-   * No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has changed since,
-   * or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
+   * No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
+   * changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
    */
   SMR_ERROR_NOT_BEGUN = 27,
   /**
@@ -274,7 +274,8 @@ enum smr_status
    */
   SMR_ERROR_DAMAGED = 32,
   /**
-   * The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of the setting.
+   * The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
+   * the setting.
    */
   SMR_ERROR_OTHER_CONFIG = 33,
   /**
@@ -306,8 +307,8 @@ enum smr_status
    */
   SMR_ERROR_LINE_MISSING = 40,
   /**
-   * The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with the feature `refiner`
-   * (core/c/install.sh --refiner).
+   * The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
+   * the feature `refiner` (core/c/install.sh --refiner).
    */
   SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
 };
@@ -344,21 +345,23 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, tile by tile.
+   * The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees,
+   * tile by tile.
    */
   SMR_TRACKING = 0,
   /**
-   * The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the robust tracker.
+   * The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the
+   * robust tracker.
    */
   SMR_LEAVING = 1,
   /**
-   * The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows something else.
-   * Never from the paper's tracker.
+   * The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows
+   * something else. Never from the paper's tracker.
    */
   SMR_UNCERTAIN = 2,
   /**
-   * The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is its
-   * current best guess. Nothing is learned, and the search goes on.
+   * The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is
+   * its current best guess. Nothing is learned, and the search goes on.
    */
   SMR_LOST = 3,
 };
@@ -391,8 +394,8 @@ enum smr_format
    */
   SMR_UYVY = 2,
   /**
-   * Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B + 32768) >> 16,
-   * with R, G and B widened to eight bits by repeating their high bits.
+   * Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B
+   * + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
    */
   SMR_RGB565_BE = 3,
   /**
@@ -400,8 +403,8 @@ enum smr_format
    */
   SMR_RGB565_LE = 4,
   /**
-   * One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has half the width and half
-   * the height.
+   * One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has
+   * half the width and half the height.
    */
   SMR_BAYER8 = 5,
   /**
@@ -423,11 +426,12 @@ typedef int32_t smr_format;
 typedef struct smr_method smr_method;
 
 /**
- * Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target in Rust it stays where it
- * is: it is known by its address, and a copy of it is refused with #SMR_ERROR_NOT_INITIALISED.
+ * Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target
+ * in Rust it stays where it is: it is known by its address, and a copy of it is refused with
+ * #SMR_ERROR_NOT_INITIALISED.
  *
- * Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that share a
- * workspace. Other calls may.
+ * Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that
+ * share a workspace. Other calls may.
  */
 typedef struct smr_tracker smr_tracker;
 
@@ -496,8 +500,8 @@ typedef struct smr_margins {
 /**
  * When a peak is accepted: how far it must exceed the runner-up.
  *
- * The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak with a score above 0
- * is accepted.
+ * The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak
+ * with a score above 0 is accepted.
  */
 typedef struct smr_gate {
   /**
@@ -509,7 +513,8 @@ typedef struct smr_gate {
    */
   struct smr_fraction leaving;
   /**
-   * The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is found again.
+   * The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is
+   * found again.
    */
   struct smr_fraction returning;
   /**
@@ -517,15 +522,16 @@ typedef struct smr_gate {
    */
   struct smr_fraction lost;
   /**
-   * The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this many fully similar
-   * pixels.
+   * The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this
+   * many fully similar pixels.
    */
   uint16_t lead;
   /**
    * The least similarity matching ratio of the peak, in units of 1/65535. Below it no peak is accepted.
    *
-   * If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the template's contrast (mean
-   * absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
+   * If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the
+   * template's contrast (mean absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the
+   * template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
    */
   uint16_t least_ratio;
 } smr_gate;
@@ -535,8 +541,8 @@ typedef struct smr_gate {
  */
 typedef struct smr_paper_config {
   /**
-   * The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied: see
-   * #smr_table_init.
+   * The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied:
+   * see #smr_table_init.
    */
   const struct smr_table *table;
   /**
@@ -548,8 +554,8 @@ typedef struct smr_paper_config {
    */
   uint8_t first_threshold;
   /**
-   * The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel counts when
-   * the light changes slightly after a still scene.
+   * The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel
+   * counts when the light changes slightly after a still scene.
    */
   uint8_t least_threshold;
   /**
@@ -565,8 +571,8 @@ typedef struct smr_paper_config {
    */
   uint16_t growth;
   /**
-   * The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN, unless the
-   * padded frame is smaller than that.
+   * The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN,
+   * unless the padded frame is smaller than that.
    */
   struct smr_radius window_limit;
   /**
@@ -582,8 +588,8 @@ typedef struct smr_paper_config {
    */
   struct smr_gate gate;
   /**
-   * 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
-   * times as long.
+   * 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which
+   * takes several times as long.
    */
   uint8_t runner_up_always;
 } smr_paper_config;
@@ -593,8 +599,8 @@ typedef struct smr_paper_config {
  */
 typedef struct smr_robust_config {
   /**
-   * Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an update grows with
-   * (2 * `reach` + 1) squared.
+   * Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an
+   * update grows with (2 * `reach` + 1) squared.
    */
   uint8_t reach;
   /**
@@ -606,13 +612,14 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
-   * Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to 1. A library that was
-   * built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see #smr_window.
+   * Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to
+   * 1. A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame:
+   * see #smr_window.
    */
   uint8_t refiner;
   /**
-   * Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
-   * through short occlusions, but also to a wrong target.
+   * Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds
+   * on for longer: through short occlusions, but also to a wrong target.
    */
   uint8_t patience;
   /**
@@ -624,8 +631,8 @@ typedef struct smr_robust_config {
    */
   uint16_t uncertain_below;
   /**
-   * Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact step for the
-   * present frame).
+   * Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact
+   * step for the present frame).
    */
   uint16_t learning_rate;
   /**
@@ -635,8 +642,8 @@ typedef struct smr_robust_config {
 } smr_robust_config;
 
 /**
- * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or #smr_config_refined first,
- * then change the numbers that you need.
+ * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+ * #smr_config_refined first, then change the numbers that you need.
  */
 typedef struct smr_config {
   /**
@@ -644,8 +651,9 @@ typedef struct smr_config {
    */
   const struct smr_method *method;
   /**
-   * 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
-   * that the MPU has not made Normal) need it, because unaligned loads of words fault there. The answers are the same.
+   * 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory
+   * (external RAM that the MPU has not made Normal) need it, because unaligned loads of words fault there. The
+   * answers are the same.
    */
   uint8_t plain_loop;
   /**
@@ -715,10 +723,11 @@ typedef struct smr_part {
 } smr_part;
 
 /**
- * One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the call.
+ * One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the
+ * call.
  *
- * If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the tracker needs,
- * give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
+ * If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
+ * tracker needs, give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
  */
 typedef struct smr_frame {
   /**
@@ -774,17 +783,18 @@ typedef struct smr_answer {
    */
   smr_state state;
   /**
-   * The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's tracker.
+   * The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's
+   * tracker.
    */
   uint32_t scale;
   /**
-   * How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of 2/3
-   * the early template's agreement and 1/3 the filter's response.
+   * How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
+   * mean of 2/3 the early template's agreement and 1/3 the filter's response.
    */
   uint16_t confidence;
   /**
-   * How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-   * robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
+   * How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio,
+   * rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
    */
   uint16_t ratio;
   /**
@@ -792,13 +802,13 @@ typedef struct smr_answer {
    */
   uint16_t runner_up_ratio;
   /**
-   * The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by less. 0 from the
-   * robust tracker, which has a threshold for each place.
+   * The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by
+   * less. 0 from the robust tracker, which has a threshold for each place.
    */
   uint16_t alpha;
   /**
-   * 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
-   * and always from the robust tracker.
+   * 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in
+   * #smr_paper_config), and always from the robust tracker.
    */
   uint8_t has_runner_up;
   /**
@@ -851,15 +861,15 @@ typedef struct smr_saved_copy {
  * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
  *
  * Lines may come in an interrupt while the main loop asks for the frame. Then:
- * - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt itself or while it is
- *   switched off.
- * - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows, which come before
- *   #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or #smr_update. For the next frame give
- *   other memory, or begin it after the update.
+ * - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt
+ *   itself or while it is switched off.
+ * - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
+ *   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
+ *   #smr_update. For the next frame give other memory, or begin it after the update.
  * - #smr_readout_frame only reads, and may be interrupted at any point.
  *
- * The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to prevent: two calls of
- * #smr_readout_line, or #smr_readout_lines and any other.
+ * The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to
+ * prevent: two calls of #smr_readout_line, or #smr_readout_lines and any other.
  */
 typedef struct smr_readout {
   /**
@@ -913,8 +923,8 @@ const char *smr_status_name(int32_t status);
  *
  * @param table  Memory for the table. Trackers configured with it read it in every update: it must stay where it is, unchanged,
  *               as long as any of them is used.
- * @param scale  In gray levels, from 1 (almost only equal pixels are similar) to 4096 (almost all pixels are). The paper's is 255.
- * @return       #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_SCALE_OUT_OF_RANGE.
+ * @param scale  In gray levels, from 1 (almost only equal pixels are similar) to 4096 (almost all pixels are). The
+ * paper's is 255. @return       #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_SCALE_OUT_OF_RANGE.
  */
 smr_status smr_table_init(struct smr_table *table,
                           uint16_t scale);
@@ -929,9 +939,9 @@ const char *smr_version(void);
 /**
  * Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
  *
- * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all windows fit
- * #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
- * is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
+ * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all
+ * windows fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed
+ * the runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -939,11 +949,11 @@ const char *smr_version(void);
 smr_status smr_config_camera(struct smr_config *config);
 
 /**
- * Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of about
- * 320x240.
+ * Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of
+ * about 320x240.
  *
- * The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each axis; otherwise
- * #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
+ * The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
+ * axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -951,9 +961,9 @@ smr_status smr_config_camera(struct smr_config *config);
 smr_status smr_config_paper(struct smr_config *config);
 
 /**
- * Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
- * when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in every library;
- * #smr_config_refined has the refiner as well.
+ * Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view,
+ * reports when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in
+ * every library; #smr_config_refined has the refiner as well.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -961,11 +971,11 @@ smr_status smr_config_paper(struct smr_config *config);
 smr_status smr_config_robust(struct smr_config *config);
 
 /**
- * Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a target that comes
- * nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+ * Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a
+ * target that comes nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
  *
- * Every library has this call, but #smr_init takes the configuration only in one that was built with the feature `refiner`
- * (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+ * Every library has this call, but #smr_init takes the configuration only in one that was built with the feature
+ * `refiner` (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -982,7 +992,8 @@ smr_status smr_config_refined(struct smr_config *config);
 size_t smr_target_size(const struct smr_config *config);
 
 /**
- * The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was built.
+ * The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was
+ * built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        As #smr_target_size.
@@ -1033,11 +1044,11 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
                            struct smr_rect *window);
 
 /**
- * Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the pixels in
- * #smr_lock_window.
+ * Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the
+ * pixels in #smr_lock_window.
  *
- * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker as much as 25
- * updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
+ * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
+ * as much as 25 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -1052,8 +1063,8 @@ smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_rect *target);
 
 /**
- * Begins a lock in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish_lock. The
- * tracker has no target until the lock is finished.
+ * Begins a lock in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
+ * #smr_finish_lock. The tracker has no target until the lock is finished.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    As for #smr_lock. Its pixels must not change until #smr_finish_lock.
@@ -1081,10 +1092,11 @@ smr_status smr_finish_lock(struct smr_tracker *tracker,
  *
  * It reads only the pixels in #smr_window and #smr_sweep_window; the rest of the frame need not be in memory.
  *
- * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets in the window) *
- * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame in which a tracked target begins
- * to leave the picture it is at most twice that. Cost of the robust tracker: about the same in every frame, at most 894 products for
- * each of at most 2000 weights. #smr_begin, #smr_step and #smr_finish do the same in steps.
+ * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
+ * in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
+ * in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
+ * the same in every frame, at most 894 products for each of at most 2000 weights. #smr_begin, #smr_step and
+ * #smr_finish do the same in steps.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
@@ -1098,8 +1110,9 @@ smr_status smr_update(struct smr_tracker *tracker,
                       struct smr_answer *answer);
 
 /**
- * Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish. The
- * answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in this workspace.
+ * Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
+ * #smr_finish. The answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in
+ * this workspace.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
@@ -1112,16 +1125,15 @@ smr_status smr_begin(struct smr_tracker *tracker,
  * Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
  *
  * The unit of work depends on the tracker:
- * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels of a row of
- *   #smr_window) + 7 * #SMR_SPAN.
- * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5 million. A step may
- *   exceed `work` by at most 128,000.
+ * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
+ *   of a row of #smr_window) + 7 * #SMR_SPAN.
+ * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5
+ *   million. A step may exceed `work` by at most 128,000.
  *
- * @param tracker  As for #smr_begin or #smr_begin_lock.
- * @param frame    The same frame with the same pixels.
- * @param work     Units of work to do; 0 means 1.
- * @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left to call, else to 0; unchanged after an error.
- * @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
+ * @param tracker  As for #smr_begin or #smr_begin_lock. @param frame    The same frame with the same pixels. @param
+ * work     Units of work to do; 0 means 1. @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left
+ * to call, else to 0; unchanged after an error. @return         As #smr_update or #smr_finish_lock, or
+ * #SMR_ERROR_NOT_BEGUN.
  */
 smr_status smr_step(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
@@ -1144,27 +1156,26 @@ smr_status smr_finish(struct smr_tracker *tracker,
  * The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in
  * #smr_sweep_window.
  *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param window   Is set to a rectangle, always inside the frame and never empty; unchanged after an error.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+ * @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
+ * frame and never empty; unchanged after an error. @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED,
+ * #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
  */
 smr_status smr_window(const struct smr_tracker *tracker,
                       struct smr_rect *window);
 
 /**
- * A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is empty in most frames,
- * and always for the paper's tracker.
+ * A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is
+ * empty in most frames, and always for the paper's tracker.
  *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param window   Is set to a rectangle, always inside the frame; width and height are 0 if it is empty. Unchanged after an error.
- * @return         As #smr_window.
+ * @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
+ * frame; width and height are 0 if it is empty. Unchanged after an error. @return         As #smr_window.
  */
 smr_status smr_sweep_window(const struct smr_tracker *tracker,
                             struct smr_rect *window);
 
 /**
- * Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
- * (x + right, y + down). It cancels an update under way.
+ * Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
+ * expected at (x + right, y + down). It cancels an update under way.
  *
  * The search window moves along. The box stays within reach of the frame. The
  * paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
@@ -1179,8 +1190,8 @@ smr_status smr_moved(struct smr_tracker *tracker,
                      int32_t down);
 
 /**
- * How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the same when shifted: the
- * tracker follows it, but may slip along it without noticing.
+ * How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
+ * same when shifted: the tracker follows it, but may slip along it without noticing.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
@@ -1237,7 +1248,8 @@ smr_status smr_early_template(const struct smr_tracker *tracker,
                               struct smr_image *image);
 
 /**
- * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was built.
+ * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
+ * built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1247,8 +1259,8 @@ smr_status smr_saved_size(const struct smr_tracker *tracker,
                           size_t *size);
 
 /**
- * Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with. The bytes are the same on every
- * platform.
+ * Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with.
+ * The bytes are the same on every platform.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param bytes    Memory outside the tracker's own; unchanged after an error.
@@ -1263,8 +1275,8 @@ smr_status smr_save(const struct smr_tracker *tracker,
                     size_t *written);
 
 /**
- * Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one is written, the other
- * one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
+ * Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one
+ * is written, the other one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param number   The number after that of the newest copy; 1 if there is none. After the largest comes 0.
@@ -1311,7 +1323,8 @@ smr_status smr_restore(struct smr_tracker *tracker,
                        size_t size);
 
 /**
- * Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the configuration that differs.
+ * Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the
+ * configuration that differs.
  *
  * @param tracker  Made by #smr_init.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
@@ -1328,8 +1341,8 @@ smr_status smr_other_setting(const struct smr_tracker *tracker,
 /**
  * Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
  *
- * Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give #smr_window, or
- * #smr_lock_window before a lock.
+ * Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
+ * #smr_window, or #smr_lock_window before a lock.
  *
  * @param readout  Is filled; need not be initialised. Unchanged after an error.
  * @param format   A number of #smr_format.
@@ -1365,8 +1378,8 @@ smr_status smr_readout_add_window(struct smr_readout *readout,
                                   size_t size);
 
 /**
- * Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in no window may be left
- * out.
+ * Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in
+ * no window may be left out.
  *
  * Cost: only pixels in the windows are converted.
  *

@@ -7,15 +7,17 @@ use smr_core::{Answer, State};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees, tile by tile.
+    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees,
+    /// tile by tile.
     SMR_TRACKING = 0,
-    /// The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the robust tracker.
+    /// The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the
+    /// robust tracker.
     SMR_LEAVING = 1,
-    /// The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows something else.
-    /// Never from the paper's tracker.
+    /// The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows
+    /// something else. Never from the paper's tracker.
     SMR_UNCERTAIN = 2,
-    /// The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is its
-    /// current best guess. Nothing is learned, and the search goes on.
+    /// The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is
+    /// its current best guess. Nothing is learned, and the search goes on.
     SMR_LOST = 3,
 }
 
@@ -29,21 +31,22 @@ pub struct smr_answer {
     pub fine: smr_fine_rect,
     /// Whether the box is reliable.
     pub state: smr_state,
-    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's tracker.
+    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's
+    /// tracker.
     pub scale: u32,
-    /// How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of 2/3
-    /// the early template's agreement and 1/3 the filter's response.
+    /// How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
+    /// mean of 2/3 the early template's agreement and 1/3 the filter's response.
     pub confidence: u16,
-    /// How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio, rounded down. The
-    /// robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
+    /// How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio,
+    /// rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if there is none.
     pub runner_up_ratio: u16,
-    /// The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by less. 0 from the
-    /// robust tracker, which has a threshold for each place.
+    /// The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by
+    /// less. 0 from the robust tracker, which has a threshold for each place.
     pub alpha: u16,
-    /// 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in #smr_paper_config),
-    /// and always from the robust tracker.
+    /// 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in
+    /// #smr_paper_config), and always from the robust tracker.
     pub has_runner_up: u8,
     /// 1 if the target was lost in the frame before and is found in this one; else 0.
     pub found_again: u8,

@@ -2,7 +2,8 @@
 
 use smr_core::{Paper, Quality, Robust, Target};
 
-/// The largest area of a box of the paper's tracker, in pixels: `SMR_PIXELS` in the environment of the build, or 4096 (64x64).
+/// The largest area of a box of the paper's tracker, in pixels: `SMR_PIXELS` in the environment of the build, or 4096
+/// (64x64).
 pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 
 /// The most offsets of its search window on an axis: `SMR_SPAN` in the environment of the build, or 161 (the paper's).
@@ -17,11 +18,12 @@ pub const ALIGNMENT: usize = 8;
 /// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 8]>() + 112;
 
-/// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both signs. The header leaves room
-/// for them, so that it fits every processor.
+/// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both
+/// signs. The header leaves room for them, so that it fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
-/// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words for each offset, a table and the fixed fields.
+/// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words for each offset, a table and the fixed
+/// fields.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 

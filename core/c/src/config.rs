@@ -45,8 +45,8 @@ pub struct smr_margins {
 
 /// When a peak is accepted: how far it must exceed the runner-up.
 ///
-/// The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak with a score above 0
-/// is accepted.
+/// The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak
+/// with a score above 0 is accepted.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_gate {
@@ -54,17 +54,19 @@ pub struct smr_gate {
     pub tracking: smr_fraction,
     /// The limit if the box at the peak is partly outside the frame.
     pub leaving: smr_fraction,
-    /// The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is found again.
+    /// The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is
+    /// found again.
     pub returning: smr_fraction,
     /// The limit for finding a lost target again.
     pub lost: smr_fraction,
-    /// The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this many fully similar
-    /// pixels.
+    /// The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this
+    /// many fully similar pixels.
     pub lead: u16,
     /// The least similarity matching ratio of the peak, in units of 1/65535. Below it no peak is accepted.
     ///
-    /// If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the template's contrast (mean
-    /// absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
+    /// If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the
+    /// template's contrast (mean absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the
+    /// template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
     pub least_ratio: u16,
 }
 
@@ -72,15 +74,15 @@ pub struct smr_gate {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_paper_config {
-    /// The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied: see
-    /// #smr_table_init.
+    /// The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied:
+    /// see #smr_table_init.
     pub table: *const smr_table,
     /// k in alpha = k * (largest change of a template pixel); more than 0.
     pub k: smr_fraction,
     /// alpha before the first update, in gray levels; at least 1. A pixel counts if its difference is below alpha.
     pub first_threshold: u8,
-    /// The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel counts when
-    /// the light changes slightly after a still scene.
+    /// The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel
+    /// counts when the light changes slightly after a still scene.
     pub least_threshold: u8,
     /// Width of the virtual black border around the frame, in pixels: how far a box may leave the frame.
     pub padding: u16,
@@ -88,8 +90,8 @@ pub struct smr_paper_config {
     pub window: smr_radius,
     /// By how many pixels the window grows on each side, per frame while the target is lost.
     pub growth: u16,
-    /// The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN, unless the
-    /// padded frame is smaller than that.
+    /// The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN,
+    /// unless the padded frame is smaller than that.
     pub window_limit: smr_radius,
     /// The runner-up is the best score at more than this distance from the peak, in pixels, in x or in y.
     pub neighbourhood: u16,
@@ -97,8 +99,8 @@ pub struct smr_paper_config {
     pub update_zone: smr_margins,
     /// When a peak is accepted.
     pub gate: smr_gate,
-    /// 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which takes several
-    /// times as long.
+    /// 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which
+    /// takes several times as long.
     pub runner_up_always: u8,
 }
 
@@ -106,39 +108,41 @@ pub struct smr_paper_config {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct smr_robust_config {
-    /// Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an update grows with
-    /// (2 * `reach` + 1) squared.
+    /// Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an
+    /// update grows with (2 * `reach` + 1) squared.
     pub reach: u8,
     /// 0: the box keeps its size. Else: it follows the size of the target.
     pub size: u8,
     /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
-    /// Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to 1. A library that was
-    /// built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see #smr_window.
+    /// Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to
+    /// 1. A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame:
+    /// see #smr_window.
     pub refiner: u8,
-    /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds on for longer:
-    /// through short occlusions, but also to a wrong target.
+    /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds
+    /// on for longer: through short occlusions, but also to a wrong target.
     pub patience: u8,
     /// The target is lost while the confidence is below this. In units of 1/65535.
     pub lost_below: u16,
     /// The target is uncertain while the confidence is below this; at least `lost_below`.
     pub uncertain_below: u16,
-    /// Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact step for the
-    /// present frame).
+    /// Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact
+    /// step for the present frame).
     pub learning_rate: u16,
     /// Learning rate of the early template, in units of 1/1024: 0 to 1024.
     pub early_rate: u16,
 }
 
-/// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or #smr_config_refined first,
-/// then change the numbers that you need.
+/// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+/// #smr_config_refined first, then change the numbers that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
     /// The tracker's code. Do not change it. A program links only the trackers whose configurations it fills.
     pub method: *const smr_method,
-    /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory (external RAM
-    /// that the MPU has not made Normal) need it, because unaligned loads of words fault there. The answers are the same.
+    /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory
+    /// (external RAM that the MPU has not made Normal) need it, because unaligned loads of words fault there. The
+    /// answers are the same.
     pub plain_loop: u8,
     /// Only the paper's tracker reads it. #smr_config_robust and #smr_config_refined set it to 0.
     pub paper: smr_paper_config,
@@ -153,7 +157,8 @@ pub struct smr_method {
     /// Makes a tracker and its workspace. Writes nothing if it fails.
     ///
     /// # Safety
-    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`. The third fulfils [`smr_config::paper`].
+    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`. The third fulfils
+    /// [`smr_config::paper`].
     pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
 }
 
@@ -274,8 +279,8 @@ mod tests {
         }
         let config = robust::Config::robust();
         assert_eq!(printed(smr_config::of_robust(ptr::null(), &config).robust()), printed(config));
-        // This test alone would not notice a new number of `Config` that C cannot set. So their count is checked. Only pruning and the
-        // choice between fast backends are left to the library: they change no answer.
+        // This test alone would not notice a new number of `Config` that C cannot set. So their count is checked. Only
+        // pruning and the choice between fast backends are left to the library: they change no answer.
         let numbers = printed(paper::Config::paper());
         assert_eq!(
             numbers.matches(": ").count(),

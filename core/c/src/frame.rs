@@ -53,10 +53,11 @@ pub struct smr_part {
     pub y: u16,
 }
 
-/// One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the call.
+/// One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the
+/// call.
 ///
-/// If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the tracker needs,
-/// give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
+/// If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
+/// tracker needs, give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_frame {

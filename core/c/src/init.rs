@@ -22,7 +22,8 @@ pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     unsafe { given(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
-/// The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was built.
+/// The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was
+/// built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        As #smr_target_size.

@@ -7,8 +7,8 @@ use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_
 use crate::tracker::{Known, ask, smr_tracker};
 use smr_core::{Image, Robust, Target};
 
-/// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the same when shifted: the
-/// tracker follows it, but may slip along it without noticing.
+/// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
+/// same when shifted: the tracker follows it, but may slip along it without noticing.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.

@@ -1,7 +1,7 @@
 //! The trackers of `smr-core` for C: exactly what `include/smr.h` declares.
 //!
-//! Every public item has the name that C sees. The doc comments of public items become the header's comments, so they are written
-//! for C readers, in Doxygen's syntax. cbindgen writes the header; a test fails if the file is not current.
+//! Every public item has the name that C sees. The doc comments of public items become the header's comments, so they
+//! are written for C readers, in Doxygen's syntax. cbindgen writes the header; a test fails if the file is not current.
 //!
 //! # Modules
 //!
@@ -22,11 +22,12 @@
 //!
 //! # Linking
 //!
-//! `libsmr.a` does not allocate, has no globals and needs no operating system. For a microcontroller (`target_os = "none"`) and as
-//! WebAssembly it is `no_std` and contains its own panic handler, which no call can reach.
+//! `libsmr.a` does not allocate, has no globals and needs no operating system. For a microcontroller (`target_os =
+//! "none"`) and as WebAssembly it is `no_std` and contains its own panic handler, which no call can reach.
 //!
-//! For a host, Rust's `core` is compiled for unwinding, which needs the runtime in `std`. The library therefore links `std` there, and
-//! also uses it to detect the processor's instruction sets. A panic would abort at the boundary; it never unwinds into C.
+//! For a host, Rust's `core` is compiled for unwinding, which needs the runtime in `std`. The library therefore links
+//! `std` there, and also uses it to detect the processor's instruction sets. A panic would abort at the boundary; it
+//! never unwinds into C.
 
 #![no_std]
 #![deny(missing_docs)]

@@ -38,11 +38,11 @@ pub unsafe extern "C" fn smr_lock_window(
     })
 }
 
-/// Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the pixels in
-/// #smr_lock_window.
+/// Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the
+/// pixels in #smr_lock_window.
 ///
-/// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker as much as 25
-/// updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
+/// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
+/// as much as 25 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -66,8 +66,8 @@ pub unsafe extern "C" fn smr_lock(
     })
 }
 
-/// Begins a lock in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish_lock. The
-/// tracker has no target until the lock is finished.
+/// Begins a lock in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
+/// #smr_finish_lock. The tracker has no target until the lock is finished.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    As for #smr_lock. Its pixels must not change until #smr_finish_lock.

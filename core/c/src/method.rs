@@ -155,20 +155,22 @@ impl<T: Method> Held<T> {
     #[inline(never)] // one copy in flash
     fn marked(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
-        // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any bytes are a usize.
+        // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any
+        // bytes are a usize.
         if unsafe { (&raw const (*workspace).mark).read() } != Scratch::mark_of(workspace) {
             return None;
         }
         NonNull::new(workspace)
     }
 
-    /// The target, its workspace, in which an update of another tracker may be under way, and whose one of this tracker is: a tracker
-    /// stays where it is.
+    /// The target, its workspace, in which an update of another tracker may be under way, and whose one of this tracker
+    /// is: a tracker stays where it is.
     #[inline(always)] // only the call of `marked` remains
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace, Owner), smr_status> {
         let owner = Owner::at(ptr::from_ref(self).addr());
         let mut workspace = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
-        // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody else uses it.
+        // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody
+        // else uses it.
         Ok((&mut self.target, unsafe { &mut workspace.as_mut().workspace }, owner))
     }
 }

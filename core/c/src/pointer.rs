@@ -1,7 +1,7 @@
 //! The checks of every pointer from C: not NULL, aligned, outside the tracker's memory.
 //!
-//! The rest cannot be checked; the header demands it of the caller: a pointer that passes these checks points to memory of the size of its
-//! type, or of the stated size, and nobody else writes there during the call.
+//! The rest cannot be checked; the header demands it of the caller: a pointer that passes these checks points to memory
+//! of the size of its type, or of the stated size, and nobody else writes there during the call.
 
 use crate::status::smr_status;
 use core::ops::Range;

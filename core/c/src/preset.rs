@@ -15,9 +15,9 @@ const CAMERA: paper::Config = {
 
 /// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
 ///
-/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all windows fit
-/// #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the runner-up, alpha
-/// is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
+/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all
+/// windows fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed
+/// the runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -27,11 +27,11 @@ pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_statu
     status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &CAMERA)) })
 }
 
-/// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of about
-/// 320x240.
+/// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of
+/// about 320x240.
 ///
-/// The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each axis; otherwise
-/// #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
+/// The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
+/// axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -41,9 +41,9 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
     status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::paper())) })
 }
 
-/// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view, reports
-/// when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in every library;
-/// #smr_config_refined has the refiner as well.
+/// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view,
+/// reports when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in
+/// every library; #smr_config_refined has the refiner as well.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -53,11 +53,11 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
     status_of(unsafe { fill(config, || smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust())) })
 }
 
-/// Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a target that comes
-/// nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+/// Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a
+/// target that comes nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
 ///
-/// Every library has this call, but #smr_init takes the configuration only in one that was built with the feature `refiner`
-/// (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+/// Every library has this call, but #smr_init takes the configuration only in one that was built with the feature
+/// `refiner` (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.

@@ -17,13 +17,13 @@ pub enum smr_format {
     SMR_YUYV = 1,
     /// Two bytes a pixel: U Y V Y. Gray is Y.
     SMR_UYVY = 2,
-    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B + 32768) >> 16,
-    /// with R, G and B widened to eight bits by repeating their high bits.
+    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B
+    /// + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
     SMR_RGB565_BE = 3,
     /// The same with the low byte first.
     SMR_RGB565_LE = 4,
-    /// One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has half the width and half
-    /// the height.
+    /// One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has
+    /// half the width and half the height.
     SMR_BAYER8 = 5,
     /// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are left out.
     SMR_GRAY10 = 6,
@@ -42,15 +42,15 @@ const FORMATS: [(smr_format, Format); 7] = [
 /// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
 ///
 /// Lines may come in an interrupt while the main loop asks for the frame. Then:
-/// - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt itself or while it is
-///   switched off.
-/// - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows, which come before
-///   #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or #smr_update. For the next frame give
-///   other memory, or begin it after the update.
+/// - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt
+///   itself or while it is switched off.
+/// - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
+///   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
+///   #smr_update. For the next frame give other memory, or begin it after the update.
 /// - #smr_readout_frame only reads, and may be interrupted at any point.
 ///
-/// The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to prevent: two calls of
-/// #smr_readout_line, or #smr_readout_lines and any other.
+/// The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to
+/// prevent: two calls of #smr_readout_line, or #smr_readout_lines and any other.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_readout {
@@ -129,7 +129,8 @@ impl smr_readout {
     /// The readout of `smr-core`, which has these `lines`.
     ///
     /// # Safety
-    /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result lives.
+    /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result
+    /// lives.
     unsafe fn open<'a>(&self, lines: Lines) -> Readout<'a> {
         let ([first, second], [room, more]) = (self.pixels, self.sizes);
         // SAFETY: `lines` has checked the pointers; the rest as the caller ensures.
@@ -142,8 +143,8 @@ impl smr_readout {
 
 /// Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
 ///
-/// Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give #smr_window, or
-/// #smr_lock_window before a lock.
+/// Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
+/// #smr_window, or #smr_lock_window before a lock.
 ///
 /// @param readout  Is filled; need not be initialised. Unchanged after an error.
 /// @param format   A number of #smr_format.
@@ -211,8 +212,8 @@ pub unsafe extern "C" fn smr_readout_add_window(
     status_of(add())
 }
 
-/// Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in no window may be left
-/// out.
+/// Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in
+/// no window may be left out.
 ///
 /// Cost: only pixels in the windows are converted.
 ///

@@ -48,7 +48,8 @@ impl Known<'_> {
     }
 }
 
-/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was built.
+/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
+/// built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.
@@ -59,8 +60,8 @@ pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut 
     status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.known().most_saved_size())) })
 }
 
-/// Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with. The bytes are the same on every
-/// platform.
+/// Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with.
+/// The bytes are the same on every platform.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param bytes    Memory outside the tracker's own; unchanged after an error.
@@ -104,8 +105,8 @@ pub struct smr_saved_copy {
     pub size: usize,
 }
 
-/// Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one is written, the other
-/// one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
+/// Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one
+/// is written, the other one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param number   The number after that of the newest copy; 1 if there is none. After the largest comes 0.
@@ -162,7 +163,8 @@ pub unsafe extern "C" fn smr_newest_copy(
         for (bytes, size) in places {
             pointer::check_bytes(bytes, size, &[0..0, 0..0])?;
         }
-        // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the header demands of the caller.
+        // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the header demands of
+        // the caller.
         let [first, second] = places.map(|(bytes, size)| unsafe { core::slice::from_raw_parts(bytes, size) });
         let found = copies::newest(first, second).ok_or(SMR_ERROR_NOT_SAVED)?;
         let place = u32::from(found.place != 0);
@@ -198,7 +200,8 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     })
 }
 
-/// Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the configuration that differs.
+/// Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the
+/// configuration that differs.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.

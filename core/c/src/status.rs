@@ -15,7 +15,8 @@ macro_rules! statuses {
             $($(#[doc = $text])+ $name = $number,)+
         }
 
-        /// Number, name with a zero at its end, and text of each status. A test writes the header's part from this list.
+        /// Number, name with a zero at its end, and text of each status. A test writes the header's part from this
+        /// list.
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 
@@ -39,8 +40,8 @@ statuses! {
     SMR_ERROR_WORKSPACE_TOO_SMALL = 4,
     /// Storage and workspace overlap.
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
-    /// One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the configuration
-    /// was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
+    /// One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
+    /// configuration was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
     SMR_ERROR_NOT_INITIALISED = 6,
     /// The call is for the other kind of tracker, or the target was saved by the other kind.
     SMR_ERROR_OTHER_METHOD = 7,
@@ -82,8 +83,8 @@ statuses! {
     SMR_ERROR_FRAME_SIZE_CHANGED = 25,
     /// The parts in memory do not cover #smr_window and #smr_sweep_window.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
-    /// No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has changed since,
-    /// or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
+    /// No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
+    /// changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
     SMR_ERROR_NOT_BEGUN = 27,
     /// The memory for the result is too small.
     SMR_ERROR_BUFFER_TOO_SMALL = 28,
@@ -95,7 +96,8 @@ statuses! {
     SMR_ERROR_TRUNCATED = 31,
     /// The bytes have changed since they were saved: the checksum is wrong.
     SMR_ERROR_DAMAGED = 32,
-    /// The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of the setting.
+    /// The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
+    /// the setting.
     SMR_ERROR_OTHER_CONFIG = 33,
     /// The saved target is too large for this tracker.
     SMR_ERROR_SAVED_TOO_LARGE = 34,
@@ -111,8 +113,8 @@ statuses! {
     SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
     /// A line of the window did not come.
     SMR_ERROR_LINE_MISSING = 40,
-    /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with the feature `refiner`
-    /// (core/c/install.sh --refiner).
+    /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
+    /// the feature `refiner` (core/c/install.sh --refiner).
     SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
 }
 

@@ -10,11 +10,12 @@ use core::ptr::addr_of;
 use smr_core::calls::Kind;
 use smr_core::{Frame, Rect, Robust};
 
-/// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target in Rust it stays where it
-/// is: it is known by its address, and a copy of it is refused with #SMR_ERROR_NOT_INITIALISED.
+/// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target
+/// in Rust it stays where it is: it is known by its address, and a copy of it is refused with
+/// #SMR_ERROR_NOT_INITIALISED.
 ///
-/// Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that share a
-/// workspace. Other calls may.
+/// Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that
+/// share a workspace. Other calls may.
 pub struct smr_tracker {
     /// [`mark_of`] its own address, to recognise memory that is not a tracker.
     mark: usize,
@@ -36,8 +37,9 @@ fn mark_of(address: *const smr_tracker) -> usize {
 
 /// A target by its type.
 ///
-/// A program links all of [`Tracked`] for the trackers that it makes. A call that few programs make is therefore not there: it goes by the
-/// type. So a program that does not make the call does not link it; one that does links it for both trackers.
+/// A program links all of [`Tracked`] for the trackers that it makes. A call that few programs make is therefore not
+/// there: it goes by the type. So a program that does not make the call does not link it; one that does links it for
+/// both trackers.
 pub(crate) enum Known<'a> {
     Paper(&'a mut PaperTarget),
     Robust(&'a mut Robust),
@@ -52,8 +54,8 @@ pub(crate) trait Tracked {
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
     fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    /// Continues what is under way; `of` a kind, only if it is of that kind. `None` until only `conclude` or `conclude_lock` is left.
-    /// This result fits in a register.
+    /// Continues what is under way; `of` a kind, only if it is of that kind. `None` until only `conclude` or
+    /// `conclude_lock` is left. This result fits in a register.
     fn step(&mut self, frame: &Frame<'_>, work: u32, of: Option<Kind>) -> Option<Result<(), smr_status>>;
     fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
@@ -95,7 +97,8 @@ impl dyn Tracked + '_ {
 /// The tracker that `smr_init` made at this address.
 ///
 /// # Safety
-/// A `tracker` that is not NULL points to memory of the size of a handle, and nobody else uses the tracker while the result lives.
+/// A `tracker` that is not NULL points to memory of the size of a handle, and nobody else uses the tracker while the
+/// result lives.
 #[inline(never)] // one copy in flash
 pub(crate) unsafe fn borrow<'a>(tracker: *mut smr_tracker) -> Result<&'a mut dyn Tracked, smr_status> {
     pointer::check(tracker)?;

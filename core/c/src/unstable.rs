@@ -1,5 +1,5 @@
-//! What the browser's page shows of the inside of a tracker: the counted work and the robust tracker's response map. The header does not
-//! declare these calls, and they may change in any version.
+//! What the browser's page shows of the inside of a tracker: the counted work and the robust tracker's response map.
+//! The header does not declare these calls, and they may change in any version.
 
 use crate::frame::smr_frame;
 use crate::pointer::Out;
@@ -11,16 +11,16 @@ pub(crate) const RESPONSE_SPAN: usize = 17;
 /// See [`smr_response_map`].
 pub(crate) type ResponseMap = [[i32; RESPONSE_SPAN]; RESPONSE_SPAN];
 
-/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_step`. Another tracker may have
-/// done it.
+/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_step`.
+/// Another tracker may have done it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
     // SAFETY: as every call demands of its caller.
     status_of(unsafe { ask(tracker, work, |tracker| tracker.work()) })
 }
 
-/// Sets `responses` to the robust tracker's responses for `frame`, as the next update would see them, in units of 1/16384. The first
-/// 2 * `reach` + 1 of the first 2 * `reach` + 1 rows count. It cancels an update under way.
+/// Sets `responses` to the robust tracker's responses for `frame`, as the next update would see them, in units of
+/// 1/16384. The first 2 * `reach` + 1 of the first 2 * `reach` + 1 rows count. It cancels an update under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_response_map(
     tracker: *mut smr_tracker,

@@ -11,10 +11,11 @@ use smr_core::Target;
 ///
 /// It reads only the pixels in #smr_window and #smr_sweep_window; the rest of the frame need not be in memory.
 ///
-/// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets in the window) *
-/// (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame in which a tracked target begins
-/// to leave the picture it is at most twice that. Cost of the robust tracker: about the same in every frame, at most 894 products for
-/// each of at most 2000 weights. #smr_begin, #smr_step and #smr_finish do the same in steps.
+/// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
+/// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
+/// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
+/// the same in every frame, at most 894 products for each of at most 2000 weights. #smr_begin, #smr_step and
+/// #smr_finish do the same in steps.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
@@ -38,8 +39,9 @@ pub unsafe extern "C" fn smr_update(
     })
 }
 
-/// Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then #smr_finish. The
-/// answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in this workspace.
+/// Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
+/// #smr_finish. The answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in
+/// this workspace.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
@@ -53,16 +55,15 @@ pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_
 /// Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
 ///
 /// The unit of work depends on the tracker:
-/// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels of a row of
-///   #smr_window) + 7 * #SMR_SPAN.
-/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5 million. A step may
-///   exceed `work` by at most 128,000.
+/// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
+///   of a row of #smr_window) + 7 * #SMR_SPAN.
+/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5
+///   million. A step may exceed `work` by at most 128,000.
 ///
-/// @param tracker  As for #smr_begin or #smr_begin_lock.
-/// @param frame    The same frame with the same pixels.
-/// @param work     Units of work to do; 0 means 1.
-/// @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left to call, else to 0; unchanged after an error.
-/// @return         As #smr_update or #smr_finish_lock, or #SMR_ERROR_NOT_BEGUN.
+/// @param tracker  As for #smr_begin or #smr_begin_lock. @param frame    The same frame with the same pixels. @param
+/// work     Units of work to do; 0 means 1. @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left
+/// to call, else to 0; unchanged after an error. @return         As #smr_update or #smr_finish_lock, or
+/// #SMR_ERROR_NOT_BEGUN.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_step(
     tracker: *mut smr_tracker,
@@ -100,21 +101,20 @@ pub unsafe extern "C" fn smr_finish(
 /// The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in
 /// #smr_sweep_window.
 ///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param window   Is set to a rectangle, always inside the frame and never empty; unchanged after an error.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+/// @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
+/// frame and never empty; unchanged after an error. @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED,
+/// #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe { ask(tracker, window, |tracker| Ok(tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?.into())) })
 }
 
-/// A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is empty in most frames,
-/// and always for the paper's tracker.
+/// A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is
+/// empty in most frames, and always for the paper's tracker.
 ///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param window   Is set to a rectangle, always inside the frame; width and height are 0 if it is empty. Unchanged after an error.
-/// @return         As #smr_window.
+/// @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
+/// frame; width and height are 0 if it is empty. Unchanged after an error. @return         As #smr_window.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
     // SAFETY: as the header demands of the caller.
@@ -126,8 +126,8 @@ pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *
     })
 }
 
-/// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is expected at
-/// (x + right, y + down). It cancels an update under way.
+/// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
+/// expected at (x + right, y + down). It cancels an update under way.
 ///
 /// The search window moves along. The box stays within reach of the frame. The
 /// paper's tracker rounds to whole pixels. Before the first lock the call does nothing.

@@ -17,8 +17,9 @@ const LINE: usize = 64;
 
 /// Paints the stack below its caller, or returns how much of it has lost its paint.
 ///
-/// The second time the array is uninitialised, so it holds what the call between the two has left. When a function reserves so large a
-/// frame, it writes a word to each page. A line therefore counts as used only if more than a word of it has changed.
+/// The second time the array is uninitialised, so it holds what the call between the two has left. When a function
+/// reserves so large a frame, it writes a word to each page. A line therefore counts as used only if more than a word
+/// of it has changed.
 #[inline(never)]
 fn below(paint: bool) -> usize {
     let mut area = MaybeUninit::<[u8; DEPTH]>::uninit();

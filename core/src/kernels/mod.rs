@@ -32,8 +32,8 @@
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
 //!
 //! A [`Backend`] chooses scores, products and layers, by the macro `by_backend!` (`backend.rs`). It has the one list of
-//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` what it does not
-//! do faster. The other loops follow the set that the program is compiled for: `native`.
+//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` what it does
+//! not do faster. The other loops follow the set that the program is compiled for: `native`.
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly. Both instruction

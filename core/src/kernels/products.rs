@@ -55,9 +55,9 @@ impl Products {
         by_backend!(self.0, set => set::products::GATHER_PARTS.unwrap_or_else(|| self.parts(layout, weights)))
     }
 
-    /// Computes the parts `parts` of [`plain::responses`](super::plain::products::responses). The caller asks for them in order. `room` and `spare` are
-    /// scratch memory, which the caller leaves as it is from one part to the next. `spare` should be as long as the
-    /// weights: with less, a slower loop may run.
+    /// Computes the parts `parts` of [`plain::responses`](super::plain::products::responses). The caller asks for them
+    /// in order. `room` and `spare` are scratch memory, which the caller leaves as it is from one part to the next.
+    /// `spare` should be as long as the weights: with less, a slower loop may run.
     #[inline(never)] // one copy in flash for each span
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn responses<const N: usize>(
@@ -83,9 +83,9 @@ impl Products {
         }
     }
 
-    /// Computes the parts `parts` of [`plain::gather`](super::plain::products::gather). The caller asks for them in order. `room` and `spare` are
-    /// scratch memory, which the caller leaves as it is from one part to the next. `spare` should have a number for
-    /// each cell of the filter and seven more: with less, a slower loop may run.
+    /// Computes the parts `parts` of [`plain::gather`](super::plain::products::gather). The caller asks for them in
+    /// order. `room` and `spare` are scratch memory, which the caller leaves as it is from one part to the next.
+    /// `spare` should have a number for each cell of the filter and seven more: with less, a slower loop may run.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

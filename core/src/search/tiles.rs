@@ -1,5 +1,5 @@
-//! The offsets of a window, tile by tile and pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`), and
-//! the offsets of the others are scored.
+//! The offsets of a window, tile by tile and pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`),
+//! and the offsets of the others are scored.
 
 use super::progress::{Place, Scene, Search, Stage, area, axes, words};
 use super::ranges::{SIDE, Tile};
