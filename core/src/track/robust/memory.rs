@@ -22,9 +22,7 @@ impl Memory {
     pub(super) const fn new() -> Self {
         Self { track: None, filter: Filter::new(), template: Template::new(), first: First::new() }
     }
-}
 
-impl Memory {
     /// Adds all numbers that the rest of an update or of a lock under way depends on: those that are saved.
     pub(super) fn identify(&self, owner: &mut Owner) {
         if let Some(track) = &self.track {

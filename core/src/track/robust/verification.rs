@@ -9,7 +9,7 @@
 //!
 //! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. With the fourth
 //! lowest tile, three tiles may be hidden or turned away, but not four. The template is first adapted to the light of
-//! the patch ([`lighting`](super::lighting)). A patch with too little contrast, or clipped to black or white, shows no
+//! the patch (`lighting.rs`). A patch with too little contrast, or clipped to black or white, shows no
 //! target (`similarity/contrast.rs`).
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
