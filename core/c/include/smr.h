@@ -612,9 +612,9 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
-   * Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to
-   * 1. A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame:
-   * see #smr_window.
+   * Else than 0: a small learned network corrects the box. It is 1 by #smr_config_refined, 0 by #smr_config_robust.
+   * A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
+   * #smr_window.
    */
   uint8_t refiner;
   /**

@@ -115,9 +115,9 @@ pub struct smr_robust_config {
     pub size: u8,
     /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
-    /// Else than 0: a small learned network corrects the box. #smr_config_robust sets it to 0, #smr_config_refined to
-    /// 1. A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame:
-    /// see #smr_window.
+    /// Else than 0: a small learned network corrects the box. It is 1 by #smr_config_refined, 0 by #smr_config_robust.
+    /// A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
+    /// #smr_window.
     pub refiner: u8,
     /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds
     /// on for longer: through short occlusions, but also to a wrong target.
