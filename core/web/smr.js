@@ -1,9 +1,10 @@
 // The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly.
 // README.md describes them.
 
-import { CONFIG_SIZE, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
+import { CONFIG, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
 import { SmrError, named, object, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
+import { array, flag, i32, struct, u16, u32 } from "./layout.js";
 import { Memory } from "./memory.js";
 
 export { SmrError } from "./errors.js";
@@ -15,22 +16,42 @@ export const State = Object.freeze({ TRACKING: "tracking", LEAVING: "leaving", U
 export const POOR_QUALITY = 1023;
 
 // The states by their numbers in `smr_state`.
-const STATES = [State.TRACKING, State.LEAVING, State.UNCERTAIN, State.LOST];
+const STATES = Object.values(State);
 const CONFIGS = { paper: { camera: "smr_config_camera", paper: "smr_config_paper" }, robust: { refined: "smr_config_refined", robust: "smr_config_robust" } };
 
-// The memory of a call, and the places of its parts. Sizes are those of smr.h on 32 bits.
-const FRAME = 0; // smr_frame, 44 bytes: width, height, two parts
-const PARTS = [4, 24]; // smr_part: pixels, size, stride, width, height, x, y
-const ANSWER = 48; // smr_answer, 48 bytes
-const WINDOWS = [96, 112]; // smr_rect, 12 bytes: x, y, width, height
-const BOX = 128; // smr_rect
-const FINE = 144; // smr_fine_rect, 16 bytes
-const NUMBER = 160; // 4 bytes
-const IMAGE = 168; // smr_image, 8 bytes: pixels, width, height
-const CONFIG = 176; // smr_config
-const RESPONSES = 256; // 17 * 17 numbers of 4 bytes
+// The structs of smr.h.
+const RECT = struct({ x: i32, y: i32, width: u16, height: u16 });
+const FINE_RECT = struct({ x: i32, y: i32, width: u32, height: u32 });
+const PART = struct({ pixels: u32, size: u32, stride: u32, width: u16, height: u16, x: u16, y: u16 });
+const NO_PART = { pixels: 0, size: 0, stride: 0, width: 0, height: 0, x: 0, y: 0 };
+const ANSWER = struct({
+  bbox: RECT,
+  fine: FINE_RECT,
+  state: i32,
+  scale: u32,
+  confidence: u16,
+  ratio: u16,
+  runnerUpRatio: u16,
+  alpha: u16,
+  hasRunnerUp: flag,
+  foundAgain: flag,
+});
 const RESPONSE_SPAN = 17;
-const SCRATCH_SIZE = RESPONSES + 4 * RESPONSE_SPAN * RESPONSE_SPAN;
+// The memory of a call: what it takes and what it gives.
+const CALL = struct({
+  frame: struct({ width: u16, height: u16, parts: array(PART, 2) }),
+  answer: ANSWER,
+  window: RECT,
+  sweepWindow: RECT,
+  box: RECT,
+  fine: FINE_RECT,
+  number: u32,
+  short: u16,
+  state: i32,
+  image: struct({ pixels: u32, width: u16, height: u16 }),
+  config: CONFIG,
+  responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
+});
 const TABLE_ENTRIES = 256;
 const EARLY_PIXELS = 1600; // SMR_ROBUST_PIXELS
 // Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
@@ -133,7 +154,7 @@ export class Smr {
 class Library {
   exports;
   memory;
-  scratch;
+  #scratch;
   #workspaces = {}; // by method
   #pixels = { at: 0, size: 0 };
 
@@ -143,7 +164,7 @@ class Library {
     }
     this.exports = exports;
     this.memory = new Memory(exports.memory, exports.__heap_base.value);
-    this.scratch = this.memory.take(SCRATCH_SIZE);
+    this.#scratch = this.memory.take(CALL.size);
   }
 
   /** Calls smr_`name` and throws unless it returns SMR_OK. */
@@ -192,31 +213,24 @@ class Library {
     return this.#pixels.at;
   }
 
-  rect(at) {
-    const { view } = this.memory;
-    return {
-      x: view.getInt32(at, true),
-      y: view.getInt32(at + 4, true),
-      width: view.getUint16(at + 8, true),
-      height: view.getUint16(at + 10, true),
-    };
+  /** The address of a part of CALL. */
+  at(name) {
+    return this.#scratch + CALL.places[name];
   }
 
-  fineRect(at) {
-    const { view } = this.memory;
-    return {
-      x: view.getInt32(at, true),
-      y: view.getInt32(at + 4, true),
-      width: view.getUint32(at + 8, true),
-      height: view.getUint32(at + 12, true),
-    };
+  /** What a call has put there. */
+  read(name) {
+    return CALL.fields[name].read(this.memory.view, this.at(name));
   }
 
-  image() {
-    const at = this.scratch + IMAGE;
-    const { view } = this.memory;
-    const [width, height] = [view.getUint16(at + 4, true), view.getUint16(at + 6, true)];
-    return { width, height, pixels: this.memory.copy(view.getUint32(at, true), width * height) };
+  /** Puts `value` there for a call. `called` is its name in an error. */
+  write(name, value, called = `the ${name}`) {
+    CALL.fields[name].write(this.memory.view, this.at(name), value, called);
+  }
+
+  /** A picture with a copy of its pixels; null if there is none. */
+  copyOf(image) {
+    return image === null ? null : { ...image, pixels: this.memory.copy(image.pixels, image.width * image.height) };
   }
 }
 
@@ -252,12 +266,12 @@ export class Tracker {
   }
 
   #make(scale, options) {
-    const { memory, exports, scratch } = this.#library;
-    const config = scratch + CONFIG;
+    const { memory, exports } = this.#library;
+    const config = this.#library.at("config");
     if (!Object.hasOwn(CONFIGS[this.method], this.preset)) {
       throw new TypeError(`preset must be ${Object.keys(CONFIGS[this.method]).join(" or ")}, not ${String(this.preset)}`);
     }
-    memory.bytes.fill(0, config, config + CONFIG_SIZE);
+    memory.bytes.fill(0, config, config + CONFIG.size);
     this.#library.call(CONFIGS[this.method][this.preset], config);
     writeOptions(memory.view, config, this.method, options);
     this.options = readOptions(memory.view, config, this.method);
@@ -271,22 +285,20 @@ export class Tracker {
     const size = exports.smr_target_size(config);
     const workspace = this.#library.workspace(this.method, exports.smr_workspace_size(config));
     this.#storage = memory.take(size);
-    const pointer = scratch + NUMBER;
-    this.#library.call("smr_init", this.#storage, size, workspace.at, workspace.size, config, pointer);
-    this.#at = memory.view.getUint32(pointer, true);
+    this.#library.call("smr_init", this.#storage, size, workspace.at, workspace.size, config, this.#library.at("number"));
+    this.#at = this.#library.read("number");
   }
 
   /** Locks on the target in `box`. Returns the quality, which is poor below POOR_QUALITY. */
   lock(frame, box) {
     this.#live();
     const given = frameOf(frame);
-    const { scratch } = this.#library;
-    this.#writeBox(box);
-    this.#library.call("smr_lock_window", this.#at, given.width, given.height, scratch + BOX, scratch + WINDOWS[0]);
-    const windows = this.#show(given, [this.#library.rect(scratch + WINDOWS[0])]);
-    this.#library.call("smr_lock", this.#at, scratch + FRAME, scratch + BOX);
+    const library = this.#library;
+    library.write("box", box);
+    const windows = this.#show(given, [this.#get("smr_lock_window", "window", given.width, given.height, library.at("box"))]);
+    library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
     this.answer = null;
-    this.#tell("locked", { width: given.width, height: given.height, box: this.#library.rect(scratch + BOX), window: windows[0] });
+    this.#tell("locked", { width: given.width, height: given.height, box: library.read("box"), window: windows[0] });
     return this.quality;
   }
 
@@ -294,10 +306,8 @@ export class Tracker {
   update(frame) {
     this.#live();
     const given = frameOf(frame);
-    const { scratch } = this.#library;
     const windows = this.#showWindows(given);
-    this.#library.call("smr_update", this.#at, scratch + FRAME, scratch + ANSWER);
-    this.answer = this.#readAnswer();
+    this.answer = this.#answerOf(this.#get("smr_update", "answer", this.#library.at("frame")));
     this.#tell("updated", { width: given.width, height: given.height, windows, answer: this.answer });
     return this.answer;
   }
@@ -314,13 +324,11 @@ export class Tracker {
   /** Saves the target as bytes. */
   save() {
     this.#live();
-    const { memory, scratch } = this.#library;
-    this.#library.call("smr_saved_size", this.#at, scratch + NUMBER);
-    const size = memory.view.getUint32(scratch + NUMBER, true);
+    const { memory } = this.#library;
+    const size = this.#get("smr_saved_size", "number");
     const bytes = memory.take(size);
     try {
-      this.#library.call("smr_save", this.#at, bytes, size, scratch + NUMBER);
-      return memory.copy(bytes, memory.view.getUint32(scratch + NUMBER, true));
+      return memory.copy(bytes, this.#get("smr_save", "number", bytes, size));
     } finally {
       memory.give(bytes);
     }
@@ -338,7 +346,7 @@ export class Tracker {
       memory.bytes.set(saved, bytes);
       this.#library.call("smr_restore", this.#at, bytes, saved.length);
     } catch (error) {
-      throw error.status === "SMR_ERROR_OTHER_CONFIG" ? otherSetting(this.#otherSetting(bytes, saved.length)) : error;
+      throw error.status === "SMR_ERROR_OTHER_CONFIG" ? otherSetting(memory.text(this.#get("smr_other_setting", "number", bytes, saved.length))) : error;
     } finally {
       memory.give(bytes);
     }
@@ -346,51 +354,37 @@ export class Tracker {
     this.#tell("restored", { saved });
   }
 
-  // The name of the first setting that differs from those of a saved target.
-  #otherSetting(bytes, size) {
-    const { memory, scratch } = this.#library;
-    this.#library.call("smr_other_setting", this.#at, bytes, size, scratch + NUMBER);
-    return memory.text(memory.view.getUint32(scratch + NUMBER, true));
-  }
-
   /** The box and the state of the target: of the last answer, the lock or the saved target. null without a target. */
   get last() {
-    const { memory, scratch } = this.#library;
-    if (!this.#ask("smr_last", scratch + FINE, scratch + NUMBER)) {
-      return null;
-    }
-    return { fineBox: this.#library.fineRect(scratch + FINE), state: STATES[memory.view.getInt32(scratch + NUMBER, true)] };
+    const state = this.#ask("smr_last", "state", this.#library.at("fine"));
+    return state === null ? null : { fineBox: this.#library.read("fine"), state: STATES[state] };
   }
 
   /** How distinct the target was from its surroundings at the lock; null without a target. */
   get quality() {
-    const { memory, scratch } = this.#library;
-    return this.#ask("smr_quality", scratch + NUMBER) ? memory.view.getUint16(scratch + NUMBER, true) : null;
+    return this.#ask("smr_quality", "short");
   }
 
   /** The pixels that the next update reads; null without a target. */
   get window() {
-    const { scratch } = this.#library;
-    return this.#ask("smr_window", scratch + WINDOWS[0]) ? this.#library.rect(scratch + WINDOWS[0]) : null;
+    return this.#ask("smr_window", "window");
   }
 
   /** A second window, in which the robust tracker looks for a lost target; null if there is none. */
   get sweepWindow() {
-    const { scratch } = this.#library;
-    const window = this.#ask("smr_sweep_window", scratch + WINDOWS[1]) ? this.#library.rect(scratch + WINDOWS[1]) : null;
+    const window = this.#ask("smr_sweep_window", "sweepWindow");
     return window !== null && window.width * window.height > 0 ? window : null;
   }
 
   /** The paper's template: { width, height, pixels }; null without a target. */
   get template() {
-    return this.#ask("smr_template", this.#library.scratch + IMAGE) ? this.#library.image() : null;
+    return this.#library.copyOf(this.#ask("smr_template", "image"));
   }
 
   /** The robust tracker's early template: { width, height, pixels }; null without a target. */
   get earlyTemplate() {
     const pixels = this.#library.pixels(EARLY_PIXELS);
-    const { scratch } = this.#library;
-    return this.#ask("smr_early_template", pixels, EARLY_PIXELS, scratch + IMAGE) ? this.#library.image() : null;
+    return this.#library.copyOf(this.#ask("smr_early_template", "image", pixels, EARLY_PIXELS));
   }
 
   /**
@@ -399,12 +393,10 @@ export class Tracker {
    */
   responseMap(frame) {
     this.#live();
-    const { memory, scratch } = this.#library;
     this.#showWindows(frameOf(frame));
-    this.#library.call("smr_response_map", this.#at, scratch + FRAME, scratch + RESPONSES);
     const span = 2 * this.options.reach + 1;
-    const at = (i) => scratch + RESPONSES + 4 * (Math.floor(i / span) * RESPONSE_SPAN + (i % span));
-    return { span, responses: Int32Array.from({ length: span * span }, (_, i) => memory.view.getInt32(at(i), true)) };
+    const rows = this.#get("smr_response_map", "responses", this.#library.at("frame")).slice(0, span);
+    return { span, responses: Int32Array.from(rows.flatMap((row) => row.slice(0, span))) };
   }
 
   /** Calls `observer`, too, at every lock, update, move and restored target from now on: see record.js. */
@@ -444,92 +436,64 @@ export class Tracker {
     }
   }
 
-  // False without a target.
-  #ask(name, ...values) {
+  // What the call smr_`name` puts into `part` of CALL, the place of which is its last argument.
+  #get(name, part, ...values) {
+    this.#library.call(name, this.#at, ...values, this.#library.at(part));
+    return this.#library.read(part);
+  }
+
+  // The same; null without a target.
+  #ask(...of) {
     this.#live();
     try {
-      this.#library.call(name, this.#at, ...values);
-      return true;
+      return this.#get(...of);
     } catch (error) {
       if (error instanceof SmrError && error.status === "SMR_ERROR_NOT_LOCKED") {
-        return false;
+        return null;
       }
       throw error;
     }
   }
 
-  #writeBox(box) {
-    const { x, y, width, height } = object(box, "the box", "an object with x, y, width and height");
-    whole(x, -MOST_I32, MOST_I32, "the box's x");
-    whole(y, -MOST_I32, MOST_I32, "the box's y");
-    whole(width, 0, 65535, "the box's width");
-    whole(height, 0, 65535, "the box's height");
-    const { view } = this.#library.memory;
-    const at = this.#library.scratch + BOX;
-    view.setInt32(at, x, true);
-    view.setInt32(at + 4, y, true);
-    view.setUint16(at + 8, width, true);
-    view.setUint16(at + 10, height, true);
-  }
-
   #showWindows(given) {
-    const { scratch } = this.#library;
-    this.#library.call("smr_window", this.#at, scratch + WINDOWS[0]);
-    this.#library.call("smr_sweep_window", this.#at, scratch + WINDOWS[1]);
-    return this.#show(given, WINDOWS.map((at) => this.#library.rect(scratch + at)));
+    return this.#show(given, [this.#get("smr_window", "window"), this.#get("smr_sweep_window", "sweepWindow")]);
   }
 
   // Copies the gray pixels of the windows into the library's memory, and writes the frame that has them as its parts.
   // Returns the windows with their pixels, which are valid until the next call.
   #show(given, windows) {
-    const { memory, scratch } = this.#library;
     const shown = windows.filter(({ width, height }) => width * height > 0);
     // A frame that lacks these pixels is smaller than the one of the lock.
     if (shown.some(({ x, y, width, height }) => x + width > given.width || y + height > given.height)) {
       throw new SmrError("SMR_ERROR_FRAME_SIZE_CHANGED");
     }
     let pixels = this.#library.pixels(shown.reduce((sum, { width, height }) => sum + width * height, 0));
-    const { bytes, view } = memory;
-    view.setUint16(scratch + FRAME, given.width, true);
-    view.setUint16(scratch + FRAME + 2, given.height, true);
-    view.setUint32(scratch + PARTS[1], 0, true);
+    const { bytes } = this.#library.memory;
+    const parts = [NO_PART, NO_PART];
+    shown.forEach((window, i) => {
+      parts[i] = { ...window, pixels, size: window.width * window.height, stride: window.width };
+      pixels += parts[i].size;
+    });
+    this.#library.write("frame", { width: given.width, height: given.height, parts });
     return shown.map((window, i) => {
-      const size = window.width * window.height;
-      const to = bytes.subarray(pixels, pixels + size);
+      const to = bytes.subarray(parts[i].pixels, parts[i].pixels + parts[i].size);
       copyWindow(given, window, to);
-      writePart(view, scratch + PARTS[i], pixels, window);
-      pixels += size;
       return { ...window, pixels: to };
     });
   }
 
-  #readAnswer() {
-    const { memory, scratch } = this.#library;
-    this.#library.call("smr_work", this.#at, scratch + NUMBER);
-    const { view } = memory;
-    const at = scratch + ANSWER;
-    const alpha = view.getUint16(at + 42, true);
+  #answerOf({ bbox, fine, state, confidence, ratio, runnerUpRatio, alpha, scale, hasRunnerUp, foundAgain }) {
     return {
-      box: this.#library.rect(at),
-      fineBox: this.#library.fineRect(at + 12),
-      state: STATES[view.getInt32(at + 28, true)],
-      confidence: view.getUint16(at + 36, true),
-      ratio: view.getUint16(at + 38, true),
-      runnerUpRatio: view.getUint8(at + 44) === 0 ? null : view.getUint16(at + 40, true),
+      box: bbox,
+      fineBox: fine,
+      state: STATES[state],
+      confidence,
+      ratio,
+      runnerUpRatio: hasRunnerUp ? runnerUpRatio : null,
       alpha: alpha === 0 ? null : alpha,
-      scale: view.getUint32(at + 32, true),
-      foundAgain: view.getUint8(at + 45) !== 0,
-      work: view.getUint32(scratch + NUMBER, true),
+      scale,
+      foundAgain,
+      work: this.#get("smr_work", "number"),
     };
   }
-}
-
-function writePart(view, at, pixels, { x, y, width, height }) {
-  view.setUint32(at, pixels, true);
-  view.setUint32(at + 4, width * height, true);
-  view.setUint32(at + 8, width, true);
-  view.setUint16(at + 12, width, true);
-  view.setUint16(at + 14, height, true);
-  view.setUint16(at + 16, x, true);
-  view.setUint16(at + 18, y, true);
 }
