@@ -6,35 +6,65 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Map, Value, json};
-use smr_core::paper::{self, RunnerUp};
+use smr_core::paper::{self, Fraction, Margins, Radius, RunnerUp};
 use smr_core::{ConfigError, robust};
 
 /// A number of a configuration.
-pub enum Slot<'a> {
-    Flag(&'a mut bool),
-    Byte(&'a mut u8),
-    Short(&'a mut u16),
-    /// A radius, or a numerator and a denominator.
-    Pair(&'a mut u16, &'a mut u16),
-    RunnerUp(&'a mut RunnerUp),
+pub trait Number {
+    fn get(&self) -> Value;
+    /// Errors: a text that says what was expected.
+    fn set(&mut self, value: &Bound<'_, PyAny>) -> Result<(), &'static str>;
+}
+
+/// Implements [`Number`]: the type in Rust and in Python, the text, and how each is made from the other.
+macro_rules! number {
+    ($($number:ty, $python:ty, $expected:literal, |$own:ident| $shown:expr, |$given:ident| $taken:expr;)*) => {$(
+        impl Number for $number {
+            fn get(&self) -> Value {
+                let $own = self;
+                json!($shown)
+            }
+
+            fn set(&mut self, value: &Bound<'_, PyAny>) -> Result<(), &'static str> {
+                let $given: $python = value.extract().map_err(|_| $expected)?;
+                *self = $taken;
+                Ok(())
+            }
+        }
+    )*};
+}
+
+number! {
+    bool, bool, "True or False", |own| own, |given| given;
+    u8, u8, "a whole number of 0 to 255", |own| own, |given| given;
+    u16, u16, "a whole number of 0 to 65535", |own| own, |given| given;
+    Radius, (u16, u16), "a tuple of two whole numbers of 0 to 65535",
+        |own| (own.x, own.y), |given| Self { x: given.0, y: given.1 };
+    Fraction, (u16, u16), "a tuple of two whole numbers of 0 to 65535",
+        |own| (own.numerator, own.denominator), |given| Self::new(given.0, given.1);
+    Margins, (u16, u16, u16, u16), "a tuple of four whole numbers of 0 to 65535",
+        |own| (own.left, own.top, own.right, own.bottom),
+        |given| Self { left: given.0, top: given.1, right: given.2, bottom: given.3 };
+    RunnerUp, bool, "True or False",
+        |own| *own == Self::Always, |given| if given { Self::Always } else { Self::WhenItDecides };
 }
 
 /// A configuration whose numbers have names.
 pub trait Options: Copy {
     const NAMES: &[&str];
-    fn slot(&mut self, name: &str) -> Option<Slot<'_>>;
+    fn number(&mut self, name: &str) -> Option<&mut dyn Number>;
 }
 
-/// Implements [`Options`] for a configuration: the name and the place of each number.
+/// Implements [`Options`] for a configuration: its fields, and others by their place.
 macro_rules! options {
-    ($config:ty, $of:ident: $($name:literal => $slot:expr,)*) => {
+    ($config:ty: $($field:ident),+; $($name:ident = $($place:ident).+),*) => {
         impl Options for $config {
-            const NAMES: &[&str] = &[$($name),*];
+            const NAMES: &[&str] = &[$(stringify!($field),)+ $(stringify!($name)),*];
 
-            fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
-                let $of = self;
+            fn number(&mut self, name: &str) -> Option<&mut dyn Number> {
                 match name {
-                    $($name => Some($slot),)*
+                    $(stringify!($field) => Some(&mut self.$field),)+
+                    $(stringify!($name) => Some(&mut self.$($place).+),)*
                     _ => None,
                 }
             }
@@ -42,58 +72,19 @@ macro_rules! options {
     };
 }
 
-options! { robust::Config, of:
-    "reach" => Slot::Byte(&mut of.reach),
-    "size" => Slot::Flag(&mut of.size),
-    "sweep" => Slot::Flag(&mut of.sweep),
-    "refiner" => Slot::Flag(&mut of.refiner),
-    "patience" => Slot::Byte(&mut of.patience),
-    "lost_below" => Slot::Short(&mut of.lost_below),
-    "uncertain_below" => Slot::Short(&mut of.uncertain_below),
-    "learning_rate" => Slot::Short(&mut of.learning_rate),
-    "early_rate" => Slot::Short(&mut of.early_rate),
+options! { robust::Config:
+    reach, size, sweep, refiner, patience, lost_below, uncertain_below, learning_rate, early_rate;
 }
 
-options! { paper::Config, of:
-    "window" => Slot::Pair(&mut of.window.x, &mut of.window.y),
-    "window_limit" => Slot::Pair(&mut of.window_limit.x, &mut of.window_limit.y),
-    "k" => Slot::Pair(&mut of.k.numerator, &mut of.k.denominator),
-    "first_threshold" => Slot::Byte(&mut of.first_threshold),
-    "least_threshold" => Slot::Byte(&mut of.least_threshold),
-    "padding" => Slot::Short(&mut of.padding),
-    "growth" => Slot::Short(&mut of.growth),
-    "neighbourhood" => Slot::Short(&mut of.neighbourhood),
-    "least_ratio" => Slot::Short(&mut of.gate.least_ratio),
-    "runner_up_always" => Slot::RunnerUp(&mut of.runner_up),
-}
-
-impl Slot<'_> {
-    fn get(&self) -> Value {
-        match self {
-            Self::Flag(flag) => json!(flag),
-            Self::Byte(number) => json!(number),
-            Self::Short(number) => json!(number),
-            Self::Pair(x, y) => json!([x, y]),
-            Self::RunnerUp(when) => json!(**when == RunnerUp::Always),
-        }
-    }
-
-    /// Errors: a text that says what was expected.
-    fn set(self, value: &Bound<'_, PyAny>) -> Result<(), &'static str> {
-        match self {
-            Self::Flag(flag) => *flag = value.extract().map_err(|_| "True or False")?,
-            Self::Byte(number) => *number = value.extract().map_err(|_| "a whole number of 0 to 255")?,
-            Self::Short(number) => *number = value.extract().map_err(|_| "a whole number of 0 to 65535")?,
-            Self::Pair(x, y) => {
-                (*x, *y) = value.extract().map_err(|_| "a tuple of two whole numbers of 0 to 65535")?;
-            }
-            Self::RunnerUp(when) => {
-                let always: bool = value.extract().map_err(|_| "True or False")?;
-                *when = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
-            }
-        }
-        Ok(())
-    }
+options! { paper::Config:
+    window, window_limit, k, first_threshold, least_threshold, padding, growth, neighbourhood, update_zone;
+    gate_tracking = gate.tracking,
+    gate_leaving = gate.leaving,
+    gate_returning = gate.returning,
+    gate_lost = gate.lost,
+    gate_lead = gate.lead,
+    least_ratio = gate.least_ratio,
+    runner_up_always = runner_up
 }
 
 /// `config` with the numbers in `given` put in.
@@ -101,10 +92,11 @@ impl Slot<'_> {
 pub fn with<C: Options>(mut config: C, given: Option<&Bound<'_, PyDict>>) -> PyResult<C> {
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
-        let Some(slot) = config.slot(&name) else {
+        let Some(number) = config.number(&name) else {
             return Err(PyTypeError::new_err(format!("no option {name}: expected {}", C::NAMES.join(", "))));
         };
-        slot.set(&value)
+        number
+            .set(&value)
             .map_err(|expected| PyValueError::new_err(format!("{name}: expected {expected}, found {value}")))?;
     }
     Ok(config)
@@ -119,7 +111,7 @@ pub fn of_range<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDic
 /// All numbers of the configuration by their names.
 pub fn all<C: Options>(config: &C) -> Map<String, Value> {
     let mut config = *config;
-    let of = |name: &&str| Some(((*name).to_owned(), config.slot(name)?.get()));
+    let of = |name: &&str| Some(((*name).to_owned(), config.number(name)?.get()));
     C::NAMES.iter().filter_map(of).collect()
 }
 

@@ -26,7 +26,9 @@ pub struct Tracker {
 ///
 /// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and
 /// `window_limit` as (x, y) in pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`,
-/// `padding`, `growth`, `neighbourhood`, `least_ratio` (of 65535), `runner_up_always`.
+/// `padding`, `growth`, `neighbourhood`, `update_zone` as (left, top, right, bottom), `gate_tracking`, `gate_leaving`,
+/// `gate_returning` and `gate_lost` as (numerator, denominator), `gate_lead`, `least_ratio` (of 65535),
+/// `runner_up_always`.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 

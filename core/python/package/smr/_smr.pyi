@@ -40,6 +40,12 @@ class Paper(Tracker):
         padding: int = ...,
         growth: int = ...,
         neighbourhood: int = ...,
+        update_zone: tuple[int, int, int, int] = ...,
+        gate_tracking: _Pair = ...,
+        gate_leaving: _Pair = ...,
+        gate_returning: _Pair = ...,
+        gate_lost: _Pair = ...,
+        gate_lead: int = ...,
         least_ratio: int = ...,
         runner_up_always: bool = ...,
     ) -> Paper: ...
