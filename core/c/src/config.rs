@@ -165,45 +165,14 @@ pub struct smr_method {
 impl smr_config {
     /// With the built-in table, whatever the table of `config`.
     pub(crate) fn of_paper(method: *const smr_method, config: &paper::Config) -> Self {
-        Self {
-            method,
-            plain_loop: (config.backend == Some(Backend::Scalar)).into(),
-            paper: smr_paper_config {
-                table: ptr::null(),
-                k: config.k.into(),
-                first_threshold: config.first_threshold,
-                least_threshold: config.least_threshold,
-                padding: config.padding,
-                window: config.window.into(),
-                growth: config.growth,
-                window_limit: config.window_limit.into(),
-                neighbourhood: config.neighbourhood,
-                update_zone: config.update_zone.into(),
-                gate: config.gate.into(),
-                runner_up_always: (config.runner_up == RunnerUp::Always).into(),
-            },
-            robust: smr_robust_config::default(),
-        }
+        let plain_loop = (config.backend == Some(Backend::Scalar)).into();
+        Self { method, plain_loop, paper: config.into(), robust: smr_robust_config::default() }
     }
 
     pub(crate) fn of_robust(method: *const smr_method, config: &robust::Config) -> Self {
-        Self {
-            method,
-            plain_loop: (config.backend == Some(Backend::Scalar)).into(),
-            // SAFETY: numbers and a pointer, which may all be 0.
-            paper: unsafe { core::mem::zeroed() },
-            robust: smr_robust_config {
-                reach: config.reach,
-                size: config.size.into(),
-                sweep: config.sweep.into(),
-                refiner: config.refiner.into(),
-                patience: config.patience,
-                lost_below: config.lost_below,
-                uncertain_below: config.uncertain_below,
-                learning_rate: config.learning_rate,
-                early_rate: config.early_rate,
-            },
-        }
+        let plain_loop = (config.backend == Some(Backend::Scalar)).into();
+        // SAFETY: numbers and a pointer, which may all be 0.
+        Self { method, plain_loop, paper: unsafe { core::mem::zeroed() }, robust: config.into() }
     }
 
     fn backend(&self) -> Option<Backend> {
@@ -215,38 +184,21 @@ impl smr_config {
     /// # Safety
     /// As for [`table::given`], with `self.paper.table`.
     pub(crate) unsafe fn paper(&self) -> Result<paper::Config, smr_status> {
-        let numbers = &self.paper;
         let mut config = paper::Config::paper();
         // SAFETY: as the caller ensures.
-        config.table = unsafe { table::given(numbers.table)? };
-        config.k = numbers.k.into();
-        config.first_threshold = numbers.first_threshold;
-        config.least_threshold = numbers.least_threshold;
-        config.padding = numbers.padding;
-        config.window = numbers.window.into();
-        config.growth = numbers.growth;
-        config.window_limit = numbers.window_limit.into();
-        config.neighbourhood = numbers.neighbourhood;
-        config.update_zone = numbers.update_zone.into();
-        config.gate = numbers.gate.into();
+        config.table = unsafe { table::given(self.paper.table)? };
+        self.paper.put(&mut config);
         config.backend = self.backend();
-        config.runner_up = if numbers.runner_up_always == 0 { RunnerUp::WhenItDecides } else { RunnerUp::Always };
+        if self.paper.runner_up_always != 0 {
+            config.runner_up = RunnerUp::Always;
+        }
         Ok(config)
     }
 
     /// The numbers of the robust tracker.
     pub(crate) fn robust(&self) -> robust::Config {
-        let numbers = &self.robust;
         let mut config = robust::Config::robust();
-        config.reach = numbers.reach;
-        config.size = numbers.size != 0;
-        config.sweep = numbers.sweep != 0;
-        config.refiner = numbers.refiner != 0;
-        config.patience = numbers.patience;
-        config.lost_below = numbers.lost_below;
-        config.uncertain_below = numbers.uncertain_below;
-        config.learning_rate = numbers.learning_rate;
-        config.early_rate = numbers.early_rate;
+        self.robust.put(&mut config);
         config.backend = self.backend();
         config
     }
@@ -259,108 +211,51 @@ same! {
     Gate, smr_gate { tracking, leaving, returning, lost, lead, least_ratio }
 }
 
+/// Converts between a configuration of `smr-core` and its struct in C: first the numbers and then the switches that both
+/// have by the same names. The others are made from `$of` the one, and go to the other by hand.
+macro_rules! numbers {
+    ($of:ident: $core:ty, $c:ident { $($number:ident),+; $($switch:ident),*; $($other:ident: $value:expr),* }) => {
+        impl From<&$core> for $c {
+            fn from($of: &$core) -> Self {
+                Self { $($number: $of.$number.into(),)+ $($switch: $of.$switch.into(),)* $($other: $value),* }
+            }
+        }
+
+        impl $c {
+            fn put(&self, config: &mut $core) {
+                $(config.$number = self.$number.into();)+
+                $(config.$switch = self.$switch != 0;)*
+            }
+        }
+    };
+}
+
+numbers! { of: paper::Config, smr_paper_config {
+    k, first_threshold, least_threshold, padding, window, growth, window_limit, neighbourhood, update_zone, gate;;
+    table: ptr::null(), runner_up_always: (of.runner_up == RunnerUp::Always).into()
+}}
+
+numbers! { of: robust::Config, smr_robust_config {
+    reach, patience, lost_below, uncertain_below, learning_rate, early_rate; size, sweep, refiner;
+}}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::{format, string::String};
-
-    /// The debug output of a configuration after the table, which comes first.
-    fn printed(config: impl core::fmt::Debug) -> String {
-        let text = format!("{config:?}");
-        text.split_once("] }").expect("the table comes first").1.into()
-    }
 
     #[test]
     fn a_configuration_comes_back_as_it_was() {
-        for config in [paper::Config::paper(), paper::Config::camera()] {
+        let mut slow = paper::Config::camera();
+        (slow.runner_up, slow.backend) = (RunnerUp::Always, Some(Backend::Scalar));
+        for config in [paper::Config::paper(), paper::Config::camera(), slow] {
             // SAFETY: no table is given.
-            let back = unsafe { smr_config::of_paper(ptr::null(), &config).paper() }.unwrap();
-            assert_eq!(printed(back), printed(config));
+            assert_eq!(unsafe { smr_config::of_paper(ptr::null(), &config).paper() }, Ok(config));
         }
-        let config = robust::Config::robust();
-        assert_eq!(printed(smr_config::of_robust(ptr::null(), &config).robust()), printed(config));
-        // This test alone would not notice a new number of `Config` that C cannot set. So their count is checked. Only
-        // pruning and the choice between fast backends are left to the library: they change no answer.
-        let numbers = printed(paper::Config::paper());
-        assert_eq!(
-            numbers.matches(": ").count(),
-            37,
-            "if Config has a new number, smr_paper_config needs it: {numbers}"
-        );
-        let numbers = printed(config);
-        assert_eq!(
-            numbers.matches(": ").count(),
-            15,
-            "if Config has a new number, smr_robust_config needs it: {numbers}"
-        );
-    }
-
-    #[test]
-    fn every_number_of_the_configuration_goes_to_its_place() {
-        // Fields of a literal are evaluated as written: here in the order in which `Config` declares and prints them.
-        let mut numbers = 1..;
-        let next = &mut || numbers.next().unwrap();
-        fn fraction(next: &mut dyn FnMut() -> u16) -> smr_fraction {
-            smr_fraction { numerator: next(), denominator: next() }
+        let mut other = robust::Config::robust();
+        (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, false, true, 1);
+        (other.lost_below, other.uncertain_below, other.learning_rate, other.early_rate) = (2, 3, 4, 5);
+        for config in [robust::Config::robust(), other] {
+            assert_eq!(smr_config::of_robust(ptr::null(), &config).robust(), config);
         }
-        fn radius(next: &mut dyn FnMut() -> u16) -> smr_radius {
-            smr_radius { x: next(), y: next() }
-        }
-        let paper = smr_paper_config {
-            table: ptr::null(),
-            k: fraction(next),
-            first_threshold: u8::try_from(next()).unwrap(),
-            least_threshold: u8::try_from(next()).unwrap(),
-            padding: next(),
-            window: radius(next),
-            growth: next(),
-            window_limit: radius(next),
-            neighbourhood: next(),
-            update_zone: smr_margins { left: next(), top: next(), right: next(), bottom: next() },
-            gate: smr_gate {
-                tracking: fraction(next),
-                leaving: fraction(next),
-                returning: fraction(next),
-                lost: fraction(next),
-                lead: next(),
-                least_ratio: next(),
-            },
-            runner_up_always: 1,
-        };
-        let config = smr_config { paper, ..smr_config::of_paper(ptr::null(), &paper::Config::paper()) };
-        // SAFETY: no table is given.
-        let printed = printed(unsafe { config.paper() }.unwrap());
-        let words = printed.split(|character: char| !character.is_ascii_digit());
-        let numbers: std::vec::Vec<u16> = words.filter_map(|word| word.parse().ok()).collect();
-        assert!(printed.contains("runner_up: Always") && printed.contains("backend: None"));
-        assert_eq!(numbers, (1..=25).collect::<std::vec::Vec<_>>());
-    }
-
-    #[test]
-    fn every_number_of_the_robust_configuration_goes_to_its_place() {
-        let all = smr_config::of_robust(ptr::null(), &robust::Config::robust());
-        let robust = smr_robust_config {
-            reach: 1,
-            size: 0,
-            sweep: 1,
-            refiner: 0,
-            patience: 2,
-            lost_below: 3,
-            uncertain_below: 4,
-            learning_rate: 5,
-            early_rate: 6,
-        };
-        let text = printed(smr_config { robust, ..all }.robust());
-        let expected = "reach: 1, size: false, sweep: true, refiner: false, patience: 2, lost_below: 3, uncertain_below: 4, learning_rate: 5, \
-                        early_rate: 6";
-        assert!(text.contains(expected), "{text}");
-        let swapped =
-            smr_config { robust: smr_robust_config { size: 1, sweep: 0, refiner: 1, ..robust }, ..all }.robust();
-        assert!(swapped.size && !swapped.sweep && swapped.refiner);
-        let plain = smr_config { plain_loop: 1, ..all };
-        assert_eq!((all.robust().backend, plain.robust().backend), (None, Some(Backend::Scalar)));
-        let plain = smr_config { plain_loop: 1, ..smr_config::of_paper(ptr::null(), &paper::Config::camera()) };
-        // SAFETY: no table is given.
-        assert_eq!(unsafe { plain.paper() }.unwrap().backend, Some(Backend::Scalar));
     }
 }
