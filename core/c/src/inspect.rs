@@ -4,7 +4,7 @@ use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of};
-use crate::tracker::{Known, ask, smr_tracker};
+use crate::tracker::{Known, ask, each, smr_tracker};
 use smr_core::{Image, Robust, Target};
 
 /// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
@@ -18,10 +18,7 @@ pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut 
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
         ask(tracker, quality, |tracker| {
-            let quality = match tracker.known() {
-                Known::Paper(target) => target.quality(),
-                Known::Robust(target) => target.quality(),
-            };
+            let quality = each!(tracker.known(), target => target.quality());
             Ok(quality.ok_or(SMR_ERROR_NOT_LOCKED)?.value())
         })
     })
@@ -43,10 +40,7 @@ pub unsafe extern "C" fn smr_last(
     status_of(unsafe {
         ask(tracker, bbox, |tracker| {
             let out = Out::new(state)?;
-            let last = match tracker.known() {
-                Known::Paper(target) => target.bbox().zip(target.state()),
-                Known::Robust(target) => target.bbox().zip(target.state()),
-            };
+            let last = each!(tracker.known(), target => target.bbox().zip(target.state()));
             let (bbox, state) = last.ok_or(SMR_ERROR_NOT_LOCKED)?;
             out.write(state.into());
             Ok(bbox.into())

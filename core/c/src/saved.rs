@@ -3,48 +3,49 @@
 use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_SAVED, smr_status, status_of};
-use crate::tracker::{Known, ask, borrow, smr_tracker};
+use crate::tracker::{Known, ask, borrow, each, smr_tracker};
 use core::ffi::c_char;
 use core::ptr;
 use smr_core::{RestoreError, Target, copies};
 
 impl Known<'_> {
-    const fn most_saved_size(&self) -> usize {
-        match self {
-            Self::Paper(_) => PAPER_SAVED_SIZE,
-            Self::Robust(_) => ROBUST_SAVED_SIZE,
-        }
-    }
-
-    fn saved_size(&self) -> Result<usize, smr_status> {
-        Ok(match self {
-            Self::Paper(target) => target.saved_size()?,
-            Self::Robust(target) => target.saved_size()?,
-        })
-    }
-
     #[inline(never)] // one copy in flash
     fn save(&self, bytes: &mut [u8]) -> Result<usize, smr_status> {
-        Ok(match self {
-            Self::Paper(target) => target.save(bytes)?,
-            Self::Robust(target) => target.save(bytes)?,
-        })
+        Ok(each!(self, target => target.save(bytes))?)
     }
 
     #[inline(never)] // keeps its stack out of that of the calls before
     fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status> {
-        match self {
-            Self::Paper(target) => target.restore(bytes)?,
-            Self::Robust(target) => target.restore(bytes)?,
-        }
-        Ok(())
+        Ok(each!(self, target => target.restore(bytes))?)
     }
+}
 
-    fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        match self {
-            Self::Paper(target) => target.check_saved(bytes),
-            Self::Robust(target) => target.check_saved(bytes),
-        }
+/// Writes the target, as a copy with a number if there is one.
+///
+/// # Safety
+/// As for [`ask`]; nobody else uses the `size` bytes.
+unsafe fn save(
+    tracker: *const smr_tracker,
+    copy: Option<u32>,
+    bytes: *mut u8,
+    size: usize,
+    written: *mut usize,
+) -> Result<(), smr_status> {
+    // SAFETY: as the caller ensures.
+    unsafe {
+        ask(tracker, written, |tracker| {
+            pointer::check_bytes(bytes, size, &tracker.memory())?;
+            let target = tracker.known();
+            let saved = each!(&target, target => target.saved_size())?;
+            let needed = if copy.is_some() { copies::size(saved) } else { saved };
+            if size < needed {
+                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+            }
+            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
+            let bytes = core::slice::from_raw_parts_mut(bytes, needed);
+            let saved = target.save(bytes)?;
+            Ok(copy.map_or(Ok(saved), |number| copies::seal(number, saved, bytes))?)
+        })
     }
 }
 
@@ -57,7 +58,12 @@ impl Known<'_> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut usize) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { ask(tracker, size, |tracker| Ok(tracker.known().most_saved_size())) })
+    status_of(unsafe {
+        ask(tracker, size, |tracker| match tracker.known() {
+            Known::Paper(_) => Ok(PAPER_SAVED_SIZE),
+            Known::Robust(_) => Ok(ROBUST_SAVED_SIZE),
+        })
+    })
 }
 
 /// Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with.
@@ -76,19 +82,8 @@ pub unsafe extern "C" fn smr_save(
     size: usize,
     written: *mut usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
-    status_of(unsafe {
-        ask(tracker, written, |tracker| {
-            pointer::check_bytes(bytes, size, &tracker.memory())?;
-            let target = tracker.known();
-            let needed = target.saved_size()?;
-            if size < needed {
-                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
-            }
-            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
-            target.save(core::slice::from_raw_parts_mut(bytes, needed))
-        })
-    })
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { save(tracker, None, bytes, size, written) })
 }
 
 /// One of two saved copies.
@@ -122,21 +117,8 @@ pub unsafe extern "C" fn smr_save_copy(
     size: usize,
     written: *mut usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
-    status_of(unsafe {
-        ask(tracker, written, |tracker| {
-            pointer::check_bytes(bytes, size, &tracker.memory())?;
-            let target = tracker.known();
-            let needed = copies::size(target.saved_size()?);
-            if size < needed {
-                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
-            }
-            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
-            let bytes = core::slice::from_raw_parts_mut(bytes, needed);
-            let saved = target.save(bytes)?;
-            Ok(copies::seal(number, saved, bytes)?)
-        })
-    })
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { save(tracker, Some(number), bytes, size, written) })
 }
 
 /// Finds the newer one of two copies. Write the next one in the other place, with the next number.
@@ -220,7 +202,7 @@ pub unsafe extern "C" fn smr_other_setting(
     status_of(unsafe {
         ask(tracker, name, |tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            match tracker.known().check_saved(core::slice::from_raw_parts(bytes, size)) {
+            match each!(tracker.known(), target => target.check_saved(core::slice::from_raw_parts(bytes, size))) {
                 Ok(()) => Ok(ptr::null()),
                 Err(RestoreError::OtherConfig(setting)) => Ok(setting.name_with_zero().as_ptr().cast()),
                 Err(error) => Err(error.into()),

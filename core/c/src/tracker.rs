@@ -45,6 +45,17 @@ pub(crate) enum Known<'a> {
     Robust(&'a mut Robust),
 }
 
+/// Evaluates `$result` with the target as `$of`, whichever it is.
+macro_rules! each {
+    ($known:expr, $of:ident => $result:expr) => {
+        match $known {
+            Known::Paper($of) => $result,
+            Known::Robust($of) => $result,
+        }
+    };
+}
+pub(crate) use each;
+
 /// The calls that follow a target, whatever its method.
 pub(crate) trait Tracked {
     /// For all other calls.

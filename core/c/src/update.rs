@@ -4,7 +4,7 @@ use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::Out;
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{Known, ask, borrow, smr_tracker, with_frame};
+use crate::tracker::{Known, ask, borrow, each, smr_tracker, with_frame};
 use smr_core::Target;
 
 /// Finds the target in the next frame.
@@ -141,9 +141,6 @@ pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: 
     // SAFETY: as the header demands of the caller.
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
         tracker.cancel();
-        match tracker.known() {
-            Known::Paper(target) => target.moved(right, down),
-            Known::Robust(target) => target.moved(right, down),
-        }
+        each!(tracker.known(), target => target.moved(right, down));
     }))
 }

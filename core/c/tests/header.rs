@@ -6,22 +6,18 @@ mod missing;
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
     ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame,
-    smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_rect, smr_robust_config, smr_state,
-    smr_status, smr_table,
+    smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config,
+    smr_saved_copy, smr_state, smr_status, smr_table,
 };
 use std::fmt::Write as _;
-use std::mem::offset_of;
 use std::path::Path;
 use std::process::Command;
 
-/// Lines of C that compile only if `$type` has the same size in C, and its fields the same offsets.
-macro_rules! layout {
-    ($type:ident { $($field:ident),* }) => {
-        [
-            claim(concat!("sizeof(", stringify!($type), ")"), size_of::<$type>()),
-            $(claim(concat!("offsetof(", stringify!($type), ", ", stringify!($field), ")"), offset_of!($type, $field)),)*
-        ]
-        .concat()
+/// Lines of C that compile only if each `$type` has the same size in C. Its fields are those of the header, which is made
+/// from them.
+macro_rules! sizes {
+    ($($type:ident),*) => {
+        [$(claim(concat!("sizeof(", stringify!($type), ")"), size_of::<$type>())),*].concat()
     };
 }
 
@@ -47,56 +43,26 @@ fn the_header_and_the_library_agree_on_every_size() {
     ] {
         source += &claim(name, size);
     }
-    source += &layout!(smr_status {});
-    source += &layout!(smr_state {});
-    source += &layout!(smr_table { entries });
-    source += &layout!(smr_fraction { numerator, denominator });
-    source += &layout!(smr_radius { x, y });
-    source += &layout!(smr_rect { x, y, width, height });
-    source += &layout!(smr_gate { tracking, leaving, returning, lost, lead, least_ratio });
-    source += &layout!(smr_margins { left, top, right, bottom });
-    source += &layout!(smr_paper_config {
-        table,
-        k,
-        first_threshold,
-        least_threshold,
-        padding,
-        window,
-        growth,
-        window_limit,
-        neighbourhood,
-        update_zone,
-        gate,
-        runner_up_always
-    });
-    source += &layout!(smr_robust_config {
-        reach,
-        size,
-        sweep,
-        refiner,
-        patience,
-        lost_below,
-        uncertain_below,
-        learning_rate,
-        early_rate
-    });
-    source += &layout!(smr_config { method, plain_loop, paper, robust });
-    source += &layout!(smr_fine_rect { x, y, width, height });
-    source += &layout!(smr_part { pixels, size, stride, width, height, x, y });
-    source += &layout!(smr_frame { width, height, parts });
-    source += &layout!(smr_answer {
-        bbox,
-        fine,
-        state,
-        scale,
-        confidence,
-        ratio,
-        runner_up_ratio,
-        alpha,
-        has_runner_up,
-        found_again
-    });
-    source += &layout!(smr_image { pixels, width, height });
+    source += &sizes!(
+        smr_status,
+        smr_state,
+        smr_table,
+        smr_fraction,
+        smr_radius,
+        smr_rect,
+        smr_gate,
+        smr_margins,
+        smr_paper_config,
+        smr_robust_config,
+        smr_config,
+        smr_fine_rect,
+        smr_part,
+        smr_frame,
+        smr_answer,
+        smr_image,
+        smr_saved_copy,
+        smr_readout
+    );
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 
     let folder = tempfile::tempdir().expect("a folder can be made");
