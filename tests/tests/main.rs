@@ -1,7 +1,6 @@
 //! What holds across the crates. One test program, so that all of its tests run side by side.
 
 mod conformance;
-mod micropython;
 #[path = "../missing.rs"]
 mod missing;
 mod mutants;
@@ -10,4 +9,3 @@ mod programs;
 mod pursuit;
 mod readme;
 mod readout;
-mod web;

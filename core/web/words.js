@@ -1,0 +1,25 @@
+// The texts of Rust's errors, by the name of the status. tests/api/tests/errors.rs writes them.
+
+export const WORDS = {
+  SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",
+  SMR_ERROR_SCALE_OUT_OF_RANGE: "the scale of the table must be 1 to 4096",
+  SMR_ERROR_ZERO_DENOMINATOR: "a fraction of the configuration has a denominator of 0",
+  SMR_ERROR_NOTHING_COUNTS: "k and the first threshold must be more than 0, or no pixel counts",
+  SMR_ERROR_LIMIT_BELOW_WINDOW: "the window's limit is smaller than the window",
+  SMR_ERROR_CONFIG_OUT_OF_RANGE: "a number of the configuration is outside its range",
+  SMR_ERROR_FRAME_EMPTY: "the image has no pixels: width and height must be at least 1",
+  SMR_ERROR_STRIDE_TOO_SMALL: "the stride is smaller than the width",
+  SMR_ERROR_FRAME_TOO_SHORT: "the slice is shorter than (height - 1) * stride + width bytes",
+  SMR_ERROR_BOX_EMPTY: "the box has no pixels: width and height must be at least 1",
+  SMR_ERROR_BOX_OUTSIDE_FRAME: "the box is not wholly inside the frame",
+  SMR_ERROR_BOX_TOO_LARGE: "the box has more pixels than this tracker's template has room for",
+  SMR_ERROR_WINDOW_TOO_LARGE: "the window can grow to more offsets on an axis than this tracker has room for",
+  SMR_ERROR_NOT_LOCKED: "there is no target yet: lock first",
+  SMR_ERROR_FRAME_SIZE_CHANGED: "the frame has another size than the one that was locked on",
+  SMR_ERROR_NOT_SAVED: "these are not the bytes of a saved target",
+  SMR_ERROR_OTHER_VERSION: "the target was saved by another version",
+  SMR_ERROR_TRUNCATED: "the saved target ends too early",
+  SMR_ERROR_DAMAGED: "the saved target is damaged: its checksum is wrong",
+  SMR_ERROR_OTHER_CONFIG: "the target was saved with another configuration: {} differs",
+  SMR_ERROR_SAVED_TOO_LARGE: "the saved target is too large for this tracker",
+};

@@ -1,0 +1,142 @@
+//! Every error of smr-core has a status in C, and its text in the languages that have no errors of Rust.
+//!
+//! The texts in `core/web/words.js` and `core/micropython/smr/words.h` are written from here:
+//! `SMR_RECORD=1 cargo test -p smr-api`.
+
+use smr::{STATUSES, smr_status};
+use smr_core::readout::ReadoutError;
+use smr_core::similarity::TableError;
+use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, Setting, UpdateError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
+use std::path::Path;
+
+/// What an error with a place for a number or a name is about here.
+const LINE: u16 = 54_321;
+const SETTING: Setting = Setting::EarlyRate;
+
+/// An error: its name, its status and its text.
+type Error = (&'static str, smr_status, String);
+
+fn error(name: &'static str, error: impl Display + Copy + Into<smr_status>) -> Error {
+    (name, error.into(), error.to_string())
+}
+
+/// All errors that a call from another language can end with.
+fn errors() -> Vec<Error> {
+    macro_rules! each {
+        ($($kind:ident { $($reason:ident $(($of:expr))?),+ })+) => {
+            vec![$($(error(concat!(stringify!($kind), "::", stringify!($reason)), $kind::$reason $(($of))?)),+),+]
+        };
+    }
+    each! {
+        TableError { ScaleOutOfRange }
+        ImageError { Empty, StrideTooSmall, SliceTooShort }
+        FrameError { OutsideFrame }
+        ReadoutError {
+            WindowOutsideFrame, BufferTooSmall, LineOutOfOrder(LINE), LineTooShort(LINE), LineOutsideFrame(LINE), LineMissing(LINE)
+        }
+        ConfigError { ZeroDenominator, NothingCounts, LimitBelowWindow, OutOfRange, RefinerNotBuiltIn }
+        LockError {
+            BoxEmpty, BoxOutsideFrame, BoxTooLarge, WindowTooLarge, LockWindowNotInMemory, FrameSizeChanged, NotBegun
+        }
+        UpdateError { NotLocked, FrameSizeChanged, WindowNotInMemory, NotBegun }
+        SaveError { NotLocked, BufferTooSmall }
+        RestoreError { NotSaved, OtherVersion, Truncated, Damaged, OtherTracker, OtherConfig(SETTING), TooLarge }
+    }
+}
+
+/// Errors that a language cannot cause, and why. It shows the name of their status.
+const NEVER: &[(&str, &[&str], &str)] = &[
+    ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
+    ("JavaScript", READOUT, "a browser gives frames, not lines"),
+    ("JavaScript", &["ReadoutError::WindowOutsideFrame", "ReadoutError::LineTooShort"], "the same"),
+    ("MicroPython", READOUT, "the module gives all lines in their order, and makes the memory"),
+    ("MicroPython", &["TableError::ScaleOutOfRange"], "no option is a table"),
+    ("MicroPython", &["ConfigError::ZeroDenominator"], "no option is a fraction"),
+    ("", &["FrameError::OutsideFrame", "LockError::LockWindowNotInMemory"], "the module cuts the windows"),
+    ("", &["UpdateError::WindowNotInMemory"], "the module cuts the windows"),
+    ("", &["LockError::FrameSizeChanged", "LockError::NotBegun", "UpdateError::NotBegun"], "there are no steps"),
+    ("", &["SaveError::BufferTooSmall"], "the module makes the memory"),
+];
+const READOUT: &[&str] = &[
+    "ReadoutError::BufferTooSmall",
+    "ReadoutError::LineOutOfOrder",
+    "ReadoutError::LineOutsideFrame",
+    "ReadoutError::LineMissing",
+];
+
+/// The errors in the list of smr-core's interface, but for those of `pursuit`, which is for Rust alone.
+fn listed(core: &str) -> BTreeSet<String> {
+    let paths = core.lines().filter_map(|line| line.strip_prefix("pub smr_core::")?.split(['(', ' ']).next());
+    let named = |path: &str| {
+        let mut parts = path.rsplit("::");
+        let (reason, kind) = (parts.next()?, parts.next()?);
+        kind.ends_with("Error").then(|| format!("{kind}::{reason}"))
+    };
+    paths.filter(|path| !path.starts_with("pursuit::")).filter_map(named).collect()
+}
+
+/// The texts of the errors that a language can cause, by the number of their status, with its name.
+fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
+    let is_never = |name: &str| NEVER.iter().any(|(of, names, _)| ["", language].contains(of) && names.contains(&name));
+    let mut words = BTreeMap::new();
+    for (name, status, text) in errors().into_iter().filter(|(name, ..)| !is_never(name)) {
+        let (_, constant, _) = STATUSES.iter().find(|(listed, ..)| *listed == status).expect("all are listed");
+        let before = words.insert(status as i32, (constant.trim_end_matches('\0'), text.clone()));
+        assert!(before.is_none_or(|(_, before)| before == text), "{language}: {name} has the status of another text");
+    }
+    words
+}
+
+/// A text as C and JavaScript write it, with these places for a setting and a number.
+fn quoted(text: &str, setting: &str, number: &str) -> String {
+    format!("\"{}\"", text.replace(SETTING.name(), setting).replace(&LINE.to_string(), number))
+}
+
+fn is_recorded(file: &str, now: &str) -> bool {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
+    if std::env::var_os("SMR_RECORD").is_some() {
+        std::fs::write(&path, now).expect("a file of the project");
+    }
+    std::fs::read_to_string(&path).is_ok_and(|before| before == now)
+}
+
+#[test]
+fn every_error_of_smr_core_has_a_status() {
+    let errors = errors();
+    let known = errors.iter().map(|(name, ..)| (*name).to_owned()).collect();
+    assert_eq!(listed(include_str!("../smr-core.txt")), known);
+    let unknown = errors.iter().filter(|(_, status, _)| *status == smr_status::SMR_ERROR_UNKNOWN);
+    assert_eq!(unknown.map(|(name, ..)| *name).collect::<Vec<_>>(), [""; 0]);
+    assert_eq!(listed("pub smr_core::new::NewError::Found(u16)"), ["NewError::Found".to_owned()].into());
+}
+
+#[test]
+fn javascript_has_the_words() {
+    let words = words("JavaScript").into_values();
+    let lines: String = words.map(|(status, text)| format!("  {status}: {},\n", quoted(&text, "{}", "{}"))).collect();
+    let now = format!(
+        "// The texts of Rust's errors, by the name of the status. tests/api/tests/errors.rs writes them.\n\n\
+         export const WORDS = {{\n{lines}}};\n"
+    );
+    assert!(is_recorded("core/web/words.js", &now), "core/web/words.js: SMR_RECORD=1 cargo test -p smr-api");
+}
+
+#[test]
+fn micropython_has_the_words() {
+    let mut words = words("MicroPython");
+    // Rust's formats are a type, so it has no words for this.
+    let formats = "the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10";
+    words.insert(smr_status::SMR_ERROR_FORMAT_UNKNOWN as i32, ("SMR_ERROR_FORMAT_UNKNOWN", formats.to_owned()));
+    let case = |(status, text): (&str, String)| {
+        format!("        case {status}: return MP_ERROR_TEXT({});\n", quoted(&text, "%s", "%d"))
+    };
+    let now = format!(
+        "// The texts of Rust's errors; NULL for a status that no call of the module can cause. tests/api/tests/errors.rs writes them.\n\
+         static mp_rom_error_text_t words(smr_status status) {{\n    switch (status) {{\n{}        default: return NULL;\n    }}\n}}\n",
+        words.into_values().map(case).collect::<String>()
+    );
+    let file = "core/micropython/smr/words.h";
+    assert!(is_recorded(file, &now), "{file}: SMR_RECORD=1 cargo test -p smr-api");
+}
