@@ -73,28 +73,18 @@ mod readout;
 #[cfg(feature = "unstable")]
 mod unstable;
 
-pub use answer::{smr_answer, smr_state};
-pub use capacity::{
-    ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
-    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
-};
-pub use config::{
-    smr_config, smr_fraction, smr_gate, smr_margins, smr_method, smr_paper_config, smr_radius, smr_robust_config,
-};
-pub use frame::{smr_fine_rect, smr_frame, smr_image, smr_part, smr_rect};
-pub use init::{smr_init, smr_target_size, smr_workspace_size};
-pub use inspect::{smr_alpha, smr_early_template, smr_last, smr_quality, smr_template};
-pub use lock::{smr_begin_lock, smr_finish_lock, smr_lock, smr_lock_window};
-pub use preset::{smr_config_camera, smr_config_paper, smr_config_refined, smr_config_robust};
-pub use readout::{
-    smr_format, smr_readout, smr_readout_add_window, smr_readout_begin, smr_readout_frame, smr_readout_line,
-    smr_readout_lines,
-};
-pub use saved::{
-    smr_newest_copy, smr_other_setting, smr_restore, smr_save, smr_save_copy, smr_saved_copy, smr_saved_size,
-};
-pub use status::{STATUSES, smr_status, smr_status_name};
-pub use table::{smr_table, smr_table_init};
-pub use tracker::smr_tracker;
-pub use update::{smr_begin, smr_finish, smr_moved, smr_step, smr_sweep_window, smr_update, smr_window};
-pub use version::{SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH, smr_version};
+pub use answer::*;
+pub use capacity::*;
+pub use config::*;
+pub use frame::*;
+pub use init::*;
+pub use inspect::*;
+pub use lock::*;
+pub use preset::*;
+pub use readout::*;
+pub use saved::*;
+pub use status::*;
+pub use table::*;
+pub use tracker::*;
+pub use update::*;
+pub use version::*;

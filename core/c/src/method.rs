@@ -110,24 +110,19 @@ impl<T: Method> Scratch<T> {
     }
 }
 
-const _: () = assert!(fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE));
 const _: () = assert!(
-    fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE)
-        || fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE - SIGNED_DIFFERENCES)
-);
-const _: () =
-    assert!(fits::<Stored<Robust>>(ROBUST_TARGET_SIZE) || fits::<Stored<Robust>>(ROBUST_TARGET_SIZE - REFINER));
-const _: () = assert!(
-    fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE)
-        || fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE - SIGNED_DIFFERENCES)
+    fits::<Stored<PaperTarget>>(PAPER_TARGET_SIZE, 0)
+        && fits::<Scratch<PaperTarget>>(PAPER_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
+        && fits::<Stored<Robust>>(ROBUST_TARGET_SIZE, REFINER)
+        && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
-/// True if memory of the `size` that the header states holds a `T`, with at most 64 bytes to spare.
-const fn fits<T>(size: usize) -> bool {
-    align_of::<T>() <= ALIGNMENT
-        && size_of::<T>() <= size
-        && size - size_of::<T>() <= 64
-        && size.is_multiple_of(ALIGNMENT)
+/// True if memory of the `size` that the header states holds a `T`, with or without what is `optional` in it, and at most
+/// 64 bytes to spare.
+const fn fits<T>(size: usize, optional: usize) -> bool {
+    let Some(spare) = size.checked_sub(size_of::<T>()) else { return false };
+    let aligned = align_of::<T>() <= ALIGNMENT && size.is_multiple_of(ALIGNMENT);
+    aligned && (spare <= 64 || optional <= spare && spare <= optional + 64)
 }
 
 /// Makes a tracker; see `smr_method::make`.

@@ -29,15 +29,11 @@ pub enum smr_format {
     SMR_GRAY10 = 6,
 }
 
-const FORMATS: [(smr_format, Format); 7] = [
-    (smr_format::SMR_GRAY8, Format::Gray8),
-    (smr_format::SMR_YUYV, Format::Yuyv),
-    (smr_format::SMR_UYVY, Format::Uyvy),
-    (smr_format::SMR_RGB565_BE, Format::Rgb565Be),
-    (smr_format::SMR_RGB565_LE, Format::Rgb565Le),
-    (smr_format::SMR_BAYER8, Format::Bayer8),
-    (smr_format::SMR_GRAY10, Format::Gray10),
-];
+// In the order of their numbers.
+const _: () = {
+    use Format::{Bayer8, Gray8, Gray10, Rgb565Be, Rgb565Le, Uyvy, Yuyv};
+    assert!(matches!(Format::ALL, [Gray8, Yuyv, Uyvy, Rgb565Be, Rgb565Le, Bayer8, Gray10]));
+};
 
 /// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
 ///
@@ -109,8 +105,8 @@ impl smr_readout {
     }
 
     fn format(&self) -> Result<Format, smr_status> {
-        let known = FORMATS.iter().find(|(number, _)| *number as i32 == self.format);
-        known.map(|(_, format)| *format).ok_or(SMR_ERROR_FORMAT_UNKNOWN)
+        let known = usize::try_from(self.format).ok().and_then(|number| Format::ALL.get(number));
+        known.copied().ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
     /// The lines, without the pixels, which another call may be writing.
