@@ -2,12 +2,12 @@
 
 use crate::answer;
 use crate::frame::Borrowed;
-use crate::options::{of_range, with};
+use crate::options::{Options, of_range, with};
 use crate::target::{Target, each, refused};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use smr_core::{Answer, Rect, State, Target as _, paper, robust};
+use smr_core::{Answer, ConfigError, Rect, State, Target as _, paper, robust};
 use smr_recordings::BoundingBox;
 use std::sync::{Mutex, MutexGuard};
 
@@ -58,8 +58,19 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 }
 
 impl Tracker {
-    fn new(target: Target, preset: &'static str) -> Self {
-        Self { target: Mutex::new(target), preset }
+    /// With the configuration of a preset, the first or the second one, and the options put in.
+    fn new<C: Options>(
+        presets: [(&'static str, C); 2],
+        name: &str,
+        options: Option<&Bound<'_, PyDict>>,
+        target: impl FnOnce(C) -> Result<Target, ConfigError>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let [(first, _), (second, _)] = presets;
+        let Some((preset, config)) = presets.into_iter().find(|(preset, _)| *preset == name) else {
+            return Err(PyValueError::new_err(format!("preset: expected '{first}' or '{second}', found '{name}'")));
+        };
+        let target = Mutex::new(of_range(target(with(config, options)?), options)?);
+        Ok(PyClassInitializer::from(Self { target, preset }))
     }
 
     /// Errors: another thread is using the tracker.
@@ -189,13 +200,8 @@ impl Paper {
     #[new]
     #[pyo3(signature = (preset = "camera", **options))]
     fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
-        let (preset, config) = match preset {
-            "camera" => ("camera", paper::Config::camera()),
-            "paper" => ("paper", paper::Config::paper()),
-            _ => return Err(PyValueError::new_err(format!("preset: expected 'camera' or 'paper', found '{preset}'"))),
-        };
-        let target = of_range(Target::paper(with(config, options)?), options)?;
-        Ok(PyClassInitializer::from(Tracker::new(target, preset)).add_subclass(Self))
+        let presets = [("camera", paper::Config::camera()), ("paper", paper::Config::paper())];
+        Ok(Tracker::new(presets, preset, options, Target::paper)?.add_subclass(Self))
     }
 }
 
@@ -204,14 +210,7 @@ impl Robust {
     #[new]
     #[pyo3(signature = (preset = "refined", **options))]
     fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
-        let (preset, config) = match preset {
-            "refined" => ("refined", robust::Config::refined()),
-            "robust" => ("robust", robust::Config::robust()),
-            _ => {
-                return Err(PyValueError::new_err(format!("preset: expected 'refined' or 'robust', found '{preset}'")));
-            }
-        };
-        let target = of_range(Target::robust(with(config, options)?), options)?;
-        Ok(PyClassInitializer::from(Tracker::new(target, preset)).add_subclass(Self))
+        let presets = [("refined", robust::Config::refined()), ("robust", robust::Config::robust())];
+        Ok(Tracker::new(presets, preset, options, Target::robust)?.add_subclass(Self))
     }
 }
