@@ -1,4 +1,4 @@
-//! Every language has the settings of both trackers and the states of smr-core. `errors.rs` is about its errors.
+//! Every language has the settings of both trackers, the states and the answer of smr-core. `errors.rs` is about its errors.
 //!
 //! What is in `smr-core.txt` and not in the files of a language fails here by name, unless [`OTHERWISE`] has the reason.
 
@@ -12,7 +12,7 @@ const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 const OPTIONS: &str = "host-sim/src/command/tracker_options.rs";
 
-/// Where a language names the settings of a tracker or the states: what it names, the language, the file, and what
+/// Where a language names the settings of a tracker, the parts of the answer or the states: what it names, the language, the file, and what
 /// stands before and after the names.
 const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("paper", "C", HEADER, &["struct smr_gate {", "struct smr_paper_config {", "struct smr_config {"], "\n}"),
@@ -29,6 +29,12 @@ const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("robust", "JavaScript", TYPES, &["interface RobustOptions {"], "\n}"),
     ("robust", "MicroPython", MODULE, &["options[] = {"], "\n}"),
     ("robust", "host-sim", OPTIONS, &["struct TrackerOptions {", "enum Part {"], "\n}"),
+    ("answer", "C", HEADER, &["struct smr_answer {"], "\n}"),
+    ("answer", "Python", "core/python/package/smr/_answer.py", &["class Answer("], "\nclass"),
+    ("answer", "JavaScript", "core/web/smr.js", &["  #answerOf({"], "\n  }"),
+    ("answer", "JavaScript", TYPES, &["interface Answer {"], "\n}"),
+    ("answer", "MicroPython", MODULE, &["mp_obj_t answer_of("], "\n}"),
+    ("answer", "host-sim", "host-sim/src/command/answer_line.rs", &["struct JsonLine<'a> {"], "\n}"),
     ("state", "C", HEADER, &["\nenum smr_state\n"], "\n}"),
     ("state", "Python", "core/python/package/smr/_answer.py", &["class State("], "\n\n\n"),
     ("state", "JavaScript", "core/web/smr.js", &["const State = "], "}"),
@@ -37,7 +43,7 @@ const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("state", "host-sim", "host-sim/evaluation/src/method.rs", &["fn name_of("], "\n}"),
 ];
 
-/// Settings that a language, a file or every other one ("") has by another name or not at all (""), and why.
+/// Names that a language, a file or every other one ("") spells otherwise or does not have (""), and why.
 const OTHERWISE: &[(&str, &[&str], &str, &str)] = &[
     ("", &["gate.least_ratio"], "least_ratio", "the name needs no gate to be understood"),
     ("", &["runner_up"], "runner_up_always", "with two values it is a switch"),
@@ -57,6 +63,11 @@ const OTHERWISE: &[(&str, &[&str], &str, &str)] = &[
     ("MicroPython", GATE, "", "each option takes flash, and the presets have values"),
     ("host-sim", GATE, "", "the presets have values"),
     ("host-sim", &["least_threshold"], "least_alpha", "the paper calls the threshold alpha"),
+    ("C", &["bbox"], "bbox", "its names are those of smr-core"),
+    ("", &["bbox"], "box", "box is a keyword in Rust alone"),
+    ("C", &["fine"], "fine", "its names are those of smr-core"),
+    ("host-sim", &["fine"], "fine", "a line of JSON is short"),
+    ("", &["fine"], "fine_box", "it says what it is"),
     ("host-sim", &["size"], "Size", "it is a part that --without leaves out"),
     ("host-sim", &["sweep"], "Sweep", "it is a part that --without leaves out"),
     ("host-sim", &["refiner"], "Refiner", "it is a part that --without leaves out"),
@@ -74,6 +85,7 @@ fn named(what: &str) -> Vec<String> {
     let name = |item: &str| item.split([':', ' ']).next().unwrap_or(item).to_owned();
     match what {
         "state" => items("State").map(name).collect(),
+        "answer" => items("Answer").map(name).collect(),
         "robust" => items("robust::Config").map(name).collect(),
         _ => {
             let own = items("paper::Config").map(name).filter(|field| field != "gate");
@@ -87,6 +99,7 @@ fn spelled(what: &str, language: &str, name: &str) -> String {
     let mut words = name.split(['.', '_']);
     match (what, language) {
         ("state", "C") => format!("SMR_{}", name.to_uppercase()),
+        ("answer", "MicroPython") => format!("MP_QSTR_{name}"),
         ("state", "host-sim") => name.to_lowercase(),
         ("state", _) => name.to_uppercase(),
         (_, "C") => name.rsplit('.').next().unwrap_or(name).to_owned(),
@@ -138,13 +151,13 @@ fn read(file: &str) -> String {
 }
 
 #[test]
-fn every_language_has_the_settings_and_states_of_smr_core() {
+fn every_language_has_what_smr_core_has() {
     assert_eq!(lacking(read), [""; 0]);
-    let [paper, robust, states] = ["paper", "robust", "state"].map(named);
-    assert!(!states.is_empty(), "smr-core.txt has states");
+    let [answer, paper, robust, states] = ["answer", "paper", "robust", "state"].map(named);
+    assert!(!answer.is_empty() && !states.is_empty(), "smr-core.txt has them");
     for name in OTHERWISE.iter().flat_map(|(_, names, ..)| *names) {
         let name = name.trim_start_matches("paper.").trim_start_matches("robust.");
-        assert!(paper.iter().chain(&robust).any(|known| known == name), "{name} is a setting");
+        assert!([&answer, &paper, &robust].iter().any(|known| known.contains(&name.to_owned())), "{name} is listed");
     }
 }
 
