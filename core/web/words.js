@@ -1,4 +1,4 @@
-// The texts of Rust's errors, by the name of the status. tests/api/tests/errors.rs writes them.
+// The texts of Rust's errors, by the name of the status. core/c/tests/errors.rs writes them.
 
 export const WORDS = {
   SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",

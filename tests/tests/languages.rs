@@ -1,11 +1,12 @@
-//! Every language has the settings of both trackers, the states and the answer of smr-core. `errors.rs` is about its errors.
+//! Every language has the settings of both trackers, the states and the answer of smr-core. `core/c/tests/errors.rs` has
+//! its errors.
 //!
 //! What is in `smr-core.txt` and not in the files of a language fails here by name, unless [`OTHERWISE`] has the reason.
 
 use std::fs;
 use std::path::Path;
 
-const CORE: &str = include_str!("../smr-core.txt");
+const CORE: &str = include_str!("../api/smr-core.txt");
 const HEADER: &str = "core/c/include/smr.h";
 const STUBS: &str = "core/python/package/smr/_smr.pyi";
 const TYPES: &str = "core/web/smr.d.ts";
@@ -146,7 +147,7 @@ fn lacking(read: impl Fn(&str) -> String) -> Vec<String> {
 }
 
 fn read(file: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     fs::read_to_string(root.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 

@@ -1,7 +1,7 @@
 //! Every error of smr-core has a status in C, and its text in the languages that have no errors of Rust.
 //!
 //! The texts in `core/web/words.js` and `core/micropython/smr/words.h` are written from here:
-//! `SMR_RECORD=1 cargo test -p smr-api`.
+//! `SMR_RECORD=1 cargo test -p smr-c`.
 
 use smr::{STATUSES, smr_status};
 use smr_core::readout::ReadoutError;
@@ -106,7 +106,7 @@ fn is_recorded(file: &str, now: &str) -> bool {
 fn every_error_of_smr_core_has_a_status() {
     let errors = errors();
     let known = errors.iter().map(|(name, ..)| (*name).to_owned()).collect();
-    assert_eq!(listed(include_str!("../smr-core.txt")), known);
+    assert_eq!(listed(include_str!("../../../tests/api/smr-core.txt")), known);
     let unknown = errors.iter().filter(|(_, status, _)| *status == smr_status::SMR_ERROR_UNKNOWN);
     assert_eq!(unknown.map(|(name, ..)| *name).collect::<Vec<_>>(), [""; 0]);
     assert_eq!(listed("pub smr_core::new::NewError::Found(u16)"), ["NewError::Found".to_owned()].into());
@@ -117,10 +117,10 @@ fn javascript_has_the_words() {
     let words = words("JavaScript").into_values();
     let lines: String = words.map(|(status, text)| format!("  {status}: {},\n", quoted(&text, "{}", "{}"))).collect();
     let now = format!(
-        "// The texts of Rust's errors, by the name of the status. tests/api/tests/errors.rs writes them.\n\n\
+        "// The texts of Rust's errors, by the name of the status. core/c/tests/errors.rs writes them.\n\n\
          export const WORDS = {{\n{lines}}};\n"
     );
-    assert!(is_recorded("core/web/words.js", &now), "core/web/words.js: SMR_RECORD=1 cargo test -p smr-api");
+    assert!(is_recorded("core/web/words.js", &now), "core/web/words.js: SMR_RECORD=1 cargo test -p smr-c");
 }
 
 #[test]
@@ -133,10 +133,10 @@ fn micropython_has_the_words() {
         format!("        case {status}: return MP_ERROR_TEXT({});\n", quoted(&text, "%s", "%d"))
     };
     let now = format!(
-        "// The texts of Rust's errors; NULL for a status that no call of the module can cause. tests/api/tests/errors.rs writes them.\n\
+        "// The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/errors.rs writes them.\n\
          static mp_rom_error_text_t words(smr_status status) {{\n    switch (status) {{\n{}        default: return NULL;\n    }}\n}}\n",
         words.into_values().map(case).collect::<String>()
     );
     let file = "core/micropython/smr/words.h";
-    assert!(is_recorded(file, &now), "{file}: SMR_RECORD=1 cargo test -p smr-api");
+    assert!(is_recorded(file, &now), "{file}: SMR_RECORD=1 cargo test -p smr-c");
 }
