@@ -161,10 +161,7 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
             last = inout(reg) to.wrapping_add(4 * width) => _,
             width = in(reg) WORD * width,
             count = inout(reg) width => _,
-            x = out(reg) _,
-            y = out(reg) _,
-            u = out(reg) _,
-            v = out(reg) _,
+            x = out(reg) _, y = out(reg) _, u = out(reg) _, v = out(reg) _,
             options(nostack),
         );
     }
@@ -213,10 +210,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
             count = inout(reg) width => _,
             mask = in(reg) -i32::from(first != second),
             again = inout(reg) 0 => _,
-            pairs = out(reg) _,
-            x = out(reg) _,
-            y = out(reg) _,
-            u = out(reg) _,
+            pairs = out(reg) _, x = out(reg) _, y = out(reg) _, u = out(reg) _,
             options(nostack),
         );
     }
@@ -242,8 +236,7 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
             lower = inout(reg) lower => _,
             to = inout(reg) to => _,
             count = inout(reg) width => _,
-            x = out(reg) _,
-            y = out(reg) _,
+            x = out(reg) _, y = out(reg) _,
             options(nostack),
         );
     }
@@ -429,12 +422,7 @@ macro_rules! slide {
                         inout("r11") count.wrapping_sub(LEAST) => _,
                         inout("r12") factors => _,
                         inout("lr") numbers => _,
-                        out("r1") _,
-                        out("r2") _,
-                        out("r3") _,
-                        out("r4") _,
-                        out("r9") _,
-                        out("r10") _,
+                        out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r9") _, out("r10") _,
                     );
                 }
                 $n

@@ -125,9 +125,7 @@ macro_rules! sums {
                     in("r5") self,
                     inout("r11") down => _,
                     out("r9") $nine,
-                    out("lr") _,
-                    out("q0") _,
-                    out("q1") _,
+                    out("lr") _, out("q0") _, out("q1") _,
                     apart = const APART,
                 );
             }
@@ -235,8 +233,7 @@ impl Rows {
                 in("r9") apart.wrapping_sub(span - 1),
                 inout("r11") 2 * (N.wrapping_sub(span - 1)) => g,
                 inout("lr") span => _,
-                out("q0") _,
-                out("q1") _,
+                out("q0") _, out("q1") _,
                 seven = const SEVEN,
             );
         }
@@ -293,10 +290,7 @@ impl Rows {
                 in("r9") 2 * N,
                 inout("r11") g,
                 inout("lr") span => _,
-                out("q0") _,
-                out("q1") _,
-                out("q2") _,
-                out("q3") _,
+                out("q0") _, out("q1") _, out("q2") _, out("q3") _,
                 seven = const SEVEN,
             );
         }
@@ -390,9 +384,7 @@ unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
             cells = inout(reg) cells => _,
             // A store that narrows takes only r0 to r7.
             inout("r0") to => _,
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
+            out("lr") _, out("q0") _, out("q1") _,
             options(nostack),
         );
     }
