@@ -6,25 +6,16 @@
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
 //!   filter of errors, at the offset of each weight.
 
+use crate::kernels::cells::CHANNELS;
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
-const STEP: usize = 10;
+const STEP: usize = CHANNELS;
 /// The most neighbouring sums that are computed at a time.
 const MOST: usize = 7;
-
-/// The weights in a row of the filter, if the filter of `weights` weights has whole cells, and enough cells lie under
-/// it at all offsets.
-fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
-    let Layout { row, stride, step, span } = layout;
-    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
-    let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-    let needed = (down + span - 2) * stride + row + (span - 1) * step;
-    (cells.len() >= needed).then_some(down)
-}
 
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
@@ -38,7 +29,7 @@ pub(crate) fn responses<const N: usize>(
 ) {
     let Layout { row, stride, step, span } = layout;
     let Some(down) =
-        fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
+        layout.fits(cells.len(), weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
     else {
         return plain::responses(parts, room, spare, cells, layout, weights, out);
     };
@@ -321,12 +312,10 @@ pub(crate) fn gather<const N: usize>(
     let room_for = |&down: &usize| {
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
-    let fitting = fits(cells, layout, sums.len()).filter(room_for);
+    let fitting = layout.fits(cells.len(), sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
-        // In the plain loop a part is a row of errors. The first part here replaces all of those.
-        let parts = if parts.start == 0 { 0..span } else { 0..0 };
-        return plain::gather(parts, room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
