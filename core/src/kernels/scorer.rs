@@ -225,8 +225,8 @@ impl<'a> Scorer<'a> {
                     verify::score_between(bound, (low, high, template), self.plain.table, floor);
                 }
             }
-            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
-            _ => verify::bound_of_spans(bound, blocks, template, self.plain.table, floor),
+            Ready::Swar(_) => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_widened),
+            _ => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_span),
         }
         bound
     }
