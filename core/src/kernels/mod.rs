@@ -127,6 +127,7 @@ mod tests {
     #[cfg(feature = "refiner")]
     mod dense;
     mod guard;
+    mod noise;
     mod products;
     mod scores;
     pub(super) mod table;
