@@ -1,5 +1,8 @@
 //! The layout of a filter's weights on the bytes of cells, and scratch memory for sums of products.
 
+use super::cells::CHANNELS;
+use core::ops::Range;
+
 /// Length of [`Packed`] in numbers: two for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
 
@@ -35,6 +38,25 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
+    /// The rows of a filter of `weights` weights, if it has whole rows of whole cells, and at each offset lies wholly on
+    /// the `cells` bytes of cells.
+    #[cfg_attr(smr_small, inline(never))]
+    #[allow(dead_code)] // for backends that do not check each access
+    pub(crate) fn fits(self, cells: usize, weights: usize) -> Option<usize> {
+        let Self { row, stride, step, span } = self;
+        let whole = step == CHANNELS && row > 0 && row.is_multiple_of(step) && weights.is_multiple_of(row) && span > 0;
+        let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
+        let needed = (down + span - 2) * stride + row + (span - 1) * step;
+        (cells >= needed).then_some(down)
+    }
+
+    /// The parts of the plain loop that replace these parts of another loop: all of them for the first part, none for
+    /// the others.
+    #[allow(dead_code)] // for backends whose parts are not rows of offsets
+    pub(crate) fn whole(self, parts: Range<usize>) -> Range<usize> {
+        if parts.start == 0 { 0..self.span } else { 0..0 }
+    }
+
     /// Rows of cells that lie under a filter of `weights` weights at some offset.
     #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {

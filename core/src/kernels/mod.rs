@@ -36,8 +36,8 @@
 //! not do faster. The other loops follow the set that the program is compiled for: `native`.
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
-//! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly. Both instruction
-//! sets there share the bounds of `arm/bounds.rs` and `arm/points.rs`. `effort.rs` decides how often a bound is worth
+//! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
+//! says once what both instruction sets there do with those of scores. `effort.rs` decides how often a bound is worth
 //! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
 //! loops small. `verify/` compares the other loops with the plain ones, in every call (unit tests, and
 //! feature `verify`).
@@ -127,6 +127,7 @@ mod tests {
     #[cfg(feature = "refiner")]
     mod dense;
     mod guard;
+    mod noise;
     mod products;
     mod scores;
     pub(super) mod table;

@@ -3,9 +3,11 @@
 #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
 use super::aarch64::neon::scores as neon;
 #[cfg(smr_dsp)]
-use super::arm::dsp::scores as dsp;
+use super::arm::dsp::scores::Dsp;
 #[cfg(smr_helium)]
-use super::arm::helium::scores as helium;
+use super::arm::helium::scores::Helium;
+#[cfg(any(smr_dsp, smr_helium))]
+use super::arm::scores::Kernels;
 use super::backend::{Backend, by_backend};
 use super::blocks::{Blocks, RowsOfRanges};
 use super::cut_table::CutTable;
@@ -57,9 +59,9 @@ enum Ready<'a> {
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(smr_dsp)]
-    Dsp(dsp::Dsp<'a>),
+    Dsp(Kernels<'a, Dsp>),
     #[cfg(smr_helium)]
-    Helium(helium::Helium<'a>),
+    Helium(Kernels<'a, Helium>),
     #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
     Neon(neon::Lookup),
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -80,9 +82,9 @@ impl<'a> Scorer<'a> {
             #[cfg(target_arch = "x86_64")]
             Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
             #[cfg(smr_dsp)]
-            Backend::Dsp => Ready::Dsp(dsp::Dsp::new(table)),
+            Backend::Dsp => Ready::Dsp(Kernels::new(table)),
             #[cfg(smr_helium)]
-            Backend::Helium => Ready::Helium(helium::Helium::new(table)),
+            Backend::Helium => Ready::Helium(Kernels::new(table)),
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -223,8 +225,8 @@ impl<'a> Scorer<'a> {
                     verify::score_between(bound, (low, high, template), self.plain.table, floor);
                 }
             }
-            Ready::Swar(_) => verify::bound_of_widened(bound, blocks, template, self.plain.table, floor),
-            _ => verify::bound_of_spans(bound, blocks, template, self.plain.table, floor),
+            Ready::Swar(_) => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_widened),
+            _ => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_span),
         }
         bound
     }

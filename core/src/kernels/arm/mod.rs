@@ -1,8 +1,8 @@
-//! The instruction sets of Arm's microcontrollers, and the bounds that both share.
+//! The instruction sets of Arm's microcontrollers, and the scores that both share.
 
-mod bounds;
 #[cfg(smr_dsp)]
 pub(crate) mod dsp;
 #[cfg(smr_helium)]
 pub(crate) mod helium;
 pub(crate) mod points;
+pub(crate) mod scores;

@@ -5,6 +5,7 @@
 //! few points is excluded without a lookup in a table.
 
 use crate::kernels::one::ONE;
+use crate::kernels::rows::Rows;
 use crate::kernels::unrolling::rolled;
 
 /// The bound that points give for the scores by a table that is cut off at a threshold.
@@ -48,6 +49,22 @@ impl Points {
         let lost = (pixels * u32::from(ONE)).saturating_sub(floor);
         let lacking = lost / chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
+    }
+
+    /// What a loop over the rows begins with: for each of the `wanted` of four offsets the most points that the rows
+    /// can give, less those needed. The loop subtracts the points that pixels lack. The offset is excluded once this is
+    /// negative; for the other offsets it is.
+    #[inline(always)]
+    pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
+        let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
+        [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start })
+    }
+
+    /// The points of a row of equal pixels.
+    #[inline(always)]
+    pub(super) fn of_row(rows: &Rows) -> u32 {
+        #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
+        u32::from(Self::MOST).wrapping_mul(rows.width as u32)
     }
 }
 

@@ -39,19 +39,6 @@ macro_rules! for_each_channel {
     })*};
 }
 
-/// True if the filter of `weights` weights has whole rows of whole cells, and at every offset lies wholly on the
-/// `cells` bytes of cells.
-fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
-    let Layout { row, stride, step, span } = layout;
-    let (Some(down), Some(most)) = (weights.checked_div(row), span.checked_sub(1)) else { return false };
-    let last_row = (most + down).saturating_sub(1);
-    let width = most.checked_mul(step).and_then(|x| x.checked_add(row));
-    let end = last_row.checked_mul(stride).zip(width).and_then(|(y, x)| y.checked_add(x));
-    let has_room = width.is_some_and(|width| width <= size_of::<Packed>());
-    let is_whole = step == STEP && row.is_multiple_of(STEP) && weights.is_multiple_of(row);
-    is_whole && has_room && end.is_some_and(|end| end <= cells)
-}
-
 /// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
 pub(crate) fn responses<const N: usize>(
     parts: Range<usize>,
@@ -63,15 +50,15 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, step, span } = layout;
-    let down = weights.len().checked_div(row).unwrap_or(0);
+    let down = layout.fits(cells.len(), weights.len()).unwrap_or(0);
     let (pairs, width) = (Pairs::new(layout, down), span.saturating_sub(1) * step + row);
     let has_room = size_of::<u16>() * width <= PACKED && pairs.both() * N <= PACKED / 4;
-    let fits = fits(cells.len(), layout, weights.len()) && span > 1 && span <= N && has_room;
+    let fits = down > 0 && span > 1 && span <= N && has_room;
     let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
     // SAFETY: a word may hold any two numbers.
     let spare = unsafe { spare.align_to_mut::<i16>().1 };
     let (true, Some(factors)) = (fits, spare.get_mut(..totals.len() * row)) else {
-        return plain::responses(whole_of(parts, span), room, &mut [], cells, layout, weights, out);
+        return plain::responses(layout.whole(parts), room, &mut [], cells, layout, weights, out);
     };
     if parts.start == 0 {
         let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
@@ -211,10 +198,11 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, step, span } = layout;
-    if !fits(cells.len(), layout, sums.len()) || span < 4 || span > N || errors.len() < span {
-        return plain::gather(whole_of(parts, span), room, spare, cells, layout, errors, sums);
+    let width = span.saturating_sub(1) * step + row;
+    let has_room = width <= size_of::<Packed>() && span <= N && errors.len() >= span;
+    if layout.fits(cells.len(), sums.len()).is_none() || span < 4 || !has_room {
+        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
     }
-    let width = (span - 1) * step + row;
     for number in 2 * parts.start..layout.rows(sums.len()).min(2 * parts.end) {
         let Some(of_row) = cells.get(number * stride..number * stride + width) else { return };
         let biased = room.0.as_mut_ptr().cast::<u8>();
@@ -248,11 +236,6 @@ pub(crate) fn gather<const N: usize>(
             }
         }
     }
-}
-
-/// The parts of the plain loop that replace these parts: all of them for the first part, none for the others.
-fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
-    if parts.start == 0 { 0..span } else { 0..0 }
 }
 
 /// Adds the products of `COUNT` neighbouring errors with their cells to each sum, and subtracts `bias`.

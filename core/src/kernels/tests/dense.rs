@@ -2,6 +2,7 @@
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
+use super::noise::noise;
 use crate::kernels::backend::Backend;
 use crate::kernels::dense::{Dense, SPARE};
 use crate::kernels::plain::dense::Layer;
@@ -9,31 +10,6 @@ use std::vec::Vec;
 
 /// Patches, inputs and outputs: those of the refiner.
 const LAYERS: [(usize, usize, usize); 5] = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24)];
-
-/// Numbers from `least` to `most` that look random, the same in every run.
-fn noise(count: usize, seed: u32, least: i32, most: i32) -> impl Iterator<Item = i32> {
-    let mut state = seed | 1;
-    let next = move || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        least + ((state >> 1) % (most - least + 1).cast_unsigned()).cast_signed()
-    };
-    core::iter::repeat_with(next).take(count)
-}
-
-fn small(number: i32) -> i8 {
-    i8::try_from(number).unwrap()
-}
-
-/// Copies numbers next to a forbidden page.
-fn guarded<'a>(memory: &'a mut Guarded, numbers: &[i8], side: Side) -> &'a [i8] {
-    let bytes: Vec<u8> = numbers.iter().map(|number| number.cast_unsigned()).collect();
-    let bytes = memory.copy(&bytes, side);
-    // The bytes are read as numbers with a sign.
-    // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
-    unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
-}
 
 /// The formula of `plain/dense.rs`.
 fn expected(layer: Layer<'_>, patches: &[i8]) -> Vec<i8> {
@@ -57,8 +33,8 @@ fn same(backend: Backend, layer: Layer<'_>, patches: &[i8]) {
     // The scratch memory begins at any place, or there is none.
     let mut spare = std::vec![77; SPARE + 1];
     for (side, room) in [(Side::After, 0..SPARE), (Side::Before, 1..SPARE + 1), (Side::After, 0..0)] {
-        let weights = guarded(for_weights, layer.weights, side);
-        let near = guarded(for_patches, patches, side);
+        let weights = for_weights.copy_signed(layer.weights, side);
+        let near = for_patches.copy_signed(patches, side);
         let mut out = std::vec![55; count * layer.biases.len()];
         Dense::new(backend).outputs(Layer { weights, ..layer }, near, &mut spare[room], &mut out);
         assert_eq!(
@@ -73,16 +49,16 @@ fn same(backend: Backend, layer: Layer<'_>, patches: &[i8]) {
 }
 
 fn shape(backend: Backend, (patches, inputs, outputs): (usize, usize, usize)) {
-    let biases: Vec<[u8; 4]> = noise(outputs, 3, -200_000, 200_000).map(i32::to_le_bytes).collect();
-    let weights: Vec<i8> = noise(inputs * outputs, 5, -127, 127).map(small).collect();
-    let numbers: Vec<i8> = noise(patches * inputs, 7, 0, 127).map(small).collect();
+    let biases: Vec<[u8; 4]> = noise(outputs, 3, 200_000).map(i32::to_le_bytes).collect();
+    let weights: Vec<i8> = noise(inputs * outputs, 5, 127).collect();
+    let numbers: Vec<i8> = noise(patches * inputs, 7, 127).map(i8::abs).collect();
     for shift in [0, 7, 11, 14, 20] {
         same(backend, Layer { inputs, weights: &weights, biases: &biases, shift }, &numbers);
     }
     // The largest possible sums.
-    for sign in [1, -1] {
-        let weights = std::vec![127 * small(sign); inputs * outputs];
-        let biases = std::vec![(sign << 27).to_le_bytes(); outputs];
+    for sign in [1i8, -1] {
+        let weights = std::vec![127 * sign; inputs * outputs];
+        let biases = std::vec![(i32::from(sign) << 27).to_le_bytes(); outputs];
         for shift in [0, 20, 21, 22] {
             same(
                 backend,
@@ -112,7 +88,7 @@ fn wrong_lengths(backend: Backend) {
     let mut memory = Guarded::with_room(64);
     for (inputs, weights, patches) in [(16, 31, 32), (16, 32, 33), (16, 0, 16), (0, 32, 32), (15, 30, 30), (16, 32, 0)]
     {
-        let weights = guarded(&mut memory, &numbers[..weights], Side::After);
+        let weights = memory.copy_signed(&numbers[..weights], Side::After);
         let layer = Layer { inputs, weights, biases: &[[1, 0, 0, 0]; 2], shift: 11 };
         let (mut given, mut wanted) = ([9; 7], [9; 7]);
         Dense::new(backend).outputs(layer, &numbers[..patches], &mut [0; SPARE], &mut given);

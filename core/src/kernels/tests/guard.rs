@@ -82,4 +82,12 @@ impl Guarded {
         slice.copy_from_slice(bytes);
         slice
     }
+
+    /// The same for numbers with a sign.
+    pub(super) fn copy_signed(&mut self, numbers: &[i8], side: Side) -> &[i8] {
+        let slice = self.slice(numbers.len(), side);
+        slice.iter_mut().zip(numbers).for_each(|(to, number)| *to = number.cast_unsigned());
+        // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
+        unsafe { core::slice::from_raw_parts(slice.as_ptr().cast(), slice.len()) }
+    }
 }

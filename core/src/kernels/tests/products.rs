@@ -2,40 +2,16 @@
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
+use super::noise::noise;
 use crate::kernels::backend::Backend;
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products::{gather, responses};
 use crate::kernels::products::Products;
 use std::vec::Vec;
 
-/// Numbers that look random, the same in every run.
-fn noise(count: usize, seed: u32, most: u32) -> impl Iterator<Item = i32> {
-    let mut state = seed | 1;
-    let next = move || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        ((state >> 8) % (2 * most + 1)).cast_signed() - most.cast_signed()
-    };
-    core::iter::repeat_with(next).take(count)
-}
-
-fn small(number: i32) -> i16 {
-    i16::try_from(number).unwrap()
-}
-
-/// Cells next to a forbidden page.
-fn guarded(memory: &mut Guarded, count: usize, side: Side, seed: u32) -> &[i8] {
-    let bytes: Vec<u8> = noise(count, seed, 127).map(|cell| i8::try_from(cell).unwrap().cast_unsigned()).collect();
-    let bytes = memory.copy(&bytes, side);
-    // The bytes are read as numbers with a sign.
-    // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
-    unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
-}
-
 fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize) {
     let products = Products::new(backend);
-    let weights: Vec<i16> = noise(layout.row * down, 5, 8191).map(small).collect();
+    let weights: Vec<i16> = noise(layout.row * down, 5, 8191).collect();
     let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
     let (mut room, mut spare) = (Packed::new(), [0; 2000]);
     for part in 0..products.parts(layout, weights.len()) {
@@ -46,7 +22,7 @@ fn same<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
         assert_eq!(given[..layout.span], expected[..layout.span], "{backend:?}: {layout:?}, {down} rows");
     }
     let mut errors = [[0; N]; N];
-    errors.as_flattened_mut().iter_mut().zip(noise(N * N, 9, 16_383)).for_each(|(to, from)| *to = small(from));
+    errors.as_flattened_mut().iter_mut().zip(noise(N * N, 9, 16_383)).for_each(|(to, from)| *to = from);
     let mut sums: Vec<i32> = noise(layout.row * down, 3, 9000).collect();
     let mut wanted = sums.clone();
     for part in 0..products.gather_parts(layout, sums.len()) {
@@ -64,7 +40,7 @@ fn all_shapes(backend: Backend) {
             let layout = Layout { row: across * 10, stride: (across + span - 1) * 10, step: 10, span };
             let count = layout.stride * (down + span - 1);
             for side in [Side::After, Side::Before] {
-                let cells = guarded(&mut memory, count, side, 77);
+                let cells = memory.copy_signed(&noise(count, 77, 127).collect::<Vec<_>>(), side);
                 if span <= 13 {
                     same::<13>(backend, cells, layout, down);
                 }
@@ -80,7 +56,8 @@ fn odd_shapes(backend: Backend) {
     for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]
     {
         let layout = Layout { row, stride, step, span: 5 };
-        let cells = guarded(&mut memory, (stride * 9).saturating_sub(cut), Side::After, 3);
+        let cells: Vec<i8> = noise((stride * 9).saturating_sub(cut), 3, 127).collect();
+        let cells = memory.copy_signed(&cells, Side::After);
         same::<13>(backend, cells, layout, 5);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::backends::for_each_backend;
 use super::guard::{Guarded, Side};
+use super::noise::noise as numbers;
 use super::table::{cut, similarity};
 use crate::image::{Image, Rect};
 use crate::kernels::backend::Backend;
@@ -9,7 +10,6 @@ use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::scorer::Scorer;
 use crate::kernels::scores::ALL_FOUR;
-use std::boxed::Box;
 use std::vec::Vec;
 
 /// The largest side of a picture: all sizes up to this are tried. Miri is thousands of times slower, so there it is a
@@ -20,19 +20,12 @@ const EDGE: u16 = if cfg!(miri) { 18 } else { 70 };
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
 /// Bytes that look random, the same in every run.
-fn noise(length: usize, seed: u32) -> Box<[u8]> {
-    let mut state = seed | 1;
-    let next = || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        (state >> 24) as u8
-    };
-    core::iter::repeat_with(next).take(length).collect()
+fn noise(length: usize, seed: u32) -> Vec<u8> {
+    numbers(length, seed, 1 << 20).map(|number: i32| number as u8).collect()
 }
 
 /// A template for `patch`. It is close to the patch, so that differences lie on both sides of any threshold.
-fn close_to(patch: &[u8], seed: u32) -> Box<[u8]> {
+fn close_to(patch: &[u8], seed: u32) -> Vec<u8> {
     let noise = noise(patch.len(), seed);
     patch.iter().zip(&noise).map(|(&pixel, &noise)| pixel.wrapping_add(noise % 80)).collect()
 }

@@ -4,8 +4,8 @@
 use super::super::blocks::{Blocks, RowsOfRanges};
 use super::super::cut_table::CutTable;
 use super::super::plain::scores as plain;
-use crate::image::Image;
-use crate::image::Rect;
+use crate::image::{Image, Rect};
+use core::slice;
 
 /// Checks a score of at least `floor`.
 #[track_caller]
@@ -60,32 +60,15 @@ pub(crate) fn candidates(answer: u8, (patch, template): (Image<'_>, Image<'_>), 
 /// Checks ranges.
 #[track_caller]
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
-    for (column, answer) in low.iter().zip(high).enumerate() {
-        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
-        if block.iter().any(|row| row.is_empty()) {
-            return;
-        }
-        let (mut low, mut high) = ([0], [0]);
-        plain::spread(&block, &mut low, &mut high);
-        assert_eq!((&low[0], &high[0]), answer, "range of column {column}, expected and given");
-    }
+    ranges(rows, low, high, |lowest, highest| (lowest, highest));
 }
 
 /// Checks the ranges of `swar/scores.rs`.
 #[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
 pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
-    let half = |level: u8| u16::from(level / 2).saturating_sub(table.threshold() / 2);
-    for (column, (&least, &most)) in low.iter().zip(high).enumerate() {
-        let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
-        if block.iter().any(|row| row.is_empty()) {
-            return;
-        }
-        let (mut low, mut high) = ([0], [0]);
-        plain::spread(&block, &mut low, &mut high);
-        let expected = (half(low[0]), half(u8::MAX - high[0]));
-        assert_eq!(expected, (least.into(), most.into()), "range of column {column}, expected and given");
-    }
+    let half = |level: u8| (level / 2).saturating_sub(u8::try_from(table.threshold() / 2).unwrap_or(u8::MAX));
+    ranges(rows, low, high, |lowest, highest| (half(lowest), half(u8::MAX - highest)));
 }
 
 /// Checks the ranges of `generic.rs`.
@@ -93,16 +76,23 @@ pub(crate) fn widened_ranges(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], hi
 #[track_caller]
 pub(crate) fn spans(rows: &[&[u8]; 4], table: &CutTable, low: &[u8], high: &[u8]) {
     let last = u8::try_from(table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
-    for (column, (&least, &span)) in low.iter().zip(high).enumerate() {
+    ranges(rows, low, high, |lowest, highest| {
+        let (low, high) = (lowest.saturating_sub(last), highest.saturating_add(last));
+        (low.wrapping_sub(128), (high - low).wrapping_sub(128))
+    });
+}
+
+/// Checks what is stored for each block. `stored` makes it of the lowest and the highest pixel.
+#[track_caller]
+fn ranges(rows: &[&[u8]; 4], low: &[u8], high: &[u8], stored: impl Fn(u8, u8) -> (u8, u8)) {
+    for (column, (&low, &high)) in low.iter().zip(high).enumerate() {
         let block = rows.map(|row| row.get(column..column + 4).unwrap_or_default());
         if block.iter().any(|row| row.is_empty()) {
             return;
         }
-        let (mut low, mut high) = ([0], [0]);
-        plain::spread(&block, &mut low, &mut high);
-        let (low, high) = (low[0].saturating_sub(last), high[0].saturating_add(last));
-        let given = (least.wrapping_add(128), span.wrapping_add(128));
-        assert_eq!((low, high - low), given, "range of column {column}, expected and given");
+        let (mut lowest, mut highest) = (0, 0);
+        plain::spread(&block, slice::from_mut(&mut lowest), slice::from_mut(&mut highest));
+        assert_eq!(stored(lowest, highest), (low, high), "range of column {column}, expected and given");
     }
 }
 
@@ -117,44 +107,27 @@ pub(crate) fn rows_of_spans(pixels: Image<'_>, step: usize, table: &CutTable, to
     }
 }
 
-/// Checks a bound by the ranges of `generic.rs`: at least the number of pixels within them.
+/// True if a pixel counts in a range of `generic.rs`.
 #[cfg(not(any(smr_dsp, smr_helium)))]
-#[track_caller]
-pub(crate) fn bound_of_spans(
-    answer: Option<u32>,
-    blocks: &Blocks<'_>,
-    template: Image<'_>,
-    table: &CutTable,
-    floor: u32,
-) {
-    let counts = |low: u8, span: u8, g: u8| g.wrapping_sub(low.wrapping_add(128)) <= span.wrapping_add(128);
-    bound_of_pixels(answer, blocks, template, table, floor, counts);
+pub(crate) fn is_in_span(low: u8, span: u8, g: u8) -> bool {
+    g.wrapping_sub(low.wrapping_add(128)) <= span.wrapping_add(128)
 }
 
-/// Checks a bound by the ranges of `swar/scores.rs`: at least the number of pixels within them.
+/// True if a pixel counts in a range of `swar/scores.rs`.
 #[cfg(not(any(smr_dsp, smr_helium)))]
-#[track_caller]
-pub(crate) fn bound_of_widened(
-    answer: Option<u32>,
-    blocks: &Blocks<'_>,
-    template: Image<'_>,
-    table: &CutTable,
-    floor: u32,
-) {
-    let counts = |low: u8, high: u8, g: u8| low <= g / 2 && high <= (u8::MAX - g) / 2;
-    bound_of_pixels(answer, blocks, template, table, floor, counts);
+pub(crate) fn is_in_widened(low: u8, high: u8, g: u8) -> bool {
+    low <= g / 2 && high <= (u8::MAX - g) / 2
 }
 
-/// Checks a bound: at least the number of pixels of the template that count in the ranges.
+/// Checks a bound: at least the number of pixels of the template that count in their ranges.
 #[cfg(not(any(smr_dsp, smr_helium)))]
 #[track_caller]
-fn bound_of_pixels(
+pub(crate) fn bound(
     answer: Option<u32>,
-    blocks: &Blocks<'_>,
-    template: Image<'_>,
+    (blocks, template): (&Blocks<'_>, Image<'_>),
     table: &CutTable,
     floor: u32,
-    counts: impl Fn(u8, u8, u8) -> bool,
+    counts: fn(u8, u8, u8) -> bool,
 ) {
     let Some((low, high)) = blocks.pictures(template) else { return };
     let rows = low.rows().zip(high.rows()).zip(template.rows());

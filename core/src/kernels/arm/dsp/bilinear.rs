@@ -49,8 +49,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: 
             count = inout(reg) count => _,
             row = in(reg) row.as_ptr(),
             half = in(reg) (1 << 23) + (1 << 15),
-            pair = out(reg) _,
-            part = out(reg) _,
+            pair = out(reg) _, part = out(reg) _,
             options(nostack),
         );
     }

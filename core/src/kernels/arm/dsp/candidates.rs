@@ -14,21 +14,14 @@
 //! table and four additions.
 
 use super::super::points::{OFFSETS, Points};
-use super::words::{LANES, in_lanes};
+use super::words::{LANES, Row, in_lanes, words};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The numbers that the loop over rows reads from memory. The assembly knows their offsets.
+/// The numbers that the loop reads from memory. The assembly knows their offsets.
 #[repr(C)]
-struct Row {
-    f_stride: usize,
-    g_stride: usize,
-    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
-    last: usize,
-    /// 255 in each byte of that word that belongs to an earlier column, so that the column does not get points again.
-    earlier: u32,
-    /// The address where the rows of the template end.
-    end: *const u8,
+struct Memory {
+    row: Row,
     /// Bytes in the whole words of a row.
     words: usize,
     /// The points of a row of equal pixels.
@@ -51,30 +44,18 @@ macro_rules! add {
     };
 }
 
-/// For each of the `wanted` of four offsets a number that is negative only if the offset has fewer than `needed`
-/// points. For the other offsets it is negative.
+/// See [`Loops::SPARE`](super::super::scores::Loops::SPARE).
 ///
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    let left = pair.width % LANES;
-    let words = pair.width - left;
-    #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
-    let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
-    let row = Row {
-        f_stride: pair.patch_stride.wrapping_sub(words),
-        g_stride: pair.template_stride.wrapping_sub(words),
-        last: if left == 0 { 0 } else { pair.width - LANES },
-        earlier: u32::MAX >> (8 * left),
-        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
-        words,
-        full,
-    };
-    // The points so far, plus the most that the rows left can give, less those needed. The offset is excluded once this
-    // is negative.
-    let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
-    let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
+    // Instead of a number of bits: 255 in each byte of the last word that belongs to an earlier column, so that the
+    // column does not get points again.
+    let mut row = Row::of(pair);
+    row.none = u32::MAX >> (8 * (pair.width % LANES));
+    let memory = Memory { row, words: words(pair), full: Points::of_row(pair) };
+    let mut spare = Points::spare(pair, needed, wanted);
     let [a, b, c, d] = &mut spare;
     // SAFETY: only words within a row are read, in the patch up to three columns further. The stack pointer is restored
     // at the end; only the stack is written.
@@ -132,12 +113,11 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             "bne 2b",
             "5:",
             "add sp, sp, #4",
-            x = inout(reg) &raw const row => _,
+            x = inout(reg) &raw const memory => _,
             y = out(reg) _,
             f = inout(reg) pair.patch => _,
             g = inout(reg) pair.template => _,
-            w = out(reg) _,
-            end = out(reg) _,
+            w = out(reg) _, end = out(reg) _,
             largest = in(reg) in_lanes(points.largest),
             most = in(reg) in_lanes(Points::MOST),
             a = inout(reg) *a,

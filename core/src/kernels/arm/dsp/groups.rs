@@ -6,25 +6,17 @@
 //! `usub8` (the distance above the lower end, modulo 256), `usub8` (sets a flag where that is at most the length),
 //! `sel` and `usada8`, which adds one for each pixel outside.
 
-use super::words::LANES;
+use super::words::{Row, entry, words};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The numbers that the loop over rows reads from memory. The assembly knows their offsets.
+/// The numbers that the loop reads from memory. The assembly knows their offsets.
 #[repr(C)]
-struct Row {
-    /// Bytes from the end of the whole words of a row to the next row.
-    low_stride: usize,
-    g_stride: usize,
-    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
-    last: usize,
-    /// The number of low bits of that word that belong to earlier columns.
-    none: usize,
-    /// The address where the rows of the template end.
-    end: *const u8,
+struct Memory {
+    row: Row,
     /// Bytes in the whole words of a row.
     words: usize,
-    /// The place in the code where the first words of a row are taken.
+    /// See [`entry`].
     entry: usize,
 }
 
@@ -44,29 +36,17 @@ macro_rules! add_word {
     };
 }
 
-/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its
-/// upper bound. Stops once the number exceeds `allowed`.
+/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
 ///
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.
 #[inline(never)]
 pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
-    let left = pair.width % LANES;
-    let words = pair.width - left;
-    let mut row = Row {
-        low_stride: pair.patch_stride.wrapping_sub(words),
-        g_stride: pair.template_stride.wrapping_sub(words),
-        last: if left == 0 { 0 } else { pair.width - LANES },
-        none: 8 * (LANES - left),
-        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
-        words,
-        // The first round takes 1 to 4 words, all others 4.
-        entry: (words / LANES).wrapping_neg() % 4 * WORD,
-    };
+    let mut memory = Memory { row: Row::of(pair), words: words(pair), entry: entry(pair, WORD) };
     // Negative until more than `allowed` pixels are outside. There are at most 65537 pixels.
     let start = !allowed.cast_signed();
     let mut sum = start;
-    // SAFETY: only words within a row are read. Nothing but `row` is written.
+    // SAFETY: only words within a row are read. Nothing but `memory` is written.
     unsafe {
         asm!(
             "adr.w {l}, 4f",
@@ -112,14 +92,10 @@ pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
             low = inout(reg) pair.patch => _,
             span = inout(reg) pair.high => _,
             template = inout(reg) pair.template => _,
-            l = out(reg) _,
-            s = out(reg) _,
-            g = out(reg) _,
-            end = out(reg) _,
-            one = out(reg) _,
+            l = out(reg) _, s = out(reg) _, g = out(reg) _, end = out(reg) _, one = out(reg) _,
             zero = in(reg) 0,
             misses = inout(reg) sum,
-            row = in(reg) &raw mut row,
+            row = in(reg) &raw mut memory,
             options(nostack),
         );
     }

@@ -9,6 +9,7 @@
 //! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two
 //!   rows of cells.
 
+use crate::kernels::cells::CHANNELS;
 use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
 use crate::kernels::three_sums::{Pairs, Rows};
@@ -17,23 +18,12 @@ use core::arch::asm;
 use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
-const STEP: usize = 10;
+const STEP: usize = CHANNELS;
 /// The least number of factors in a row.
 const LEAST: usize = 4;
 /// Pairs of channels.
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
-
-#[inline(never)]
-/// The weights in a row of the filter, if the filter of `weights` weights has whole cells, and enough cells lie under
-/// it at all offsets.
-fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
-    let Layout { row, stride, step, span } = layout;
-    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
-    let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-    let needed = (down + span - 2) * stride + row + (span - 1) * step;
-    (cells.len() >= needed).then_some(down)
-}
 
 /// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
 pub(crate) fn responses<const N: usize>(
@@ -52,8 +42,8 @@ pub(crate) fn responses<const N: usize>(
         let room = width * PAIRS + pairs.both() * N <= PACKED / 2 && pairs.rows_of_factors() * of_row <= spare.len();
         row >= LEAST * STEP && span <= N && out.len() >= span && room
     };
-    let Some(down) = fits(cells, layout, weights.len()).filter(has_room) else {
-        return plain::responses(whole_of(parts, span), room, spare, cells, layout, weights, out);
+    let Some(down) = layout.fits(cells.len(), weights.len()).filter(has_room) else {
+        return plain::responses(layout.whole(parts), room, spare, cells, layout, weights, out);
     };
     let pairs = Pairs::new(layout, down);
     if parts.start == 0 {
@@ -161,10 +151,7 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
             last = inout(reg) to.wrapping_add(4 * width) => _,
             width = in(reg) WORD * width,
             count = inout(reg) width => _,
-            x = out(reg) _,
-            y = out(reg) _,
-            u = out(reg) _,
-            v = out(reg) _,
+            x = out(reg) _, y = out(reg) _, u = out(reg) _, v = out(reg) _,
             options(nostack),
         );
     }
@@ -213,10 +200,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
             count = inout(reg) width => _,
             mask = in(reg) -i32::from(first != second),
             again = inout(reg) 0 => _,
-            pairs = out(reg) _,
-            x = out(reg) _,
-            y = out(reg) _,
-            u = out(reg) _,
+            pairs = out(reg) _, x = out(reg) _, y = out(reg) _, u = out(reg) _,
             options(nostack),
         );
     }
@@ -242,8 +226,7 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
             lower = inout(reg) lower => _,
             to = inout(reg) to => _,
             count = inout(reg) width => _,
-            x = out(reg) _,
-            y = out(reg) _,
+            x = out(reg) _, y = out(reg) _,
             options(nostack),
         );
     }
@@ -273,10 +256,10 @@ pub(crate) fn gather<const N: usize>(
     // The pairs of rows of cells that are unpacked at a time.
     let most = numbers.len() / width.max(1);
     let has_room = |_: &usize| span >= LEAST && span <= N && errors.len() >= span && most > 0;
-    let fitting = fits(cells, layout, sums.len()).filter(has_room);
+    let fitting = layout.fits(cells.len(), sums.len()).filter(has_room);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
-        return plain::gather(whole_of(parts, span), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
     };
     if parts.start == 0 {
         let error = |y: usize, x: usize| {
@@ -326,11 +309,6 @@ pub(crate) fn gather<const N: usize>(
 #[inline(always)]
 fn pair(low: i32, high: i32) -> i32 {
     low & 0xFFFF | high << 16
-}
-
-/// The parts of the plain loop that replace these parts: all of them for the first part, none for the others.
-fn whole_of(parts: Range<usize>, span: usize) -> Range<usize> {
-    if parts.start == 0 { 0..span } else { 0..0 }
 }
 
 /// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
@@ -429,12 +407,7 @@ macro_rules! slide {
                         inout("r11") count.wrapping_sub(LEAST) => _,
                         inout("r12") factors => _,
                         inout("lr") numbers => _,
-                        out("r1") _,
-                        out("r2") _,
-                        out("r3") _,
-                        out("r4") _,
-                        out("r9") _,
-                        out("r10") _,
+                        out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r9") _, out("r10") _,
                     );
                 }
                 $n

@@ -9,18 +9,13 @@
 //! unless firmware sets `UNALIGN_TRP`. In Device memory it faults; external RAM (0xA000_0000 and up) is Device memory
 //! until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
 
-use super::super::bounds::{Limit, Lookup, blocks};
-use super::candidates;
-use super::groups;
-use super::words::{LANES, in_lanes};
-use crate::image::Image;
-use crate::kernels::blocks::Blocks;
-use crate::kernels::cut_table::CutTable;
-use crate::kernels::effort::Effort;
+use super::super::points::{OFFSETS, Points};
+use super::super::scores::{Limit, Loops, blocks};
+use super::words::{LANES, Row, entry, in_lanes, words};
+use super::{candidates, groups};
 use crate::kernels::one::ONE;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
 use core::arch::asm;
 
 /// Columns that `distance` takes at a time. Its loop is unrolled for this many.
@@ -29,88 +24,17 @@ const STRIP: usize = 16 * LANES;
 /// Bytes of code that `loss` has for one word.
 const LOSS_WORD: usize = 40;
 
-pub(crate) struct Dsp<'a> {
-    lookup: Lookup<'a>,
-    points: Effort,
-}
+/// The loops of the DSP extension.
+pub(crate) struct Dsp;
 
-impl<'a> Dsp<'a> {
-    #[inline(always)] // see `Scorer::new`
-    pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::NEW }
-    }
-}
-
-impl Scores for Dsp<'_> {
-    #[inline(never)]
-    fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
-        let pair = Rows::of(patch, template);
-        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
-            return self.lookup.plain.score(patch, template);
-        }
-        // SAFETY: the pictures have at least four columns.
-        unsafe { reachable(&pair, self.lookup.entries(), 0) }
-    }
-
-    #[inline(never)]
-    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let pair = Rows::of(patch, template);
-        if pair.width < LANES || self.lookup.plain.table.threshold() == 0 {
-            return self.lookup.plain.score_at_least(patch, template, floor);
-        }
-        // SAFETY: the pictures have at least four columns.
-        let reachable = unsafe { reachable(&pair, self.lookup.entries(), floor) };
-        Some(reachable).filter(|&score| score >= floor)
-    }
-
-    #[inline(never)]
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.most::<LANES>(&Rows::between(low, high, template), floor, loss)
-    }
-
-    #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
-        self.lookup.candidates::<LANES>(&Rows::of(patch, template), (floor, wanted), &self.points, candidates::spare)
-    }
-
-    #[inline(never)]
-    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        let pair = Rows::of(patch, template);
-        if pair.width < LANES {
-            return few(patch, template, enough);
-        }
-        // Negative until the distance exceeds `enough`. No sum overflows.
-        let start = !enough.min(1 << 30).cast_signed();
-        let mut sum = start;
-        let mut column = 0;
-        while column < pair.width && sum < 0 {
-            let width = STRIP.min(pair.width - column);
-            // SAFETY: the pair has at least four columns, and the strip lies in it.
-            unsafe { sum = strip(&pair, column, width, sum) };
-            column += STRIP;
-        }
-        sum.wrapping_sub(start).cast_unsigned()
-    }
-
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        let blocks = blocks(rows, low, high);
-        if blocks < LANES {
-            return plain::spread(rows, low, high);
-        }
-        ranges(rows, 0, low, high);
-        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
-    }
-
-    /// Computes the ranges in the form that [`groups::misses`] reads.
-    #[inline(never)]
-    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        ranges(rows, self.lookup.margin(), low, high);
-    }
-
-    #[inline(never)]
-    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.bound::<LANES>(blocks, template, floor, groups::misses)
-    }
+impl Loops for Dsp {
+    const NARROWEST: usize = LANES;
+    const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
+    const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
+    const LOSS: unsafe fn(&Rows, &Limit) -> u32 = loss;
+    const MISSES: unsafe fn(&Rows, u32) -> u32 = groups::misses;
+    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = candidates::spare;
+    const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
 /// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths. Does
@@ -125,19 +49,6 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let from = Spread { rows: [a, b, c, d], margin: in_lanes(margin), last: blocks - LANES };
     // SAFETY: the rows have the pixels of these blocks, and `low` and `span` have room for them.
     unsafe { spread(&from, low.as_mut_ptr(), span.as_mut_ptr()) }
-}
-
-/// The numbers that the loop over rows of `reachable` reads from memory. The assembly knows their offsets.
-#[repr(C)]
-struct Row {
-    f_stride: usize,
-    g_stride: usize,
-    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
-    last: usize,
-    /// The number of low bits of that word that belong to earlier columns.
-    none: usize,
-    /// The address where the rows of the template end.
-    end: *const u8,
 }
 
 /// Adds the similarities of the four pixels in `{w}` and `r2`.
@@ -170,15 +81,7 @@ macro_rules! similarities {
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
-    let left = pair.width % LANES;
-    let words = pair.width - left;
-    let row = Row {
-        f_stride: pair.patch_stride.wrapping_sub(words),
-        g_stride: pair.template_stride.wrapping_sub(words),
-        last: if left == 0 { 0 } else { pair.width - LANES },
-        none: 8 * (LANES - left),
-        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
-    };
+    let row = Row::of(pair);
     // SAFETY: only words within a row and entries up to 255 are read. Nothing is written.
     unsafe {
         asm!(
@@ -226,10 +129,9 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             f = inout(reg) pair.patch => _,
             g = inout(reg) pair.template => _,
             w = out(reg) _,
-            out("r2") _,
-            out("r3") _,
+            out("r2") _, out("r3") _,
             end = out(reg) _,
-            words = in(reg) words,
+            words = in(reg) words(pair),
             row = in(reg) &raw const row,
             entries = in(reg) entries,
             // The most that can be reached, including the score of the zeroes that are shifted in.
@@ -242,12 +144,23 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// The distance of pictures with few columns. A separate function, so that the usual case need not save registers for
-/// it.
-#[cold]
-#[inline(never)]
-fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-    plain::distance(patch, template, enough)
+/// The distance. Stops once it is more than enough.
+///
+/// # Safety
+/// The pictures have at least four columns.
+#[inline(always)]
+unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
+    // Negative until the distance exceeds `enough`. No sum overflows.
+    let start = !enough.min(1 << 30).cast_signed();
+    let mut sum = start;
+    let mut column = 0;
+    while column < pair.width && sum < 0 {
+        let width = STRIP.min(pair.width - column);
+        // SAFETY: the pair has at least four columns, and the strip lies in it.
+        unsafe { sum = strip(pair, column, width, sum) };
+        column += STRIP;
+    }
+    sum.wrapping_sub(start).cast_unsigned()
 }
 
 /// The text of the loop, unrolled. It is not made by `.irp`: the compiler counts lines of text to know how far its
@@ -407,12 +320,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             "mov {again}, #8", // the bits of a byte
             "mov {at}, {f}",
             "beq 1b",
-            a = out(reg) _,
-            b = out(reg) _,
-            c = out(reg) _,
-            d = out(reg) _,
-            e = out(reg) _,
-            f = out(reg) _,
+            a = out(reg) _, b = out(reg) _, c = out(reg) _, d = out(reg) _, e = out(reg) _, f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) from,
             // The loop has moved `at` on by a word when it writes these.
@@ -459,20 +367,13 @@ macro_rules! clipped_word {
 /// not count.
 #[inline(never)]
 fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let left = pair.width % LANES;
-    let words = pair.width - left;
     let mut round = Round {
-        f_stride: pair.patch_stride.wrapping_sub(words),
-        g_stride: pair.template_stride.wrapping_sub(words),
+        row: Row::of(pair),
+        allowed: limit.allowed,
+        words: words(pair),
         of_threshold: limit.of_threshold(),
         of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
-        allowed: limit.allowed,
-        end: pair.template.wrapping_add(pair.height.wrapping_mul(pair.template_stride)),
-        none: 8 * (LANES - left),
-        last: if left == 0 { 0 } else { pair.width - LANES },
-        words,
-        // The first round takes 1 to 4 words, all others 4.
-        entry: (words / LANES).wrapping_neg() % 4 * LOSS_WORD,
+        entry: entry(pair, LOSS_WORD),
     };
     let lost: u32;
     // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round`
@@ -485,7 +386,7 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             "orr r2, r2, #1", // Thumb
             "str r2, [{round}, #36]",
             "2:",
-            "ldr r5, [{round}, #28]",
+            "ldr r5, [{round}, #8]",
             "cbz r5, 3f",
             "ldr r2, [{f}, r5]",
             "ldr r3, [{g}, r5]",
@@ -493,11 +394,11 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             "ldr r2, [{h}, r5]",
             "uqsub8 r2, r3, r2",
             "orr r2, r2, {d}",
-            "ldr {d}, [{round}, #24]",
+            "ldr {d}, [{round}, #12]",
             "lsr r2, r2, {d}",
             clipped!(),
             "3:",
-            "ldr r5, [{round}, #32]",
+            "ldr r5, [{round}, #24]",
             "add r5, r5, {g}",
             "ldr.w pc, [{round}, #36]",
             ".p2align 2", // adr can point to 4 only if it is aligned
@@ -512,10 +413,10 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             "add {f}, {f}, r2",
             "add {h}, {h}, r2",
             "add {g}, {g}, r3",
-            "ldrd r2, r3, [{round}, #8]",
+            "ldrd r2, r3, [{round}, #28]",
             "mul r2, r2, {sum}",
             "mla r2, r3, {less}, r2",
-            "ldrd r3, {d}, [{round}, #16]",
+            "ldrd {d}, r3, [{round}, #16]",
             "cmp r2, r3",
             "bhi 5f",
             "cmp {g}, {d}",
@@ -525,8 +426,7 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             g = inout(reg) pair.template => _,
             h = inout(reg) pair.high => _,
             out("r2") lost,
-            out("r3") _,
-            out("r5") _,
+            out("r3") _, out("r5") _,
             d = out(reg) _,
             threshold = in(reg) in_lanes(limit.threshold),
             one_less = in(reg) in_lanes(limit.threshold - 1),
@@ -539,24 +439,17 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
     lost
 }
 
-/// The numbers that the loop over rows of [`loss`] reads from memory. The assembly knows their offsets.
+/// The numbers that [`loss`] reads from memory. The assembly knows their offsets.
 #[repr(C)]
 struct Round {
-    /// Bytes from the end of the whole words of a row to the next row.
-    f_stride: usize,
-    g_stride: usize,
+    row: Row,
+    allowed: u32,
+    /// Bytes in the whole words of a row.
+    words: usize,
     /// The loss for each unit of the first and of the second sum.
     of_threshold: u32,
     of_one_less: u32,
-    allowed: u32,
-    /// The address where the rows of the template end.
-    end: *const u8,
-    none: usize,
-    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
-    last: usize,
-    /// Bytes in the whole words of a row.
-    words: usize,
-    /// The place in the code where the first words of a row are taken.
+    /// See [`entry`].
     entry: usize,
 }
 

@@ -42,9 +42,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
             upper = in(reg) upper,
             left = in(reg) left,
             largest = inout(reg) largest,
-            weight = out(reg) _,
-            sum = out(reg) _,
-            number = out(reg) _,
+            weight = out(reg) _, sum = out(reg) _, number = out(reg) _,
             options(readonly, nostack),
         );
     }
@@ -83,8 +81,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
             left = in(reg) left,
             first = in(reg) shift.saturating_sub(1),
             last = in(reg) shift.min(1),
-            weight = out(reg) _,
-            number = out(reg) _,
+            weight = out(reg) _, number = out(reg) _,
             options(nostack),
         );
     }
@@ -118,10 +115,7 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
             count = inout(reg) count => _,
             lower = in(reg) lower,
             upper = in(reg) upper,
-            slope = out(reg) _,
-            weight = out(reg) _,
-            low = out(reg) _,
-            high = out(reg) _,
+            slope = out(reg) _, weight = out(reg) _, low = out(reg) _, high = out(reg) _,
             options(nostack),
         );
     }

@@ -34,10 +34,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: 
             // A load that widens, and a store that narrows, take only r0 to r7.
             inout("r0") from.as_ptr() => _,
             inout("r1") out.as_mut_ptr() => _,
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
+            out("lr") _, out("q0") _, out("q1") _, out("q2") _,
             options(nostack),
         );
     }

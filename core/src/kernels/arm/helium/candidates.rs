@@ -17,20 +17,14 @@ macro_rules! add {
     };
 }
 
-/// For each of the `wanted` of four offsets a number that is negative only if the offset has fewer than `needed`
-/// points. For the other offsets it is negative.
+/// See [`Loops::SPARE`](super::super::scores::Loops::SPARE).
 ///
 /// # Safety
 /// The patch has three more columns than the template.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
     let [f_stride, g_stride] = strides(pair, LANES);
-    #[allow(clippy::cast_possible_truncation)] // at most 65535 columns
-    let full = u32::from(Points::MOST).wrapping_mul(pair.width as u32);
-    // The points so far, plus the most that the rows left can give, less those needed. The offset is excluded once this
-    // is negative.
-    let start = u32::from(Points::MOST).wrapping_mul(pair.pixels_after(0)).wrapping_sub(needed).cast_signed();
-    let mut spare = [0, 1, 2, 3].map(|offset| if wanted >> offset & 1 == 0 { i32::MIN / 2 } else { start });
+    let mut spare = Points::spare(pair, needed, wanted);
     let [a, b, c, d] = &mut spare;
     // SAFETY: only the `width` pixels of a row are read, in the patch up to three columns further. Nothing is written.
     unsafe {
@@ -65,16 +59,13 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             g_stride = in(reg) g_stride,
             rows = inout(reg) pair.height => _,
             width = in(reg) pair.width,
-            full = in(reg) full,
+            full = in(reg) Points::of_row(pair),
             inout("r0") *a,
             inout("r2") *b,
             inout("r4") *c,
             inout("r12") *d,
             inout("lr") u32::from(points.largest) => _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
-            out("q3") _,
+            out("q0") _, out("q1") _, out("q2") _, out("q3") _,
             options(readonly, nostack),
         );
     }

@@ -137,19 +137,8 @@ impl Run {
                 "pop {{r6, r7}}",
                 inout("r11") ptr::from_mut(self) => _,
                 inout("r5") weights => _,
-                out("r0") _,
-                out("r1") _,
-                out("r2") _,
-                out("r3") _,
-                out("r4") _,
-                out("r8") _,
-                out("r9") _,
-                out("r10") _,
-                out("r12") _,
-                out("lr") _,
-                out("q0") _,
-                out("q1") _,
-                out("q2") _,
+                out("r0") _, out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r8") _, out("r9") _,
+                out("r10") _, out("r12") _, out("lr") _, out("q0") _, out("q1") _, out("q2") _,
             );
         }
     }

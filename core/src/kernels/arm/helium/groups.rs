@@ -7,8 +7,7 @@ use super::vectors::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The number of template pixels outside their ranges. `pair` has the lower ends as its patch, and the lengths as its
-/// upper bound. Stops once the number exceeds `allowed`.
+/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
 ///
 /// # Safety
 /// Patch and upper bound have the same stride.
@@ -47,11 +46,7 @@ pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
             width = in(reg) pair.width,
             allowed = in(reg) allowed,
             inout("r2") 0 => misses,
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
-            out("q3") _,
+            out("lr") _, out("q0") _, out("q1") _, out("q2") _, out("q3") _,
             options(readonly, nostack),
         );
     }

@@ -27,10 +27,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
             level = in(reg) u32::from(level),
             deviation = inout(reg) deviation,
             inout("r2") clipped, // in an even register, which `vaddva` requires for its sum
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
+            out("lr") _, out("q0") _, out("q1") _, out("q2") _,
             options(readonly, nostack),
         );
     }
@@ -59,10 +56,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
             new = inout(reg) new.as_ptr() => _,
             count = in(reg) old.len().min(new.len()),
             largest = inout(reg) largest,
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
+            out("lr") _, out("q0") _, out("q1") _, out("q2") _,
             options(nostack),
         );
     }

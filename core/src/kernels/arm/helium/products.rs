@@ -6,25 +6,16 @@
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
 //!   filter of errors, at the offset of each weight.
 
+use crate::kernels::cells::CHANNELS;
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
-const STEP: usize = 10;
+const STEP: usize = CHANNELS;
 /// The most neighbouring sums that are computed at a time.
 const MOST: usize = 7;
-
-/// The weights in a row of the filter, if the filter of `weights` weights has whole cells, and enough cells lie under
-/// it at all offsets.
-fn fits(cells: &[i8], layout: Layout, weights: usize) -> Option<usize> {
-    let Layout { row, stride, step, span } = layout;
-    let whole = step == STEP && row > 0 && row.is_multiple_of(STEP) && weights.is_multiple_of(row) && span > 0;
-    let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-    let needed = (down + span - 2) * stride + row + (span - 1) * step;
-    (cells.len() >= needed).then_some(down)
-}
 
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
@@ -38,7 +29,7 @@ pub(crate) fn responses<const N: usize>(
 ) {
     let Layout { row, stride, step, span } = layout;
     let Some(down) =
-        fits(cells, layout, weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
+        layout.fits(cells.len(), weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
     else {
         return plain::responses(parts, room, spare, cells, layout, weights, out);
     };
@@ -125,9 +116,7 @@ macro_rules! sums {
                     in("r5") self,
                     inout("r11") down => _,
                     out("r9") $nine,
-                    out("lr") _,
-                    out("q0") _,
-                    out("q1") _,
+                    out("lr") _, out("q0") _, out("q1") _,
                     apart = const APART,
                 );
             }
@@ -235,8 +224,7 @@ impl Rows {
                 in("r9") apart.wrapping_sub(span - 1),
                 inout("r11") 2 * (N.wrapping_sub(span - 1)) => g,
                 inout("lr") span => _,
-                out("q0") _,
-                out("q1") _,
+                out("q0") _, out("q1") _,
                 seven = const SEVEN,
             );
         }
@@ -293,10 +281,7 @@ impl Rows {
                 in("r9") 2 * N,
                 inout("r11") g,
                 inout("lr") span => _,
-                out("q0") _,
-                out("q1") _,
-                out("q2") _,
-                out("q3") _,
+                out("q0") _, out("q1") _, out("q2") _, out("q3") _,
                 seven = const SEVEN,
             );
         }
@@ -327,12 +312,10 @@ pub(crate) fn gather<const N: usize>(
     let room_for = |&down: &usize| {
         span <= N && errors.len() >= span && stride.is_multiple_of(STEP) && count(down) + MOST <= size_of_val(room)
     };
-    let fitting = fits(cells, layout, sums.len()).filter(room_for);
+    let fitting = layout.fits(cells.len(), sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
-        // In the plain loop a part is a row of errors. The first part here replaces all of those.
-        let parts = if parts.start == 0 { 0..span } else { 0..0 };
-        return plain::gather(parts, room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
@@ -390,9 +373,7 @@ unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
             cells = inout(reg) cells => _,
             // A store that narrows takes only r0 to r7.
             inout("r0") to => _,
-            out("lr") _,
-            out("q0") _,
-            out("q1") _,
+            out("lr") _, out("q0") _, out("q1") _,
             options(nostack),
         );
     }

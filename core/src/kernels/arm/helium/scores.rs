@@ -9,28 +9,108 @@
 //!
 //! There are no intrinsics, so these are `asm!`.
 
-use super::super::bounds::{Limit, Lookup, blocks};
+use super::super::points::{OFFSETS, Points};
+use super::super::scores::{Limit, Loops, blocks};
 use super::vectors::{LANES, strides};
 use super::{candidates, groups};
-use crate::image::Image;
-use crate::kernels::blocks::Blocks;
-use crate::kernels::cut_table::CutTable;
-use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
 use core::arch::asm;
 
-pub(crate) struct Helium<'a> {
-    lookup: Lookup<'a>,
-    points: Effort,
+/// The loops of Helium.
+pub(crate) struct Helium;
+
+impl Loops for Helium {
+    const NARROWEST: usize = 1;
+    const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
+    const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
+    const LOSS: unsafe fn(&Rows, &Limit) -> u32 = loss;
+    const MISSES: unsafe fn(&Rows, u32) -> u32 = groups::misses;
+    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = candidates::spare;
+    const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
-impl<'a> Helium<'a> {
-    #[inline(always)] // see `Scorer::new`
-    pub(crate) fn new(table: &'a CutTable) -> Self {
-        Self { lookup: Lookup::new(table), points: Effort::NEW }
+/// The score if it is at least `floor`, else any number below `floor`.
+///
+/// # Safety
+/// There are 256 entries.
+#[inline(always)]
+unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
+    let mut reachable = pair.full_after(0);
+    // A vector has eight entries of the table.
+    let [f_stride, g_stride] = strides(pair, LANES / 2);
+    // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
+    unsafe {
+        asm!(
+            "2:",
+            "dlstp.16 lr, {width}",
+            "3:",
+            "vldrb.u16 q0, [r0], #8",
+            "vldrb.u16 q1, [r1], #8",
+            "vabd.u16 q0, q0, q1",
+            "vldrh.u16 q1, [{entries}, q0, uxtw #1]",
+            "vaddva.u16 r2, q1",
+            "letp lr, 3b",
+            "sub r2, r2, {full}",
+            "cmp r2, {floor}",
+            "blo 4f",
+            "add r0, r0, {f_stride}",
+            "add r1, r1, {g_stride}",
+            "subs {rows}, {rows}, #1",
+            "bne 2b",
+            "4:",
+            inout("r0") pair.patch => _,
+            inout("r1") pair.template => _,
+            f_stride = in(reg) f_stride,
+            g_stride = in(reg) g_stride,
+            rows = inout(reg) pair.height => _,
+            width = in(reg) pair.width,
+            full = in(reg) plain::full(pair.width),
+            floor = in(reg) floor,
+            entries = in(reg) entries,
+            inout("r2") reachable,
+            out("lr") _, out("q0") _, out("q1") _,
+            options(readonly, nostack),
+        );
     }
+    reachable
+}
+
+/// The distance. Stops once it is more than enough.
+#[inline(always)]
+fn distance(pair: &Rows, enough: u32) -> u32 {
+    let mut sum = 0;
+    let [f_stride, g_stride] = strides(pair, LANES);
+    // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
+    unsafe {
+        asm!(
+            "2:",
+            "dlstp.8 lr, {width}",
+            "3:",
+            "vldrb.u8 q0, [{f}], #16",
+            "vldrb.u8 q1, [{g}], #16",
+            "vabav.u8 {sum}, q0, q1",
+            "letp lr, 3b",
+            "cmp {sum}, {enough}",
+            "bhi 4f",
+            "add {f}, {f}, {f_stride}",
+            "add {g}, {g}, {g_stride}",
+            "subs {rows}, {rows}, #1",
+            "bne 2b",
+            "4:",
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            f_stride = in(reg) f_stride,
+            g_stride = in(reg) g_stride,
+            rows = inout(reg) pair.height => _,
+            width = in(reg) pair.width,
+            enough = in(reg) enough,
+            sum = inout(reg) sum,
+            out("lr") _, out("q0") _, out("q1") _,
+            options(readonly, nostack),
+        );
+    }
+    sum
 }
 
 /// Keeps in each lane of `$picked` the least or the most of that lane and the three before it. `$ones` and `$twos` hold
@@ -49,119 +129,6 @@ macro_rules! of_four {
             concat!($pick, " ", $picked, ", ", $picked, ", q2\n"),
         )
     };
-}
-
-impl Scores for Helium<'_> {
-    #[inline(never)]
-    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let pair = Rows::of(patch, template);
-        let mut reachable = pair.full_after(0);
-        // A vector has eight entries of the table.
-        let [f_stride, g_stride] = strides(&pair, LANES / 2);
-        // SAFETY: only the `width` pixels of a row, at least one, and entries up to 255 are read. Nothing is written.
-        unsafe {
-            asm!(
-                "2:",
-                "dlstp.16 lr, {width}",
-                "3:",
-                "vldrb.u16 q0, [r0], #8",
-                "vldrb.u16 q1, [r1], #8",
-                "vabd.u16 q0, q0, q1",
-                "vldrh.u16 q1, [{entries}, q0, uxtw #1]",
-                "vaddva.u16 r2, q1",
-                "letp lr, 3b",
-                "sub r2, r2, {full}",
-                "cmp r2, {floor}",
-                "blo 4f",
-                "add r0, r0, {f_stride}",
-                "add r1, r1, {g_stride}",
-                "subs {rows}, {rows}, #1",
-                "bne 2b",
-                "4:",
-                inout("r0") pair.patch => _,
-                inout("r1") pair.template => _,
-                f_stride = in(reg) f_stride,
-                g_stride = in(reg) g_stride,
-                rows = inout(reg) pair.height => _,
-                width = in(reg) pair.width,
-                full = in(reg) plain::full(pair.width),
-                floor = in(reg) floor,
-                entries = in(reg) self.lookup.entries(),
-                inout("r2") reachable,
-                out("lr") _,
-                out("q0") _,
-                out("q1") _,
-                options(readonly, nostack),
-            );
-        }
-        Some(reachable).filter(|&score| score >= floor)
-    }
-
-    #[inline(never)]
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.most::<1>(&Rows::between(low, high, template), floor, loss)
-    }
-
-    #[inline(never)]
-    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
-        let pair = Rows::of(patch, template);
-        let mut sum = 0;
-        let [f_stride, g_stride] = strides(&pair, LANES);
-        // SAFETY: only the `width` pixels of a row, at least one, are read. Nothing is written.
-        unsafe {
-            asm!(
-                "2:",
-                "dlstp.8 lr, {width}",
-                "3:",
-                "vldrb.u8 q0, [{f}], #16",
-                "vldrb.u8 q1, [{g}], #16",
-                "vabav.u8 {sum}, q0, q1",
-                "letp lr, 3b",
-                "cmp {sum}, {enough}",
-                "bhi 4f",
-                "add {f}, {f}, {f_stride}",
-                "add {g}, {g}, {g_stride}",
-                "subs {rows}, {rows}, #1",
-                "bne 2b",
-                "4:",
-                f = inout(reg) pair.patch => _,
-                g = inout(reg) pair.template => _,
-                f_stride = in(reg) f_stride,
-                g_stride = in(reg) g_stride,
-                rows = inout(reg) pair.height => _,
-                width = in(reg) pair.width,
-                enough = in(reg) enough,
-                sum = inout(reg) sum,
-                out("lr") _,
-                out("q0") _,
-                out("q1") _,
-                options(readonly, nostack),
-            );
-        }
-        sum
-    }
-    #[inline(never)]
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        ranges(rows, 0, low, high);
-        let blocks = blocks(rows, low, high);
-        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
-    }
-
-    /// Computes the ranges in the form that [`groups::misses`] reads.
-    #[inline(never)]
-    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        ranges(rows, self.lookup.margin(), low, high);
-    }
-
-    #[inline(never)]
-    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.lookup.bound::<1>(blocks, template, floor, groups::misses)
-    }
-
-    #[inline(never)]
-    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
-        self.lookup.candidates::<1>(&Rows::of(patch, template), (floor, wanted), &self.points, candidates::spare)
-    }
 }
 
 /// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
@@ -212,15 +179,9 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
             span = inout(reg) span.as_mut_ptr().wrapping_sub(3) => _,
             lanes = inout(reg) u32::from(margin) => _,
             // The lanes before the first one may hold anything.
-            least = out(reg) _,
-            least_of_two = out(reg) _,
-            most = out(reg) _,
-            most_of_two = out(reg) _,
+            least = out(reg) _, least_of_two = out(reg) _, most = out(reg) _, most_of_two = out(reg) _,
             inout("lr") columns + 3 => _,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
-            out("q3") _,
+            out("q0") _, out("q1") _, out("q2") _, out("q3") _,
             options(nostack),
         );
     }
@@ -271,11 +232,7 @@ fn loss(pair: &Rows, limit: &Limit) -> u32 {
             inout("r2") 0 => _,
             inout("r4") 0 => _,
             inout("lr") u32::from(limit.threshold) => lost,
-            out("q0") _,
-            out("q1") _,
-            out("q2") _,
-            out("q3") _,
-            out("q4") _,
+            out("q0") _, out("q1") _, out("q2") _, out("q3") _, out("q4") _,
             options(readonly, nostack),
         );
     }

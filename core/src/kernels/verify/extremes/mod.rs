@@ -3,4 +3,4 @@
 pub(crate) mod filter;
 #[cfg(feature = "refiner")]
 mod layers;
-mod noise;
+pub(in crate::kernels) mod noise;

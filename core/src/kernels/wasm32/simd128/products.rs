@@ -14,17 +14,6 @@ const LANES: usize = 8;
 /// Offsets whose responses are summed at a time. They share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// True if the filter of `weights` weights has whole rows of at least a vector, and at every offset lies wholly on the
-/// cells, which have `cells` bytes.
-fn fits(cells: usize, layout: Layout, weights: usize) -> bool {
-    let Layout { row, stride, step, span } = layout;
-    let (Some(down), Some(most)) = (weights.checked_div(row), span.checked_sub(1)) else { return false };
-    let last_row = (most + down).saturating_sub(1);
-    let end =
-        last_row.checked_mul(stride).zip(most.checked_mul(step)).and_then(|(y, x)| y.checked_add(x)?.checked_add(row));
-    row >= LANES && weights.is_multiple_of(row) && end.is_some_and(|end| end <= cells)
-}
-
 /// The starts of the vectors of a row, and a mask for each. All but the last vector are whole. The last one ends with
 /// the row; its lanes that the vector before has, too, are masked.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
@@ -50,7 +39,7 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    if !fits(cells.len(), layout, weights.len()) {
+    if layout.fits(cells.len(), weights.len()).is_none() {
         return plain::responses(parts, room, spare, cells, layout, weights, out);
     }
     let Layout { stride, step, span, .. } = layout;
@@ -111,7 +100,7 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    if !fits(cells.len(), layout, sums.len()) || layout.span > N {
+    if layout.fits(cells.len(), sums.len()).is_none() || layout.span > N {
         return plain::gather(parts, room, spare, cells, layout, errors, sums);
     }
     let Layout { row, stride, step, span } = layout;

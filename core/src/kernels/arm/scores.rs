@@ -1,0 +1,171 @@
+//! The scores of Arm's microcontrollers, and the bounds that exclude offsets. Both instruction sets share what is done
+//! with the loops over pixels ([`Loops`]).
+//!
+//! Three bounds sum bytes, which these instruction sets do fast. They look up a table pixel by pixel.
+//!
+//! - `groups.rs` counts the pixels that cannot count at any offset of a group.
+//! - `candidates.rs` sums the points of four offsets (`points.rs`).
+//! - [`Loops::LOSS`] bounds the score of every patch between two pictures: a full score less the least loss of its
+//!   pixels. A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel
+//!   that does not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and
+//!   the differences of the others.
+
+use super::points::{OFFSETS, Points};
+use crate::image::Image;
+use crate::kernels::blocks::Blocks;
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
+use crate::kernels::one::ONE;
+use crate::kernels::plain::scores::{self as plain, Plain};
+use crate::kernels::rows::Rows;
+use crate::kernels::scores::Scores;
+use core::marker::PhantomData;
+
+/// The loops of an instruction set over the pixels of two pictures, which have at least `NARROWEST` columns.
+pub(crate) trait Loops {
+    /// Pixels that the loops take at a time, and the fewest columns that they can take. If it is more than one, the
+    /// loops need a table in which equal pixels score [`ONE`].
+    const NARROWEST: usize;
+    /// The score by 256 entries if it is at least a floor, else any number below the floor.
+    const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
+    /// The distance. It may stop once that is more than enough.
+    const DISTANCE: unsafe fn(&Rows, u32) -> u32;
+    /// The least loss. It may stop once that is more than allowed. The upper bound has the same stride as the patch.
+    const LOSS: unsafe fn(&Rows, &Limit) -> u32;
+    /// The number of template pixels outside their ranges. It may stop once that exceeds what is allowed. The lower
+    /// ends are the patch, the lengths its upper bound; both have the same stride.
+    const MISSES: unsafe fn(&Rows, u32) -> u32;
+    /// For each of the wanted of four offsets a number that is negative only if the offset has fewer points than
+    /// needed; for the other offsets it is negative. The patch has three more columns than the template.
+    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
+    /// Computes the ranges of 4x4 blocks, widened by a margin on both sides: their lower ends, and their lengths. Does
+    /// nothing if there are fewer blocks than `NARROWEST`.
+    const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
+}
+
+/// The limits of a loss. A patch is excluded once its pixels have lost more than `allowed`.
+pub(crate) struct Limit {
+    /// A pixel counts if its difference is less than this: 1..=255.
+    pub(crate) threshold: u8,
+    /// The loss of a pixel that counts, for each gray level of difference. A pixel that does not count loses 65535.
+    pub(crate) chord: u32,
+    pub(crate) allowed: u32,
+}
+
+/// A table, and the loops that use it.
+pub(crate) struct Kernels<'a, L> {
+    plain: Plain<'a>,
+    /// Decides how often bounding candidates is worth its time.
+    points: Effort,
+    loops: PhantomData<L>,
+}
+
+impl<'a, L: Loops> Kernels<'a, L> {
+    #[inline(always)] // see `Scorer::new`
+    pub(crate) fn new(table: &'a CutTable) -> Self {
+        Self { plain: Plain { table }, points: Effort::NEW, loops: PhantomData }
+    }
+
+    /// True if the loops can take rows of this width.
+    #[inline(always)]
+    fn can_take(width: usize) -> bool {
+        L::NARROWEST == 1 || width >= L::NARROWEST
+    }
+}
+
+impl<L: Loops> Scores for Kernels<'_, L> {
+    #[inline(never)]
+    fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let (pair, table) = (Rows::of(patch, template), self.plain.table);
+        if !Self::can_take(pair.width) || L::NARROWEST > 1 && table.threshold() == 0 {
+            return self.plain.score_at_least(patch, template, floor);
+        }
+        // SAFETY: there are enough columns.
+        let reachable = unsafe { (L::REACHABLE)(&pair, table.entries().as_ptr(), floor) };
+        Some(reachable).filter(|&score| score >= floor)
+    }
+
+    #[inline(never)]
+    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let rows = Rows::between(low, high, template);
+        let full = rows.full_after(0);
+        let allowed = full.checked_sub(floor)?;
+        let threshold = u8::try_from(self.plain.table.threshold()).unwrap_or(0);
+        // No bound is computed for rows too narrow for the loop, or if all pixels count or none does.
+        if threshold == 0 || !Self::can_take(rows.width) || rows.patch_stride != rows.high_stride {
+            return Some(full);
+        }
+        let limit = Limit { threshold, chord: self.plain.table.chord(), allowed };
+        // SAFETY: there are enough columns, and both bounds have the same stride.
+        let loss = unsafe { (L::LOSS)(&rows, &limit) };
+        full.checked_sub(loss).filter(|&most| most >= floor)
+    }
+
+    #[inline(never)]
+    fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
+        let (rows, points) = (Rows::of(patch, template), self.plain.table.points());
+        let needed = points.needed(floor, rows.pixels_after(0), self.plain.table.chord());
+        if needed == 0 || !Self::can_take(rows.width) || !self.points.is_worth_it() {
+            return wanted;
+        }
+        // SAFETY: there are enough columns. The patch has three more than the template.
+        let spare = unsafe { (L::SPARE)(&rows, points, needed, wanted) };
+        let candidates = spare.iter().rev().fold(0, |mask, spare| mask << 1 | u8::from(*spare >= 0));
+        self.points.note(candidates != wanted);
+        candidates
+    }
+
+    #[inline(never)]
+    fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+        let pair = Rows::of(patch, template);
+        if !Self::can_take(pair.width) {
+            return few(patch, template, enough);
+        }
+        // SAFETY: there are enough columns.
+        unsafe { (L::DISTANCE)(&pair, enough) }
+    }
+
+    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let blocks = blocks(rows, low, high);
+        if !Self::can_take(blocks) {
+            return plain::spread(rows, low, high);
+        }
+        (L::RANGES)(rows, 0, low, high);
+        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
+    }
+
+    /// Computes the ranges in the form that [`Loops::MISSES`] reads: widened by the largest difference that counts.
+    #[inline(never)]
+    fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        let margin = u8::try_from(self.plain.table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
+        (L::RANGES)(rows, margin, low, high);
+    }
+
+    #[inline(never)]
+    fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
+        let Some(rows) = Rows::of_blocks(blocks, template) else { return Some(plain::most(template, template)) };
+        let full = rows.full_after(0);
+        let allowed = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor))?;
+        let some_count = (1..256).contains(&self.plain.table.threshold());
+        if !some_count || !Self::can_take(rows.width) {
+            return Some(full);
+        }
+        // SAFETY: there are enough columns, and both halves of the ranges have the same stride.
+        let misses = unsafe { (L::MISSES)(&rows, allowed) };
+        (misses <= allowed).then(|| full.wrapping_sub(misses.wrapping_mul(u32::from(ONE))))
+    }
+}
+
+/// The distance of pictures with few columns. A separate function, so that the usual case need not save registers for
+/// it.
+#[cold]
+#[inline(never)]
+fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
+    plain::distance(patch, template, enough)
+}
+
+/// The number of 4x4 blocks, one for each column, in the four rows and with room in `low` and `high`.
+#[inline]
+pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
+    rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))
+}
