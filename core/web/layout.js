@@ -1,7 +1,7 @@
 // The layout of C's structs on 32 bits: the fields in their order, each at the next multiple of its alignment.
 //
 // A type has its size and alignment, and reads and writes a value at an address of a DataView. What it writes it
-// checks; `name` is for the error.
+// checks. `name` is the value's name in the text of an error.
 
 import { object, whole } from "./errors.js";
 
@@ -15,7 +15,7 @@ const integer = (kind, size, least, most) => ({
 export const u8 = integer("Uint8", 1, 0, 255);
 export const u16 = integer("Uint16", 2, 0, 65535);
 export const u32 = integer("Uint32", 4, 0, 2 ** 32 - 1);
-// Without the least number, so that its negative is one too.
+// Not -2^31: its negative would be no i32.
 export const i32 = integer("Int32", 4, 1 - 2 ** 31, 2 ** 31 - 1);
 
 /** A byte that is true or false. */

@@ -44,7 +44,8 @@ const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("state", "host-sim", "host-sim/evaluation/src/method.rs", &["fn name_of("], "\n}"),
 ];
 
-/// Names that a language, a file or every other one ("") spells otherwise or does not have (""), and why.
+/// Deliberate differences: a language or a file ("": all that are not listed above), the names in smr-core, the name there ("": it has
+/// none), and the reason.
 const OTHERWISE: &[(&str, &[&str], &str, &str)] = &[
     ("", &["gate.least_ratio"], "least_ratio", "the name needs no gate to be understood"),
     ("", &["runner_up"], "runner_up_always", "with two values it is a switch"),

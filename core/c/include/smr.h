@@ -612,7 +612,7 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
-   * Else than 0: a small learned network corrects the box. It is 1 by #smr_config_refined, 0 by #smr_config_robust.
+   * Else than 0: a small learned network corrects the box. #smr_config_refined sets it; #smr_config_robust does not.
    * A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
    * #smr_window.
    */

@@ -115,7 +115,7 @@ pub struct smr_robust_config {
     pub size: u8,
     /// 0: a lost target is searched only where it was lost. Else: in the whole frame.
     pub sweep: u8,
-    /// Else than 0: a small learned network corrects the box. It is 1 by #smr_config_refined, 0 by #smr_config_robust.
+    /// Else than 0: a small learned network corrects the box. #smr_config_refined sets it; #smr_config_robust does not.
     /// A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
     /// #smr_window.
     pub refiner: u8,
@@ -211,8 +211,9 @@ same! {
     Gate, smr_gate { tracking, leaving, returning, lost, lead, least_ratio }
 }
 
-/// Converts between a configuration of `smr-core` and its struct in C: first the numbers and then the switches that both
-/// have by the same names. The others are made from `$of` the one, and go to the other by hand.
+/// Converts between a configuration of `smr-core` and its struct in C. Numbers and then switches are listed that have the
+/// same name in both. For the rest of C's fields an expression of the configuration `$of` follows; `smr_config` reads
+/// those.
 macro_rules! numbers {
     ($of:ident: $core:ty, $c:ident { $($number:ident),+; $($switch:ident),*; $($other:ident: $value:expr),* }) => {
         impl From<&$core> for $c {

@@ -45,7 +45,7 @@ pub(crate) enum Known<'a> {
     Robust(&'a mut Robust),
 }
 
-/// Evaluates `$result` with the target as `$of`, whichever it is.
+/// Evaluates `$result` for a target of either method. There `$of` is the target.
 macro_rules! each {
     ($known:expr, $of:ident => $result:expr) => {
         match $known {

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
-/// What an error with a place for a number or a name is about here.
+/// The line and the setting in the texts of errors that name one.
 const LINE: u16 = 54_321;
 const SETTING: Setting = Setting::EarlyRate;
 

@@ -46,12 +46,14 @@ impl Layout {
         let Self { row, stride, step, span } = self;
         let whole = step == CHANNELS && row > 0 && row.is_multiple_of(step) && weights.is_multiple_of(row) && span > 0;
         let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-        let needed = (down + span - 2) * stride + row + (span - 1) * step;
-        (cells >= needed).then_some(down)
+        // Checked, because backends read without further checks what fits.
+        let last_row = (down - 1).checked_add(span - 1)?.checked_mul(stride)?;
+        let last = last_row.checked_add((span - 1).checked_mul(step)?)?;
+        (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// The parts of the plain loop that replace these parts of another loop: all of them for the first part, none for
-    /// the others.
+    /// The parts for a plain loop that replaces another loop with other parts. The first part does all the work, and the
+    /// others do nothing.
     #[allow(dead_code)] // for backends whose parts are not rows of offsets
     pub(crate) fn whole(self, parts: Range<usize>) -> Range<usize> {
         if parts.start == 0 { 0..self.span } else { 0..0 }
@@ -82,6 +84,19 @@ mod tests {
             let layout = Layout { row: 70, stride: 0, step: 10, span };
             let all: usize = (0..layout.rows(70 * down) + 2).map(|row| layout.work_on(row, 70 * down)).sum();
             assert_eq!(all, span * span * 70 * down, "{down} {span}");
+        }
+    }
+
+    /// A filter of 2x2 cells at 3x3 offsets lies on 4x4 cells.
+    #[test]
+    fn a_filter_fits_if_it_lies_on_its_cells_at_each_offset() {
+        let layout = Layout { row: 2 * CHANNELS, stride: 4 * CHANNELS, step: CHANNELS, span: 3 };
+        assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS), Some(2));
+        assert_eq!(layout.fits(16 * CHANNELS - 1, 4 * CHANNELS), None);
+        assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS - 1), None);
+        // Wrapped sums would be small.
+        for huge in [Layout { stride: usize::MAX / 4 + 1, ..layout }, Layout { span: usize::MAX, ..layout }] {
+            assert_eq!(huge.fits(16 * CHANNELS, 4 * CHANNELS), None);
         }
     }
 }

@@ -37,7 +37,7 @@
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
-//! says once what both instruction sets there do with those of scores. `effort.rs` decides how often a bound is worth
+//! calls those of scores, for both instruction sets there. `effort.rs` decides how often a bound is worth
 //! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
 //! loops small. `verify/` compares the other loops with the plain ones, in every call (unit tests, and
 //! feature `verify`).

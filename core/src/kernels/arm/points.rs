@@ -51,9 +51,9 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// What a loop over the rows begins with: for each of the `wanted` of four offsets the most points that the rows
-    /// can give, less those needed. The loop subtracts the points that pixels lack. The offset is excluded once this is
-    /// negative; for the other offsets it is.
+    /// The numbers with which a loop over the rows begins. For each of the `wanted` of four offsets: the most points
+    /// that the rows can give, less those needed. The loop subtracts the points that pixels lack. An offset is excluded
+    /// once its number is negative; an offset that is not wanted begins so.
     #[inline(always)]
     pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();

@@ -1,7 +1,7 @@
-//! The scores of Arm's microcontrollers, and the bounds that exclude offsets. Both instruction sets share what is done
-//! with the loops over pixels ([`Loops`]).
+//! The scores of Arm's microcontrollers, and the bounds that exclude offsets: one code for both instruction sets, each
+//! of which defines its loops over pixels ([`Loops`]).
 //!
-//! Three bounds sum bytes, which these instruction sets do fast. They look up a table pixel by pixel.
+//! These instruction sets sum bytes fast, but look up a table pixel by pixel. So three bounds only sum bytes:
 //!
 //! - `groups.rs` counts the pixels that cannot count at any offset of a group.
 //! - `candidates.rs` sums the points of four offsets (`points.rs`).
