@@ -47,6 +47,9 @@ struct Row {
 struct Counts {
     /// Frames that came during the fault, by state.
     states: [usize; 4],
+    /// Frames that came during the fault with the target visible, and in how many of them the box was right.
+    visible: usize,
+    right: usize,
     /// Frames after the fault until the box was right again, within those that were watched.
     until_right: Option<usize>,
     /// In the last frame of those in which the target is visible.
@@ -101,9 +104,11 @@ fn run(
     let Recording { frames, truth, .. } = recording;
     let start = place - LEAD;
     let Some(target) = truth[start].and_then(|target| target.to_rect()) else { return Ok(None) };
-    let intervention = fault.map_or(Intervention::None, |fault| Intervention::Fault(place, fault));
     // Without a fault as many frames are counted as with the longest.
     let end = place + fault.map_or(longest, Fault::frames);
+    let intervention = fault.map_or(Intervention::None, |fault| {
+        Intervention::Fault(if fault.is_there_at_the_lock() { start } else { place }, end, fault)
+    });
     let watched = (end + WATCHED).min(frames.len());
     let run = recording.run(variant, (start, target), watched, intervention, || ())?;
     Ok(Counts::of(&run, place..end, truth))
@@ -123,6 +128,8 @@ impl Counts {
             counts.tracking_while_wrong += usize::from(state == State::Tracking && !right);
             if frame < fault.end {
                 counts.states[state as usize] += 1;
+                counts.visible += usize::from(truth[frame].is_some());
+                counts.right += usize::from(right && truth[frame].is_some());
                 continue;
             }
             if right {
@@ -147,6 +154,9 @@ const COLUMNS: &[Listed<Row>] = &[
     ("leaving", "", |row| row.sum(|run| run.states[1]).into()),
     ("uncertain", "", |row| row.sum(|run| run.states[2]).into()),
     ("lost", "", |row| row.sum(|run| run.states[3]).into()),
+    ("right", "", |row| row.sum(|run| run.right).into()),
+    ("visible", "", |row| row.sum(|run| run.visible).into()),
+    ("", "right during it", |row| percent(row.sum(|run| run.right), row.sum(|run| run.visible)).into()),
     ("right_again", "", |row| row.until_right().len().into()),
     ("", "right again", |row| percent(row.until_right().len(), row.runs.len()).into()),
     ("frames_until_right", "", |row| median(&row.until_right()).into()),

@@ -40,10 +40,26 @@ enum Kind {
     Origin,
     /// No frame comes for so many.
     Gap,
+    /// The picture is so many hundredths as bright, with noise of one gray level.
+    Light,
+    /// The same, but the light changes step by step.
+    Dusk,
+    /// The same as `Light`, from the lock on.
+    Night,
+    /// The picture has so many hundredths of its contrast, around a light gray.
+    Fog,
+    /// Pixels are raised to a power of so many hundredths.
+    Gamma,
+    /// Pixels are so many gray levels brighter.
+    Offset,
 }
 
 /// How long a fault is that has another amount.
 const FRAMES: usize = 10;
+
+/// How long a change of light lasts, and how long dusk takes.
+const LIT: usize = 150;
+const DUSK: usize = 100;
 
 /// The seed of all that is random in a fault; with the number of the frame.
 const SEED: u64 = 0xFA17_0000;
@@ -68,6 +84,26 @@ impl Fault {
         ]
     }
 
+    /// The list that `light` stands for.
+    pub fn changes_of_light() -> Vec<Self> {
+        let of = |kind, amount| Self { kind, amount };
+        vec![
+            of(Kind::Light, 20),
+            of(Kind::Light, 200),
+            of(Kind::Dusk, 20),
+            of(Kind::Night, 20),
+            of(Kind::Fog, 20),
+            of(Kind::Gamma, 50),
+            of(Kind::Gamma, 200),
+            of(Kind::Offset, 60),
+        ]
+    }
+
+    /// True if the tracker is locked in it.
+    pub fn is_there_at_the_lock(&self) -> bool {
+        self.kind == Kind::Night
+    }
+
     /// How many frames of the recording it goes over.
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
@@ -75,6 +111,7 @@ impl Fault {
             Kind::Dropped => 2 * amount,
             Kind::Repeated | Kind::Torn | Kind::Black | Kind::White | Kind::Gap => amount,
             Kind::Columns | Kind::Bits | Kind::Gain | Kind::Noise | Kind::Origin => FRAMES,
+            Kind::Light | Kind::Dusk | Kind::Night | Kind::Fog | Kind::Gamma | Kind::Offset => LIT,
         }
     }
 
@@ -119,16 +156,19 @@ impl Fault {
                     }
                 }
             }
-            Kind::Gain => {
-                for pixel in pixels {
-                    *pixel = clamped(i64::from(*pixel) * i64::from(amount) / 100);
-                }
+            Kind::Gain => relight(pixels, |level| level * i64::from(amount) / 100),
+            Kind::Noise => relight(pixels, |level| level + normal(&mut random, amount)),
+            Kind::Light | Kind::Night => dim(pixels, amount.into(), &mut random),
+            Kind::Dusk => {
+                let step = i64::try_from((index + 1).min(DUSK)).unwrap_or(0);
+                dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK as i64, &mut random);
             }
-            Kind::Noise => {
-                for pixel in pixels {
-                    *pixel = clamped(i64::from(*pixel) + normal(&mut random, amount));
-                }
+            Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
+            #[allow(clippy::cast_possible_truncation)] // 0 to 255
+            Kind::Gamma => {
+                relight(pixels, |level| (255.0 * (level as f64 / 255.0).powf(f64::from(amount) / 100.0)).round() as i64)
             }
+            Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => shift(frame, pixels, usize::from(amount), usize::from(amount / 2)),
         }
         Some(made)
@@ -144,6 +184,19 @@ fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
             *pixel = from[x.saturating_sub(right)];
         }
     }
+}
+
+/// The gray of fog.
+const FOG: i64 = 110;
+
+/// Every pixel in other light.
+fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
+    pixels.iter_mut().for_each(|pixel| *pixel = clamped(light((*pixel).into())));
+}
+
+/// So many hundredths as bright, with noise of one gray level.
+fn dim(pixels: &mut [u8], hundredths: i64, random: &mut Random) {
+    relight(pixels, |level| level * hundredths / 100 + normal(random, 1));
 }
 
 fn clamped(level: i64) -> u8 {
@@ -163,7 +216,7 @@ impl FromStr for Fault {
     fn from_str(text: &str) -> Result<Self> {
         let names = || Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
         let (name, amount) =
-            text.split_once(':').ok_or_else(|| anyhow!("expected NAME:N or all; names are {}", names()))?;
+            text.split_once(':').ok_or_else(|| anyhow!("expected NAME:N, all or light; names are {}", names()))?;
         let Ok(kind) = Kind::from_str(name, false) else { bail!("there is no fault {name}: expected {}", names()) };
         let most = if kind == Kind::Bits { 1000 } else { 9999 };
         let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
@@ -178,7 +231,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What stands on the command line: one fault, or all of the list.
+/// What stands on the command line: one fault, or one of the lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Faults(pub Vec<Fault>);
 
@@ -186,7 +239,11 @@ impl FromStr for Faults {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        if text == "all" { Ok(Self(Fault::all())) } else { Ok(Self(vec![text.parse()?])) }
+        match text {
+            "all" => Ok(Self(Fault::all())),
+            "light" => Ok(Self(Fault::changes_of_light())),
+            one => Ok(Self(vec![one.parse()?])),
+        }
     }
 }
 
@@ -233,6 +290,23 @@ mod tests {
     }
 
     #[test]
+    fn light_is_what_it_is_called() {
+        let frame = frame(3);
+        let pairs = |fault: &str, index| frame.pixels.clone().into_iter().zip(made(fault, index).unwrap().pixels);
+        let near = |level: u8, expected: f64| (f64::from(level) - expected.min(255.0)).abs() < 5.0;
+        let holds = |fault: &str, index, expected: fn(f64) -> f64| {
+            assert!(pairs(fault, index).all(|(was, is)| near(is, expected(was.into()))), "{fault}");
+        };
+        holds("light:20", 0, |level| level / 5.0);
+        holds("night:200", 0, |level| 2.0 * level);
+        holds("dusk:20", 49, |level| 0.6 * level);
+        holds("dusk:20", 120, |level| level / 5.0);
+        holds("fog:20", 0, |level| 110.0 + (level - 110.0) / 5.0);
+        holds("gamma:50", 0, |level| (level * 255.0).sqrt());
+        holds("offset:60", 0, |level| level + 60.0);
+    }
+
+    #[test]
     fn noise_has_its_deviation() {
         let mut random = Random(5);
         let sum: i64 = (0..10_000).map(|_| normal(&mut random, 100).pow(2)).sum();
@@ -241,11 +315,11 @@ mod tests {
 
     #[test]
     fn what_is_typed_is_what_is_printed() {
-        for fault in Fault::all() {
+        for fault in Fault::all().into_iter().chain(Fault::changes_of_light()) {
             assert_eq!(fault.to_string().parse::<Fault>().unwrap(), fault);
             assert!(fault.frames() > 0);
         }
-        assert_eq!("all".parse::<Faults>().unwrap().0.len(), 12);
+        assert_eq!(["all", "light"].map(|list| list.parse::<Faults>().unwrap().0.len()), [12, 8]);
         for refused in ["", "torn", "torn:0", "torn:x", "melted:3", "bits:1001", "gap:10000", "gain:-1"] {
             assert!(refused.parse::<Faults>().is_err(), "{refused}");
         }

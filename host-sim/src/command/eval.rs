@@ -75,19 +75,23 @@ pub struct Eval {
     /// neither is one in which the target is hidden.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     calibration: Option<PathBuf>,
-    /// Put faults of the camera into the recordings, and measure what the trackers do; several are separated by commas, `all` is a
-    /// list [default methods: smr,robust]
+    /// Put faults of the camera, or changes of light, into the recordings, and measure what the trackers do; several are separated by
+    /// commas, `all` and `light` are lists [default methods: smr,robust]
     ///
     /// NAME:N is one of dropped:N (every second of 2 N frames never comes), repeated:N (the frame before comes N times more), torn:N (the
     /// lower part of N frames is that of the frame before), black:N, white:N (N frames), columns:N (N columns are stuck), bits:N (a bit is
     /// wrong in N of 1000 pixels), gain:N (pixels times N hundredths), noise:N (standard deviation N), origin:N (the picture is N pixels too
     /// far to the right and N / 2 too low), gap:N (no frame comes for N). Those that are not of N frames last 10.
     ///
+    /// Changes of light last 150 frames: light:N (N hundredths as bright, with noise of one gray level), dusk:N (the same, reached within
+    /// 100 frames), night:N (the same as light:N, but already at the lock), fog:N (N hundredths of the contrast, around gray 110), gamma:N (a
+    /// power of N hundredths), offset:N (N gray levels brighter).
+    ///
     /// Each fault is put in at up to 8 places of a recording, each a run of its own: locked on the ground truth 10 frames before it, watched
-    /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, how many were right again
-    /// and after how many frames, how many were right at the end, and in how many of all frames from the fault on *tracking* was said and
+    /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, in how many
+    /// of its frames the box was right, how many were right again and after how many frames, how many were right at the end, and in how many of all frames from the fault on *tracking* was said and
     /// wrong. `none` are the same runs without a fault. What is random is the same each time.
-    #[arg(long, value_name = "NAME:N|all", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
+    #[arg(long, value_name = "NAME:N|all|light", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
     /// Cover the lens in the middle of each recording for 300 frames, and measure what the trackers do [default methods: smr,robust]
     ///

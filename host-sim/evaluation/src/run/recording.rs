@@ -92,8 +92,8 @@ const MIB: u64 = 1 << 20;
 #[derive(Clone, Copy)]
 pub(crate) enum Intervention<'a> {
     None,
-    /// From this frame on the camera has a fault, as long as that goes.
-    Fault(usize, &'a Fault),
+    /// From the first to before the last of these frames the camera has a fault.
+    Fault(usize, usize, &'a Fault),
     /// Before this frame come so many that show nothing but the cover, or the frame of another scene.
     Cover(usize, usize, Cover, &'a GrayFrame),
 }
@@ -103,8 +103,8 @@ impl<'a> Intervention<'a> {
     fn shown(self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
         let own = std::iter::once(Cow::Borrowed(&frames[place]));
         match self {
-            Self::Fault(at, fault) if (at..at + fault.frames()).contains(&place) => {
-                let before = (&frames[at - 1], &frames[place - 1]);
+            Self::Fault(at, end, fault) if (at..end).contains(&place) => {
+                let before = (&frames[at.saturating_sub(1)], &frames[place.saturating_sub(1)]);
                 Box::new(fault.of(place - at, &frames[place], before, at as u64).map(Cow::Owned).into_iter())
             }
             Self::Cover(at, count, cover, other) if at == place => {
@@ -151,8 +151,8 @@ mod tests {
         let white = GrayFrame { pixels: vec![255], ..frames[0].clone() };
         let (gap, repeated): (Fault, Fault) = ("gap:2".parse().unwrap(), "repeated:2".parse().unwrap());
         assert_eq!(shown(Intervention::None), [(1, 1), (2, 2), (3, 3), (4, 4), (5, 5)]);
-        assert_eq!(shown(Intervention::Fault(2, &gap)), [(1, 1), (4, 4), (5, 5)]);
-        assert_eq!(shown(Intervention::Fault(2, &repeated)), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, 4, &gap)), [(1, 1), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, 4, &repeated)), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
         let covered = shown(Intervention::Cover(4, 2, Cover::Black, &white));
         assert_eq!(covered, [(1, 1), (2, 2), (3, 3), (4, 0), (4, 0), (4, 4), (5, 5)]);
     }
