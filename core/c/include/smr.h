@@ -84,7 +84,7 @@
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
-#define SMR_ROBUST_SAVED_SIZE 12342
+#define SMR_ROBUST_SAVED_SIZE 12346
 
 /** Bytes that #smr_save_copy writes in addition to those of #smr_save. */
 #define SMR_COPY_AROUND 8

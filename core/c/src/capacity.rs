@@ -43,7 +43,7 @@ pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
 pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
 /// `SMR_ROBUST_SAVED_SIZE` in the header.
-pub const ROBUST_SAVED_SIZE: usize = 11302 + SAVED_REFINER;
+pub const ROBUST_SAVED_SIZE: usize = 11306 + SAVED_REFINER;
 
 /// `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;

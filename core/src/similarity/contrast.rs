@@ -53,7 +53,7 @@ impl Contrast {
 /// The largest mean absolute deviation that a picture can have: half its pixels are 0, the others 255.
 const MOST_DEVIATION: u32 = 128;
 /// The target may have at most this many times the contrast of the patch.
-const SHOWN: u32 = 4;
+pub(crate) const SHOWN: u32 = 4;
 
 #[cfg(test)]
 mod tests {

@@ -10,7 +10,7 @@ mod table;
 #[cfg(any(test, feature = "verify"))]
 pub use crate::kernels::verify_filter;
 pub use crate::kernels::{Backend, CutTable, Scorer};
-pub(crate) use contrast::Contrast;
+pub(crate) use contrast::{Contrast, SHOWN};
 pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};

@@ -20,7 +20,7 @@ use crate::similarity::Table;
 use core::fmt;
 
 const MAGIC: [u8; 3] = *b"SMR";
-const VERSION: u16 = 3;
+const VERSION: u16 = 4;
 const HEAD: usize = 14;
 
 /// Bytes of a saved target without the state: the head, the `numbers` of the configuration, and the checksum.

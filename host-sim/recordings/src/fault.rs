@@ -57,7 +57,7 @@ enum Kind {
 /// How long a fault is that has another amount.
 const FRAMES: usize = 10;
 
-/// How long a change of light lasts, and how long dusk takes.
+/// How long a change of light lasts, and how long dusk takes: a hundredth in each frame.
 const LIT: usize = 150;
 const DUSK: usize = 100;
 
@@ -161,13 +161,10 @@ impl Fault {
             Kind::Light | Kind::Night => dim(pixels, amount.into(), &mut random),
             Kind::Dusk => {
                 let step = i64::try_from((index + 1).min(DUSK)).unwrap_or(0);
-                dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK as i64, &mut random);
+                dim(pixels, 100 + (i64::from(amount) - 100) * step / 100, &mut random);
             }
             Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
-            #[allow(clippy::cast_possible_truncation)] // 0 to 255
-            Kind::Gamma => {
-                relight(pixels, |level| (255.0 * (level as f64 / 255.0).powf(f64::from(amount) / 100.0)).round() as i64)
-            }
+            Kind::Gamma => pixels.iter_mut().for_each(|pixel| *pixel = raised(*pixel, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => shift(frame, pixels, usize::from(amount), usize::from(amount / 2)),
         }
@@ -197,6 +194,11 @@ fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
 /// So many hundredths as bright, with noise of one gray level.
 fn dim(pixels: &mut [u8], hundredths: i64, random: &mut Random) {
     relight(pixels, |level| level * hundredths / 100 + normal(random, 1));
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255
+fn raised(level: u8, power: f64) -> u8 {
+    (255.0 * (f64::from(level) / 255.0).powf(power)).round() as u8
 }
 
 fn clamped(level: i64) -> u8 {

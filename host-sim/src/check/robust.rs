@@ -247,7 +247,7 @@ mod tests {
     /// bounds that this recording does not meet.
     #[test]
     fn other_numbers_are_noticed() {
-        let others: [Change<Numbers>; 35] = [
+        let others: [Change<Numbers>; 36] = [
             ("pixels", |numbers| numbers.pixels = 1599),
             ("cell", |numbers| numbers.cell = 5),
             ("cover", |numbers| numbers.cover = (3.0, 2.0)),
@@ -271,7 +271,8 @@ mod tests {
             ("similarity_scale", |numbers| numbers.similarity_scale = 250.0),
             ("alpha_bounds.0", |numbers| numbers.alpha_bounds.0 = 99.0),
             ("alpha_bounds.1", |numbers| numbers.alpha_bounds.1 = 9.0),
-            ("most_gain", |numbers| numbers.most_gain = 1.0),
+            ("most_change", |numbers| numbers.most_change = 1.0),
+            ("gain_bounds.1", |numbers| numbers.gain_bounds.1 = 0.25),
             ("tiles_across", |numbers| numbers.tiles_across = 3),
             ("counted_ratio", |numbers| numbers.counted_ratio = 5),
             ("refined_from", |numbers| numbers.refined_from = 65_535.0),
@@ -323,6 +324,33 @@ mod tests {
         through(check, jumps.map(|at| frame(at, 32)).into_iter().chain(grows))
     }
 
+    /// The numbers of light that changes.
+    #[test]
+    fn other_numbers_of_light_are_noticed() {
+        let others: [Change<Numbers>; 3] = [
+            ("gain_bounds.0", |numbers| numbers.gain_bounds.0 = 0.5),
+            ("light_rate", |numbers| numbers.light_rate = 0.5),
+            ("least_window", |numbers| numbers.least_window = 16.0),
+        ];
+        assert_eq!(dimmed(Numbers::refined()).violation, None);
+        noticed(&others, dimmed);
+    }
+
+    /// A target whose contrast falls to a third, and then that of the whole picture to a sixth.
+    fn dimmed(numbers: Numbers) -> Report {
+        let frame = |(target, all): (i32, i32)| {
+            let mut frame = still(0);
+            for (at, pixel) in frame.pixels.iter_mut().enumerate() {
+                let inside = |place: usize| (14..46).contains(&place);
+                let of_target = if inside(at % 60) && inside(at / 60) { target } else { 6 };
+                *pixel = u8::try_from(110 + (i32::from(*pixel) - 110) * of_target * all / 36).unwrap();
+            }
+            frame
+        };
+        let check = lock("dimmed", numbers, Config::refined(), &frame((6, 6)), Rect::new(14, 14, 32, 32));
+        through(check, [(6, 6), (2, 6), (2, 6), (2, 6), (2, 1), (2, 1), (6, 1), (6, 1), (6, 6)].into_iter().map(frame))
+    }
+
     /// The bounds that only small, long and large targets meet.
     #[test]
     fn other_bounds_are_noticed() {
@@ -350,8 +378,9 @@ mod tests {
     /// The numbers of trust and of the sweep, on a target that is hidden and comes back elsewhere.
     #[test]
     fn other_numbers_of_trust_are_noticed() {
-        let others: [Change<Numbers>; 11] = [
+        let others: [Change<Numbers>; 12] = [
             ("least_contrast", |numbers| numbers.least_contrast = 0.0),
+            ("least_deviation", |numbers| numbers.least_deviation = 128.0),
             ("margin", |numbers| numbers.margin = 5),
             ("lost_below", |numbers| numbers.lost_below = 10_000.0),
             ("uncertain_below", |numbers| numbers.uncertain_below = 19_300.0),

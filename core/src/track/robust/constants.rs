@@ -86,13 +86,20 @@ pub(super) const TILES: u16 = 4;
 /// R with the least tile (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong frames are
 /// *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
-/// The least and the most alpha, in gray levels.
-pub(super) const LEAST_ALPHA: u32 = 8;
+/// The least and the most alpha, in gray levels. A matching pixel differs by less than alpha, so 2 allows the rounding
+/// of both.
+/// With 8, a target with little contrast matches whatever is as plain: see `lighting.rs`.
+pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
-/// The least and the most gain of the template's contrast, in units of 1/256: 1/2 and 2.
-/// R with an eighth as much (16) -0.005 +- 0.010: not certain.
-pub(super) const LEAST_GAIN: i32 = 128;
-pub(super) const MOST_GAIN: i32 = 512;
+/// A gain of the template's contrast of 1.
+pub(super) const ONE_GAIN: u32 = 256;
+/// The most expected gain: 16.
+pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
+/// The least contrast that a search window counts with, in units of 1/16 gray level: 1/4.
+pub(super) const LEAST_WINDOW: u32 = 4;
+/// The light follows that of a frame by 1/8.
+/// Wrong frames called *tracking* with all of it (0) +0.05 on half of the recordings.
+pub(super) const FOLLOWED: u32 = 3;
 /// Alpha for the quality of a target at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 

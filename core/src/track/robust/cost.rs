@@ -9,7 +9,7 @@ use super::grid::Extent;
 use super::refinement::REFINED;
 use super::response::CODED;
 use super::verification::COPIED;
-use super::{gradients, learning, refiner, response, scale, verification};
+use super::{gradients, learning, lighting, refiner, response, scale, verification};
 use crate::track::MostWork;
 use crate::track::budget::largest;
 
@@ -24,22 +24,28 @@ const fn update(config: &Config, extent: Extent) -> u32 {
     begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])
 }
 
+/// The most work for the features and the light of a search window.
+const fn window(extent: Extent) -> u32 {
+    gradients::most_work(extent) + lighting::most_work(extent)
+}
+
 /// The most work of a search with its verification.
 const fn search(extent: Extent) -> u32 {
-    gradients::most_work(extent) + response::most_work(extent) + verification::most_work(extent)
+    window(extent) + response::most_work(extent) + verification::most_work(extent)
 }
 
 /// The most work of a lock.
 const fn lock(config: &Config, extent: Extent) -> u32 {
     let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
     let step = CODED * extent.weights() + response::most_work(extent) + learning::most_work(extent);
-    crop + verification::most_of_a_view(extent) + gradients::most_work(extent) + FIRST_STEPS * step
+    crop + verification::most_of_a_view(extent) + window(extent) + FIRST_STEPS * step
 }
 
 /// The largest piece of work that cannot be divided.
 const fn piece(extent: Extent) -> u32 {
     largest(&[
-        gradients::most_of_a_piece(extent),
+        // The last row of features, and the light.
+        gradients::most_of_a_piece(extent) + lighting::most_work(extent),
         verification::most_of_a_piece(extent),
         REFINED * extent.pixels(),
         scale::most_of_a_piece(extent),

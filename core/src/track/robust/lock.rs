@@ -10,8 +10,9 @@
 
 use super::buffers::Buffers;
 use super::config::Config;
-use super::constants::{FIRST_RATE, FIRST_STEPS, QUALITY_ALPHA};
+use super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
 use super::learning::Learning;
+use super::lighting::{Light, measuring, window_contrast};
 use super::memory::Memory;
 use super::model::Model;
 use super::refiner::FirstCrop;
@@ -109,6 +110,7 @@ impl LockPipeline {
             }
             Stage::Features => {
                 if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                    self.measure_light(buffers, budget);
                     // All weights are 0, and so are their responses.
                     buffers.responses.clear(config.span());
                     self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
@@ -133,6 +135,12 @@ impl LockPipeline {
         let model = Model { config, memory, track: &self.track };
         model.begin_view(&self.track.motion.place, buffers);
         self.stage = Stage::Template;
+    }
+
+    /// The light of the lock, in which the gain is 1.
+    fn measure_light(&mut self, buffers: &Buffers, budget: &mut Budget) {
+        self.track.light = Light::of(ONE_GAIN, window_contrast(&buffers.large));
+        budget.spend(measuring(&buffers.large));
     }
 
     /// Changes the weights after a step of learning, and begins the responses of the next one.

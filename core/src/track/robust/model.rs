@@ -3,6 +3,7 @@
 use super::buffers::Buffers;
 use super::config::Config;
 use super::learning::{Learning, Training};
+use super::lighting::{measuring, window_contrast};
 use super::memory::Memory;
 use super::motion::Place;
 use super::response::layout;
@@ -28,6 +29,13 @@ impl Model<'_> {
     pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
         let lattice = Lattice::search_window(centre, &self.track.grid, self.config.reach());
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
+    }
+
+    /// Measures the light of the search window, whose features are computed.
+    #[inline(never)]
+    pub(super) fn measure_light(&self, buffers: &mut Buffers, budget: &mut Budget) {
+        buffers.comparison.expect(self.track.light, window_contrast(&buffers.large));
+        budget.spend(measuring(&buffers.large));
     }
 
     /// Begins the view of a place.

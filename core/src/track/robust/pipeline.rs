@@ -121,6 +121,7 @@ impl Pipeline {
             Stage::Done => {}
             Stage::Features => {
                 if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                    model.measure_light(buffers, budget);
                     self.stage = Stage::Response(0);
                 }
             }
@@ -268,6 +269,7 @@ impl Pipeline {
             let patch = buffers.comparison.patch(&track.grid, *alignment);
             patch.into_iter().for_each(|patch| memory.template.learn(patch, config.early_rate));
             memory.filter.descend(length, &buffers.coded);
+            track.light = track.light.following(buffers.comparison.light());
         }
         if track.confidence.state(config) == State::Tracking {
             track.tracked_scale = track.motion.place.scale;

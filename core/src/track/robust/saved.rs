@@ -4,6 +4,7 @@ use super::confidence::Confidence;
 use super::config::{Config, Parts};
 use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS};
 use super::grid::Grid;
+use super::lighting::Light;
 use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
@@ -17,7 +18,7 @@ use crate::track::{Quality, RestoreError, SaveError};
 /// The numbers of the configuration without the table.
 const NUMBERS: usize = 13;
 /// Bytes of a saved track.
-const TRACK: usize = 58;
+const TRACK: usize = 62;
 /// The most bytes of a saved target.
 pub(super) const SAVED_SIZE: usize =
     around(NUMBERS) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
@@ -50,6 +51,7 @@ impl Memory {
         to.i32(track.confidence.mean());
         to.u32(track.sweep.next);
         to.u16(track.quality.value());
+        to.u32(track.light.number());
         self.filter.weights().iter().for_each(|&weight| to.i32(weight));
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
         if config.refines() {
@@ -94,6 +96,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let confidence = Confidence::restore(from.i32()?)?;
     let sweep = Sweep { next: from.u32()? };
     let quality = Quality::of_value(from.u16()?);
+    let light = Light::restore(from.u32()?)?;
     let place = Place { x, y, scale };
     let farthest = i64::from(u16::MAX) << PIXEL_BITS;
     let possible = bounds.contains(target)
@@ -110,6 +113,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         sweep,
         quality,
         correction: Correction::NONE,
+        light,
     })
 }
 

@@ -3,6 +3,7 @@
 use super::confidence::Confidence;
 use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
+use super::lighting::Light;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
 use super::refiner::Correction;
@@ -24,6 +25,7 @@ pub(super) struct Track {
     pub(super) sweep: Sweep,
     pub(super) quality: Quality,
     pub(super) correction: Correction,
+    pub(super) light: Light,
 }
 
 impl Track {
@@ -38,6 +40,7 @@ impl Track {
             sweep: Sweep::new(),
             quality: Quality::NONE,
             correction: Correction::NONE,
+            light: Light::NONE,
         }
     }
 
@@ -49,7 +52,7 @@ impl Track {
         let Motion { place: Place { x, y, scale }, velocity: [right, down] } = motion;
         [x, y, right, down].into_iter().for_each(|place| owner.add_long(place));
         let mean = self.confidence.mean().cast_unsigned();
-        let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into()];
+        let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into(), self.light.number()];
         rest.into_iter().for_each(|number| owner.add(number));
         self.correction.identify(owner);
     }

@@ -18,7 +18,7 @@ use super::alignment::{Alignment, Search, in_view};
 use super::config::Config;
 use super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
 use super::grid::{Extent, Grid};
-use super::lighting;
+use super::lighting::{self, Light};
 use super::motion::Place;
 use super::sampling::{Lattice, SAMPLED, Sampling, most_read};
 use super::template::Template;
@@ -95,6 +95,10 @@ pub(super) struct Comparison {
     table: CutTable,
     /// The early template's own contrast.
     contrast: Contrast,
+    /// The contrast of the search window, the gain that it lets expect, and the gain of the last relighting.
+    window: u32,
+    expected: u32,
+    gain: u32,
     view: Vec<u8, VIEW>,
     relit: Vec<u8, MOST_PIXELS>,
 }
@@ -102,13 +106,31 @@ pub(super) struct Comparison {
 impl Comparison {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        Self { view: Vec::new(), relit: Vec::new(), table: const { CutTable::EMPTY }, contrast: Contrast::NONE }
+        Self {
+            view: Vec::new(),
+            relit: Vec::new(),
+            table: const { CutTable::EMPTY },
+            contrast: Contrast::NONE,
+            window: 0,
+            expected: 0,
+            gain: 0,
+        }
     }
 
     /// Measures the template's contrast, before an update.
     pub(super) fn begin(&mut self, reference: &Reference<'_>) {
         reference.template.copy_to(&mut self.relit);
         self.contrast = self.relit(reference.grid).map_or(Contrast::NONE, Contrast::of);
+    }
+
+    /// Sets the gain that is expected in the light of a search window, whose contrast is `window`.
+    pub(super) fn expect(&mut self, light: Light, window: u32) {
+        (self.window, self.expected) = (window, light.gain(window));
+    }
+
+    /// The light of the window and of the last patch.
+    pub(super) fn light(&self) -> Light {
+        Light::of(self.gain, self.window)
     }
 
     pub(super) fn table_mut(&mut self) -> &mut CutTable {
@@ -152,12 +174,13 @@ impl Comparison {
     /// target.
     #[inline(never)]
     fn relight(&mut self, reference: &Reference<'_>, alignment: Alignment) -> bool {
-        let Self { table, contrast, view, relit } = self;
+        let Self { table, contrast, view, relit, expected, .. } = self;
         let Some(patch) = patch(view, reference.grid, alignment) else { return false };
         reference.template.copy_to(relit);
-        let seen = lighting::relight(relit, *contrast, patch);
+        let (seen, gain) = lighting::relight(relit, *contrast, patch, *expected);
+        self.gain = gain;
         table.set(reference.config.table, lighting::alpha(seen));
-        seen.has_contrast_of(*contrast) && !seen.is_cut_off_beside(Contrast::NONE)
+        lighting::can_show(seen, *contrast, *expected)
     }
 
     /// The score of the aligned template in the light of its last relighting.
@@ -297,6 +320,7 @@ mod tests {
         let reference = Reference { config: &config, template: &early, grid: &grid };
         let mut comparison = std::boxed::Box::new(Comparison::new());
         comparison.begin(&reference);
+        comparison.expect(Light::of(256, 256), 256);
         comparison.view.resize_default((SIDE * SIDE).into()).unwrap();
         for (row, patch) in comparison.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
             row[MARGIN.into()..][..16].copy_from_slice(patch);
@@ -328,7 +352,6 @@ mod tests {
     #[test]
     fn a_plain_patch_does_not_agree() {
         let template: Pixels<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
-        // In its light the template's levels are 37 and 117; both differ by at least 8 from 90.
         assert_eq!(agreement(&template, &[90; 256]), 0);
     }
 }

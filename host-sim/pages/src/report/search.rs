@@ -8,7 +8,7 @@ use smr_core::unstable::followed;
 use smr_core::{Frame, Rect, Robust, State, Target, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
-use smr_reference::robust::{Lattice, Numbers, Patch, Picture, relit, threshold};
+use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Sight {
     /// The method's box; when lost, the last one that was believed, or the one that is followed meanwhile.
@@ -144,7 +144,7 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
     let numbers = Numbers::refined();
     let seen = lattice.sample(&numbers, &picture);
-    let lit = relit(&numbers, &early, &seen);
+    let lit = relit(&early, &seen, free_gain(&early, &seen));
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
     let byte = |level: f64| level as u8;
     let pairs = seen.pixels.iter().zip(&lit.pixels);

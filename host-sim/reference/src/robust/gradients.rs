@@ -25,6 +25,11 @@ impl Cells {
         &self.bytes[from..from + index(count) * CHANNELS]
     }
 
+    /// The gray of each cell, from -128 to 127.
+    pub fn grays(&self) -> impl Iterator<Item = f64> {
+        self.bytes.iter().skip(DIRECTIONS).step_by(CHANNELS).copied()
+    }
+
     pub fn cut(&self, x: i64, y: i64, across: i64, down: i64) -> Self {
         let bytes = (y..y + down).flat_map(|row| self.row(x, row, across)).copied().collect();
         Self { across, down, bytes }

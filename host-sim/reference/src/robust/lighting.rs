@@ -1,7 +1,8 @@
 //! Lighting: a template with the brightness and the contrast of what is seen.
 
 use super::Numbers;
-use super::rounding::{FINE, down, nearest, real};
+use super::gradients::Cells;
+use super::rounding::{FINE, LIGHT, down, nearest, real, to_zero};
 use super::sampling::Patch;
 
 /// The mean in whole gray levels, and the sum of all absolute deviations from it.
@@ -18,20 +19,55 @@ pub fn threshold(numbers: &Numbers, seen: &Patch) -> f64 {
     (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
 }
 
-/// True if `seen` can show `target`: its contrast is large enough, and not too many of its pixels are cut off at black or white.
-pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch) -> bool {
+/// The contrast of a search window: the mean absolute deviation of its cells' gray, on a grid of 1/16 gray level.
+pub fn window_contrast(numbers: &Numbers, cells: &Cells) -> f64 {
+    let count = real(cells.across * cells.down);
+    let mean = to_zero(cells.grays().sum::<f64>() / count, 1.0);
+    down(cells.grays().map(|gray| (gray - mean).abs()).sum::<f64>() / count, 16.0).max(numbers.least_window)
+}
+
+/// The light in which the target has this gain, and its window this contrast.
+pub fn light(gain: f64, window: f64) -> f64 {
+    down(gain / window, LIGHT)
+}
+
+/// The light after a frame whose light is `new`.
+pub fn followed(numbers: &Numbers, light: f64, new: f64) -> f64 {
+    light + down((new - light) * numbers.light_rate, LIGHT)
+}
+
+/// The gain that is expected in this light, if the search window has this contrast.
+pub fn expected_gain(numbers: &Numbers, light: f64, window: f64) -> f64 {
+    let (least, most) = numbers.gain_bounds;
+    down(light * window, FINE).clamp(least, most)
+}
+
+/// True if `seen` can show `target`: it has enough of the expected contrast, and not too many of its pixels are cut off at black or white.
+pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) -> bool {
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
     let cut_off = seen.pixels.iter().filter(|&&pixel| pixel <= 0.0 || pixel >= 255.0).count();
     #[allow(clippy::cast_precision_loss)] // a few thousand
     let part = cut_off as f64 / seen.pixels.len() as f64;
-    is >= was * numbers.least_contrast && part <= numbers.most_cut_off
+    is >= was * expected * numbers.least_contrast
+        && is >= real(seen.columns * seen.rows) * numbers.least_deviation
+        && part <= numbers.most_cut_off
 }
 
-/// `template` in the light of `seen`: the gain is on a grid of 1/256, its product with a deviation is rounded down.
-pub fn relit(numbers: &Numbers, template: &Patch, seen: &Patch) -> Patch {
-    let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));
+/// The contrast of `seen` over that of `template`, on a grid of 1/256.
+pub fn free_gain(template: &Patch, seen: &Patch) -> f64 {
     // Of a template without contrast nothing but its mean is left, whatever the gain.
-    let gain = down(is.1 / was.1.max(1.0), FINE).clamp(1.0 / numbers.most_gain, numbers.most_gain);
+    down(mean_and_deviation(seen).1 / mean_and_deviation(template).1.max(1.0), FINE)
+}
+
+/// The gain of `template` in the light of `seen`: near the expected one.
+pub fn gain(numbers: &Numbers, template: &Patch, seen: &Patch, expected: f64) -> f64 {
+    let least = down(expected / numbers.most_change, FINE).max(numbers.gain_bounds.0);
+    free_gain(template, seen).clamp(least, expected * numbers.most_change)
+}
+
+/// `template` with this gain and the brightness of `seen`. The product of the gain with a deviation is rounded down.
+pub fn relit(template: &Patch, seen: &Patch, gain: f64) -> Patch {
+    let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));
     let pixel = |pixel: &f64| (is.0 + ((pixel - was.0) * gain).floor()).clamp(0.0, 255.0);
     Patch { pixels: template.pixels.iter().map(pixel).collect(), ..*template }
 }

@@ -23,7 +23,7 @@ mod verification;
 
 pub use confidence::Decision;
 pub use gradients::Cells;
-pub use lighting::{relit, threshold};
+pub use lighting::{free_gain, relit, threshold};
 pub use numbers::{Numbers, Parts};
 pub use sampling::{Lattice, Patch, Picture, Shape};
 
@@ -66,6 +66,9 @@ struct Candidate {
     response: f64,
     aligned: Aligned,
     agreement: f64,
+    /// The contrast of the window, and the gain of the early template in the light of the patch.
+    window: f64,
+    gain: f64,
     /// The contrast there is enough for the target.
     can_show: bool,
 }
@@ -89,6 +92,8 @@ pub struct Reference {
     filter: Filter,
     /// A running mean on the grid of 1/256.
     early: Patch,
+    /// The gain of the early template for each gray level of contrast in the search window.
+    light: f64,
     mean_evidence: f64,
     /// The scale in the last frame with the decision tracking.
     tracked_scale: f64,
@@ -132,6 +137,7 @@ impl Reference {
             velocity: (0.0, 0.0),
             filter,
             early: without_margin(&numbers, &place.view(&numbers, &shape).sample(&numbers, &frame)),
+            light: lighting::light(1.0, lighting::window_contrast(&numbers, &window)),
             mean_evidence: FULL,
             tracked_scale: 1.0,
             next_window: 0,
@@ -206,6 +212,8 @@ impl Reference {
         let seen = candidate.evidence() >= self.numbers.learned_from;
         let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
         if learned {
+            let seen = lighting::light(candidate.gain, candidate.window);
+            self.light = lighting::followed(&self.numbers, self.light, seen);
             blend(&mut self.early, &candidate.aligned.seen, self.numbers.early_rate);
         }
         // In cells, on a grid of 1/256.
@@ -297,11 +305,14 @@ impl Reference {
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);
-        let aligned = refinement::aligned(&self.numbers, &self.similarity, &view, &self.early());
-        let can_show = lighting::can_show(&self.numbers, &self.early(), &aligned.seen);
-        let agreement =
-            if can_show { self.similarity.agreement(&self.numbers, &aligned.seen, &self.early()) } else { 0.0 };
-        Candidate { cells, responses, place, response, aligned, agreement, can_show }
+        let (numbers, early) = (&self.numbers, self.early());
+        let window = lighting::window_contrast(numbers, &cells);
+        let expected = lighting::expected_gain(numbers, self.light, window);
+        let aligned = refinement::aligned(numbers, &self.similarity, &view, &early, expected);
+        let gain = lighting::gain(numbers, &early, &aligned.seen, expected);
+        let can_show = lighting::can_show(numbers, &early, &aligned.seen, expected);
+        let agreement = if can_show { self.similarity.agreement(numbers, &aligned.seen, &early, gain) } else { 0.0 };
+        Candidate { cells, responses, place, response, aligned, agreement, window, gain, can_show }
     }
 
     /// Moves the place to the best alignment of the early template, if the agreement is high. Returns the growth of the target.
@@ -310,7 +321,7 @@ impl Reference {
             return None;
         }
         let (aligned, pixel) = (&candidate.aligned, self.shape.step_at(candidate.place.scale));
-        let step = refinement::step(&self.numbers, &self.early(), &aligned.seen);
+        let step = refinement::step(&self.numbers, &self.early(), &aligned.seen, candidate.gain);
         let place = candidate.place.moved((real(aligned.x) + step.x) * pixel, (real(aligned.y) + step.y) * pixel);
         candidate.place = place.inside(self.frame_size);
         Some(step.growth)

@@ -66,12 +66,18 @@ pub struct Numbers {
     pub early_rate: f64,
     /// Similarity: p = exp(-d / similarity_scale).
     pub similarity_scale: f64,
-    /// The most that the contrast of the template is changed by.
-    pub most_gain: f64,
+    /// The most that the gain of the template's contrast differs from the expected one, as a factor, and the bounds of the latter.
+    pub most_change: f64,
+    pub gain_bounds: (f64, f64),
+    /// The least contrast that a search window counts with, in gray levels.
+    pub least_window: f64,
+    /// The part by which the light follows that of a frame.
+    pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
-    /// A patch can show the target if its contrast is at least this fraction of the early template's, and at most this fraction of its pixels is
-    /// cut off at black or white.
+    /// A patch can show the target if its contrast is at least this fraction of the expected one and at least this many gray levels, and at most
+    /// this fraction of its pixels is cut off at black or white.
     pub least_contrast: f64,
+    pub least_deviation: f64,
     pub most_cut_off: f64,
     /// Verification: tiles on a side, and which of their sorted ratios counts (1 is the least).
     pub tiles_across: i64,
@@ -144,9 +150,13 @@ impl Numbers {
             most_scale: 5.0,
             early_rate: 1.0 / 1024.0,
             similarity_scale: 255.0,
-            most_gain: 2.0,
-            alpha_bounds: (8.0, 100.0),
+            most_change: 2.0,
+            gain_bounds: (1.0 / 256.0, 16.0),
+            least_window: 0.25,
+            light_rate: 0.125,
+            alpha_bounds: (2.0, 100.0),
             least_contrast: 0.25,
+            least_deviation: 1.0,
             most_cut_off: 0.5,
             tiles_across: 4,
             counted_ratio: 4,

@@ -1,7 +1,7 @@
 //! The exact place and size: the best alignment of the early template in pixels of the grid, then a Gauss-Newton step.
 
 use super::Numbers;
-use super::lighting::{relit, threshold};
+use super::lighting::{gain, relit, threshold};
 use super::rounding::{SCALE, SUB, real, to_zero};
 use super::sampling::Patch;
 use super::verification::Similarity;
@@ -16,12 +16,13 @@ pub struct Aligned {
 
 /// Scores nine alignments two pixels apart, then the eight around the best of them, with the template in the light of the middle. Of
 /// equal scores the first wins; the middle comes first, the others row by row.
-pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch) -> Aligned {
+pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch, expected: f64) -> Aligned {
     let margin = numbers.margin;
     let cut =
         |x: i64, y: i64| view.cut(margin + x, margin + y, early.columns, early.rows).expect("it lies in the view");
     let middle = cut(0, 0);
-    let (lit, alpha) = (relit(numbers, early, &middle), threshold(numbers, &middle));
+    let lit = relit(early, &middle, gain(numbers, early, &middle, expected));
+    let alpha = threshold(numbers, &middle);
     let (mut best, mut highest) = ((0, 0), similarity.score(&middle, &lit, alpha));
     for step in [numbers.coarse_step, 1] {
         let (x, y) = best;
@@ -45,8 +46,8 @@ pub struct Step {
 
 /// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth. The
 /// slope is that of the mean of both pictures.
-pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch) -> Step {
-    let (lit, alpha) = (relit(numbers, early, seen), threshold(numbers, seen));
+pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
+    let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, seen));
     let mut sums = [[0.0; 4]; 3];
     for (y, x) in (1..seen.rows - 1).flat_map(|y| (1..seen.columns - 1).map(move |x| (y, x))) {
         let both = |x: i64, y: i64| seen.row(x, y, 1)[0] + lit.row(x, y, 1)[0];

@@ -9,6 +9,9 @@ pub const SCALE: f64 = 65536.0;
 /// Fractions of what is mixed, means of gray levels, parts of a cell, and the box of an answer.
 pub const FINE: f64 = 256.0;
 
+/// The gain for each gray level of contrast in a search window.
+pub const LIGHT: f64 = 16384.0;
+
 /// Parts of a pixel of the grid.
 pub const SUB: f64 = 64.0;
 

@@ -19,8 +19,8 @@ impl Similarity {
     }
 
     /// The ratio of the tiles that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
-    pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch) -> f64 {
-        let lit = relit(numbers, early, seen);
+    pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch, gain: f64) -> f64 {
+        let lit = relit(early, seen, gain);
         let (alpha, across) = (threshold(numbers, seen), numbers.tiles_across);
         let mut ratios: Vec<f64> = (0..across * across)
             .map(|tile| {
