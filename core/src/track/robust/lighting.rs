@@ -5,7 +5,7 @@
 //! gain     = deviation(patch) / deviation(template), clamped to 1/2 to 2 times the expected gain
 //! expected = light * deviation(window), clamped to 1/256 to 16
 //! light'   = light + (gain / deviation(window) - light) / 8, after a frame from which the filter learns
-//! alpha    = deviation(patch), clamped to 2 to 100 gray levels
+//! alpha    = deviation(patch) or gain * deviation(template), whichever is less, clamped to 2 to 100 gray levels
 //! ```
 //!
 //! Light changes the contrast of the target and that of the search window around it by the same factor. So the
@@ -88,9 +88,12 @@ pub(super) fn window_contrast(cells: &[i8]) -> u32 {
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
-/// Alpha: a matching pixel differs by less than the deviation of the patch.
-pub(super) fn alpha(patch: Contrast) -> u16 {
-    u16::try_from((patch.deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
+/// Alpha: a matching pixel differs by less than the deviation of the patch and of the template with this gain. With
+/// the first alone, noise would match a template that has little contrast in the present light.
+pub(super) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
+    // At most 2^13 * 2^18.
+    let deviation = patch.deviation.min((gain * template.deviation) >> 8);
+    u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }
 
 /// True if a patch has at least a quarter of the expected contrast, at least one gray level, and not too many clipped
@@ -153,7 +156,9 @@ mod tests {
 
     #[test]
     fn alpha_has_bounds() {
-        assert_eq!([&[9][..], &[80, 120, 80, 121], &[0, 255]].map(|pixels| alpha(contrast(pixels))), [2, 20, 100]);
+        let of = |pixels: &[u8], gain| alpha(contrast(pixels), contrast(&[0, 255, 0, 255]), gain);
+        assert_eq!([of(&[9, 9, 9, 9], 256), of(&[80, 120, 80, 121], 256), of(&[0, 255, 0, 255], 512)], [2, 20, 100]);
+        assert_eq!(of(&[80, 120, 80, 121], 32), 15, "an eighth of 127");
     }
 
     /// The gain that is expected follows the contrast of the window.

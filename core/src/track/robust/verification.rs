@@ -179,7 +179,7 @@ impl Comparison {
         reference.template.copy_to(relit);
         let (seen, gain) = lighting::relight(relit, *contrast, patch, *expected);
         self.gain = gain;
-        table.set(reference.config.table, lighting::alpha(seen));
+        table.set(reference.config.table, lighting::alpha(seen, *contrast, gain));
         lighting::can_show(seen, *contrast, *expected)
     }
 

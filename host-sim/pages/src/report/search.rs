@@ -144,7 +144,8 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     let picture = Picture { pixels: &frame.pixels, width: frame.width.into(), height: frame.height.into() };
     let numbers = Numbers::refined();
     let seen = lattice.sample(&numbers, &picture);
-    let lit = relit(&early, &seen, free_gain(&early, &seen));
+    let gain = free_gain(&early, &seen);
+    let lit = relit(&early, &seen, gain);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
     let byte = |level: f64| level as u8;
     let pairs = seen.pixels.iter().zip(&lit.pixels);
@@ -153,7 +154,7 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
         pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
         template: lit.pixels.iter().copied().map(byte).collect(),
     };
-    let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &seen)).into()) };
+    let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: target, search: Some(search) }))
 }

@@ -12,9 +12,10 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// The threshold alpha of a comparison with `seen`: its mean absolute deviation, rounded down, within bounds.
-pub fn threshold(numbers: &Numbers, seen: &Patch) -> f64 {
-    let (_, deviation) = mean_and_deviation(seen);
+/// The threshold alpha of a comparison: the mean absolute deviation of what is seen or of the template with this gain, whichever is less,
+/// rounded down, within bounds.
+pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
+    let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
     let (least, most) = numbers.alpha_bounds;
     (deviation / real(seen.columns * seen.rows)).floor().clamp(least, most)
 }

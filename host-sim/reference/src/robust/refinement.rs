@@ -21,8 +21,8 @@ pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: 
     let cut =
         |x: i64, y: i64| view.cut(margin + x, margin + y, early.columns, early.rows).expect("it lies in the view");
     let middle = cut(0, 0);
-    let lit = relit(early, &middle, gain(numbers, early, &middle, expected));
-    let alpha = threshold(numbers, &middle);
+    let gain = gain(numbers, early, &middle, expected);
+    let (lit, alpha) = (relit(early, &middle, gain), threshold(numbers, early, &middle, gain));
     let (mut best, mut highest) = ((0, 0), similarity.score(&middle, &lit, alpha));
     for step in [numbers.coarse_step, 1] {
         let (x, y) = best;
@@ -47,7 +47,7 @@ pub struct Step {
 /// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth. The
 /// slope is that of the mean of both pictures.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
-    let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, seen));
+    let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];
     for (y, x) in (1..seen.rows - 1).flat_map(|y| (1..seen.columns - 1).map(move |x| (y, x))) {
         let both = |x: i64, y: i64| seen.row(x, y, 1)[0] + lit.row(x, y, 1)[0];

@@ -21,7 +21,7 @@ impl Similarity {
     /// The ratio of the tiles that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch, gain: f64) -> f64 {
         let lit = relit(early, seen, gain);
-        let (alpha, across) = (threshold(numbers, seen), numbers.tiles_across);
+        let (alpha, across) = (threshold(numbers, early, seen, gain), numbers.tiles_across);
         let mut ratios: Vec<f64> = (0..across * across)
             .map(|tile| {
                 let cut = |side: i64, number: i64| number * side / across;
