@@ -188,12 +188,13 @@ mod tests {
         parts.gated_learning = has(config, Part::GatedLearning);
         parts.sweep = config.sweep;
         parts.refiner = config.refiner;
+        parts.opinion = has(config, Part::Opinion);
         numbers
     }
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    const WITHOUT: [Change<Config>; 7] = [
+    const WITHOUT: [Change<Config>; 8] = [
         ("velocity", |config| *config = without(*config, Part::Velocity)),
         ("distance penalty", |config| *config = without(*config, Part::DistancePenalty)),
         ("size", |config| config.size = false),
@@ -201,6 +202,7 @@ mod tests {
         ("gated learning", |config| *config = without(*config, Part::GatedLearning)),
         ("sweep", |config| config.sweep = false),
         ("refiner", |config| config.refiner = false),
+        ("opinion", |config| *config = without(*config, Part::Opinion)),
     ];
 
     #[test]

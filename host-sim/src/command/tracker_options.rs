@@ -143,6 +143,8 @@ pub enum Part {
     Sweep,
     /// A small learned network corrects the box
     Refiner,
+    /// Its opinion of the box can make the state worse
+    Opinion,
 }
 
 impl Part {
@@ -161,6 +163,7 @@ impl Part {
             Self::GatedLearning => &mut parts.gated_learning,
             Self::Sweep => &mut parts.sweep,
             Self::Refiner => &mut parts.refiner,
+            Self::Opinion => &mut parts.opinion,
         }
     }
 
@@ -174,6 +177,7 @@ impl Part {
             Self::GatedLearning => *config = without(*config, unstable::Part::GatedLearning),
             Self::Sweep => config.sweep = false,
             Self::Refiner => config.refiner = false,
+            Self::Opinion => *config = without(*config, unstable::Part::Opinion),
         }
     }
 }

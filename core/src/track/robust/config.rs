@@ -32,8 +32,9 @@ pub struct Config {
     /// Whether a lost target is searched in the whole frame (redetection), or only in the window around its last place.
     pub sweep: bool,
     /// Whether a small learned network corrects the answered box. With it the box keeps to a target that comes nearer,
-    /// turns or changes its shape. It reads more of the frame: see [`Target::window`](crate::Target::window). In a
-    /// build without the feature `refiner`, [`Config::check`] refuses it.
+    /// turns or changes its shape. Where it does not recognise the target, the state is *uncertain* or *lost* at any
+    /// confidence. It reads more of the frame: see [`Target::window`](crate::Target::window). In a build without the
+    /// feature `refiner`, [`Config::check`] refuses it.
     pub refiner: bool,
     /// The inertia of the confidence: it keeps `patience` / 256 of its value in each frame, and follows the evidence by
     /// the rest. A higher value holds on to the target for longer: through short occlusions, but also through errors.
@@ -58,6 +59,7 @@ pub(super) struct Parts {
     pub(super) distance_penalty: bool,
     pub(super) verification: bool,
     pub(super) gated_learning: bool,
+    pub(super) opinion: bool,
 }
 
 /// A part of the robust tracker that [`without`](crate::unstable::without) leaves out.
@@ -72,6 +74,8 @@ pub enum Part {
     Verification,
     /// The tracker learns only from frames with enough evidence.
     GatedLearning,
+    /// The refiner's network can make the state worse.
+    Opinion,
 }
 
 impl Config {
@@ -90,7 +94,13 @@ impl Config {
             uncertain_below: 32_500,
             learning_rate: 160,
             early_rate: 1,
-            parts: Parts { velocity: true, distance_penalty: true, verification: true, gated_learning: true },
+            parts: Parts {
+                velocity: true,
+                distance_penalty: true,
+                verification: true,
+                gated_learning: true,
+                opinion: true,
+            },
         }
     }
 
@@ -110,6 +120,7 @@ impl Config {
             Part::DistancePenalty => self.parts.distance_penalty = false,
             Part::Verification => self.parts.verification = false,
             Part::GatedLearning => self.parts.gated_learning = false,
+            Part::Opinion => self.parts.opinion = false,
         }
         self
     }
@@ -123,6 +134,7 @@ impl Config {
             Part::DistancePenalty => self.parts.distance_penalty,
             Part::Verification => self.parts.verification,
             Part::GatedLearning => self.parts.gated_learning,
+            Part::Opinion => self.parts.opinion,
         }
     }
 
@@ -163,6 +175,11 @@ impl Config {
     /// Whether the refiner corrects the box. False in a build without it.
     pub(super) const fn refines(&self) -> bool {
         cfg!(feature = "refiner") && self.refiner
+    }
+
+    /// Whether the refiner's network can make the state worse.
+    pub(super) const fn has_opinion(&self) -> bool {
+        self.refines() && self.parts.opinion && self.parts.verification
     }
 
     pub(super) fn reach(&self) -> u16 {

@@ -3,6 +3,7 @@
 //! ```text
 //! search -> verification -> refinement -> scale -> decision
 //!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
+//!   if there is less:              -> refiner, for its opinion of the box
 //!   if the target is lost:         -> search -> verification, in a second window
 //! ```
 //!
@@ -161,9 +162,13 @@ impl Pipeline {
             Stage::Refiner(refiner) => {
                 let Buffers { extractor, large, .. } = buffers;
                 let (backend, first) = (model.config.backend(), &model.memory.first);
-                let correction = &mut self.track.correction;
-                if refiner.next_piece(backend, frame, first, extractor.sampling(), large, correction, budget) {
+                let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
+                if let Some(estimate) = estimate {
                     self.stage = Stage::Done;
+                    self.track.opinion.follow(estimate);
+                    if self.learned.is_some() {
+                        self.track.correction.take(estimate);
+                    }
                 }
             }
         }
@@ -232,6 +237,8 @@ impl Pipeline {
             // Cells and responses are still those of the first window.
             let target = offset(&model.track.grid, self.centre, candidate.place);
             self.stage = Stage::Learning(Learning::begin(target, model.config.learning_rate));
+        } else if candidate.visible && model.config.has_opinion() {
+            self.begin_refiner(buffers);
         }
     }
 
@@ -249,14 +256,15 @@ impl Pipeline {
         }
     }
 
-    /// Begins the refiner after learning, unless the early template gave the exact place and size. The window's
-    /// features are not needed any more, so the refiner uses their memory.
+    /// Begins the refiner, unless the early template gave the exact place and size. The window's features are not
+    /// needed any more, so the refiner uses their memory.
     #[inline(never)] // see `next_piece`
     fn begin_refiner(&mut self, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
         let Buffers { extractor, large, .. } = buffers;
         if candidate.is_exact() {
             track.correction.fade();
+            track.opinion.agree();
         } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
             self.stage = Stage::Refiner(refiner);
         }

@@ -8,7 +8,7 @@ use super::lighting::Light;
 use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-use super::refiner::{self, Correction, First};
+use super::refiner::{self, Correction, First, Opinion};
 use super::scale;
 use super::track::Track;
 use crate::image::Rect;
@@ -56,6 +56,7 @@ impl Memory {
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
         if config.refines() {
             track.correction.save(&mut to);
+            track.opinion.save(&mut to);
             self.first.save(&mut to);
         }
         Ok(to.finish())
@@ -72,6 +73,7 @@ impl Memory {
         let mut first = None;
         if config.refines() {
             track.correction = Correction::read(&mut from).ok_or(RestoreError::Damaged)?;
+            track.opinion = Opinion::read(&mut from).ok_or(RestoreError::Damaged)?;
             first = Some(First::read(&mut from).ok_or(RestoreError::Damaged)?);
         }
         if !from.is_empty() {
@@ -113,6 +115,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         sweep,
         quality,
         correction: Correction::NONE,
+        opinion: Opinion::BEST,
         light,
     })
 }
@@ -123,10 +126,10 @@ pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>,
 }
 
 /// The settings that answers depend on, without the table; the backend is none of them. The refiner comes last, because
-/// a flight record holds it only if it is on.
+/// a flight record holds it only if it is on: 1, or 2 with its opinion.
 #[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
-    let Parts { velocity, distance_penalty, verification, gated_learning } = config.parts;
+    let Parts { velocity, distance_penalty, verification, gated_learning, opinion } = config.parts;
     [
         (Setting::Size, config.size as u16),
         (Setting::Sweep, config.sweep as u16),
@@ -140,6 +143,6 @@ pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
         (Setting::UncertainBelow, config.uncertain_below),
         (Setting::LearningRate, config.learning_rate),
         (Setting::EarlyRate, config.early_rate),
-        (Setting::Refiner, config.refiner as u16),
+        (Setting::Refiner, config.refiner as u16 * (1 + opinion as u16)),
     ]
 }

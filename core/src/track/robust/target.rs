@@ -176,7 +176,7 @@ impl Target for Robust {
     }
 
     fn state(&self) -> Option<State> {
-        self.memory.track.map(|track| track.confidence.state(&self.config))
+        self.memory.track.map(|track| track.state(&self.config))
     }
 
     fn quality(&self) -> Option<Quality> {
@@ -291,7 +291,7 @@ impl Steps for Robust {
         }
         let fine = self.bbox().unwrap_or_default();
         let (state, confidence, scale) = self.memory.track.as_ref().map_or((State::Lost, 0, SCALE), |track| {
-            (track.confidence.state(&self.config), track.confidence.value(), track.motion.place.scale)
+            (track.state(&self.config), track.confidence.value(), track.motion.place.scale)
         });
         Answer {
             bbox: fine.whole(),

@@ -1,15 +1,16 @@
 //! The track of a target: what the tracker remembers of its place, size and state.
 
 use super::confidence::Confidence;
+use super::config::Config;
 use super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
 use super::lighting::Light;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-use super::refiner::Correction;
+use super::refiner::{Correction, Opinion};
 use crate::image::{FineRect, Rect};
-use crate::track::Quality;
 use crate::track::update::Owner;
+use crate::track::{Quality, State};
 
 /// The track of a target: place, velocity, scale, confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,7 @@ pub(super) struct Track {
     pub(super) sweep: Sweep,
     pub(super) quality: Quality,
     pub(super) correction: Correction,
+    pub(super) opinion: Opinion,
     pub(super) light: Light,
 }
 
@@ -40,6 +42,7 @@ impl Track {
             sweep: Sweep::new(),
             quality: Quality::NONE,
             correction: Correction::NONE,
+            opinion: Opinion::BEST,
             light: Light::NONE,
         }
     }
@@ -55,6 +58,14 @@ impl Track {
         let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into(), self.light.number()];
         rest.into_iter().for_each(|number| owner.add(number));
         self.correction.identify(owner);
+        self.opinion.identify(owner);
+    }
+
+    /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.
+    #[inline(never)]
+    pub(super) fn state(&self, config: &Config) -> State {
+        let (state, opinion) = (self.confidence.state(config), self.opinion.state());
+        if config.has_opinion() && opinion.code() > state.code() { opinion } else { state }
     }
 
     /// The box of the answer: the followed box, corrected by the refiner.

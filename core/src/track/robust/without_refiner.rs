@@ -4,6 +4,7 @@
 use super::sampling::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::Backend;
+use crate::track::State;
 use crate::track::budget::Budget;
 use crate::track::saved::{Reader, Writer};
 use crate::track::update::Owner;
@@ -13,11 +14,15 @@ pub(super) const SAVED: usize = 0;
 pub(super) const CROP_WORK: u32 = 0;
 pub(super) const WORK: u32 = 0;
 
+type Outputs = [i32; 6];
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Correction;
 
 impl Correction {
     pub(super) const NONE: Self = Self;
+
+    pub(super) fn take(&mut self, _: Outputs) {}
 
     pub(super) fn fade(&mut self) {}
 
@@ -28,6 +33,29 @@ impl Correction {
     pub(super) fn identify(&self, _: &mut Owner) {}
 
     pub(super) fn save(&self, _: &mut Writer<'_>) {}
+
+    pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
+        Some(Self)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Opinion;
+
+impl Opinion {
+    pub(super) const BEST: Self = Self;
+
+    pub(super) fn follow(&mut self, _: Outputs) {}
+
+    pub(super) fn agree(&mut self) {}
+
+    pub(super) fn state(self) -> State {
+        State::Tracking
+    }
+
+    pub(super) fn identify(self, _: &mut Owner) {}
+
+    pub(super) fn save(self, _: &mut Writer<'_>) {}
 
     pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
         Some(Self)
@@ -76,7 +104,6 @@ impl Refiner {
         None
     }
 
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn next_piece(
         &mut self,
         _: Backend,
@@ -84,9 +111,8 @@ impl Refiner {
         _: &First,
         _: &mut Sampling,
         _: &mut [i8],
-        _: &mut Correction,
         _: &mut Budget,
-    ) -> bool {
+    ) -> Option<Outputs> {
         match *self {}
     }
 }

@@ -3,7 +3,8 @@
 use super::Numbers;
 use super::gaussian::ONE;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// From the best to the worst.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decision {
     Tracking,
     Uncertain,
@@ -25,10 +26,13 @@ pub fn running_mean(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
 }
 
 pub fn decision(numbers: &Numbers, mean: f64) -> Decision {
-    let confidence = confidence(mean);
-    if confidence < numbers.lost_below {
+    decided(confidence(mean), numbers.lost_below, numbers.uncertain_below)
+}
+
+pub fn decided(trust: f64, lost_below: f64, uncertain_below: f64) -> Decision {
+    if trust < lost_below {
         Decision::Lost
-    } else if confidence < numbers.uncertain_below {
+    } else if trust < uncertain_below {
         Decision::Uncertain
     } else {
         Decision::Tracking

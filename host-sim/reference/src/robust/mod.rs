@@ -204,7 +204,7 @@ impl Reference {
         let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
         let mut candidate = self.candidate(&frame, &coded, centre);
         let growth = self.refine(&mut candidate);
-        let was_lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
+        let was_lost = self.decision() == Decision::Lost;
         if parts.verification {
             self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
         }
@@ -250,21 +250,21 @@ impl Reference {
             let sample = Sample { cells: &cells, responses: &responses, target };
             self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step);
         }
-        let decision = decision(&self.numbers, self.mean_evidence);
-        if decision == Decision::Tracking {
+        if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
             self.tracked_scale = self.place.scale;
         }
         let (mut fine, scale) = (self.place.bbox(self.target_size), self.place.scale);
         if let Some(refiner) = &mut self.refiner {
             if learned && candidate.agreement >= self.numbers.refined_from {
-                refiner.fade();
-            } else if learned {
-                refiner.update(&self.numbers, &frame, fine);
+                refiner.fade(&self.numbers);
+            } else if learned || (parts.opinion && parts.verification && !lost && candidate.can_show) {
+                refiner.update(&self.numbers, &frame, fine, learned);
             }
             fine = refiner.correct(fine);
         }
         let (response, ratio, confidence) = (candidate.response, candidate.agreement, confidence(self.mean_evidence));
         let bbox = whole_box(fine);
+        let decision = self.decision();
         let (found, found_again) = (is_found, was_lost && decision != Decision::Lost);
         Step {
             cells,
@@ -281,6 +281,14 @@ impl Reference {
             found,
             found_again,
         }
+    }
+
+    /// That of the mean evidence, or of the network's opinion if that is worse.
+    fn decision(&self) -> Decision {
+        let Numbers { parts, .. } = self.numbers;
+        let refiner = self.refiner.as_ref().filter(|_| parts.opinion && parts.verification);
+        let opinion = refiner.map_or(Decision::Tracking, |refiner| refiner.decision(&self.numbers));
+        decision(&self.numbers, self.mean_evidence).max(opinion)
     }
 
     fn expected(&self) -> Place {

@@ -12,6 +12,8 @@ pub struct Parts {
     pub sweep: bool,
     /// A learned network corrects the box.
     pub refiner: bool,
+    /// It can make the decision worse. Needs the refiner and verification.
+    pub opinion: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -100,6 +102,11 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
+    /// The network's opinion of the box: the most trust, the weight of a frame's trust, and the bounds of the decisions.
+    pub most_trust: f64,
+    pub opinion_rate: f64,
+    pub opinion_lost_below: f64,
+    pub opinion_uncertain_below: f64,
     /// The evidence from which a frame is learned.
     pub learned_from: f64,
     /// Redetection: the least evidence, and how much more it must be than at the followed place.
@@ -119,6 +126,7 @@ impl Numbers {
                 gated_learning: true,
                 sweep: true,
                 refiner: true,
+                opinion: true,
             },
             pixels: 1600,
             least_step: 0.5,
@@ -171,6 +179,10 @@ impl Numbers {
             most_lead: 29_000.0,
             lost_below: 19_200.0,
             uncertain_below: 32_500.0,
+            most_trust: 3.0,
+            opinion_rate: 0.125,
+            opinion_lost_below: 0.8,
+            opinion_uncertain_below: 1.16,
             learned_from: 37_500.0,
             found_from: 52_000.0,
             better_by: 16_000.0,

@@ -1,8 +1,9 @@
-//! The refiner: the box corrected by a learned network of four convolutions and two full layers.
+//! The refiner: the box corrected by a learned network of four convolutions and two full layers, and its opinion of the box.
 //!
 //! The weights are those that training wrote (`weights.bin`), given by the caller; all arithmetic is written anew. A layer's sum is exact in f64, then rounded down on a grid.
 
 use super::Numbers;
+use super::confidence::{Decision, decided};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
 use super::sampling::{Lattice, Picture};
 
@@ -58,8 +59,8 @@ fn activation(sum: f64, divisor: f64) -> f64 {
     (sum / divisor).floor().clamp(0.0, 127.0)
 }
 
-/// The network's estimate for two crops: right, down, width, height.
-fn network(weights: &[u8], first: &[f64], present: &[f64]) -> [f64; 4] {
+/// The network's estimate for two crops: right, down, width, height; the logarithms of the spreads of place and size.
+fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
     let mut map = Map { side: SIDE, channels: 2, beyond: MEAN, numbers: both };
@@ -83,7 +84,7 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> [f64; 4] {
         // The last layer's sums are the outputs.
         numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
     }
-    [numbers[0], numbers[1], numbers[2], numbers[3]].map(|sum| sum / ESTIMATE)
+    numbers.iter().map(|sum| sum / ESTIMATE).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -112,11 +113,14 @@ pub struct Refiner {
     first: Vec<f64>,
     centre: [f64; 2],
     sides: [f64; 2],
+    /// The running mean of trust: how little the network expects to err.
+    opinion: f64,
 }
 
 impl Refiner {
     pub fn new(numbers: &Numbers, weights: &'static [u8], frame: &Picture<'_>, target: [f64; 4]) -> Self {
-        Self { weights, first: crop(numbers, frame, target), centre: [0.0; 2], sides: [1.0; 2] }
+        let first = crop(numbers, frame, target);
+        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust }
     }
 
     pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
@@ -129,22 +133,38 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Looks at the corrected box, and corrects the correction: by a quarter of the network's estimate, less a sixteenth of all.
-    pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) {
+    /// Looks at the corrected box, and follows the network's trust in it. If the frame was learned, it also corrects the correction: by a
+    /// quarter of the network's estimate, less a sixteenth of all.
+    pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
-        let [right, below, width, height] =
-            network(self.weights, &self.first, &present).map(|estimate| estimate.clamp(-1.0, 1.0));
-        for (centre, estimate) in self.centre.iter_mut().zip([right, below]) {
-            *centre = down((*centre + estimate / 4.0) * 15.0 / 16.0, ESTIMATE).clamp(-0.5, 0.5);
+        let estimates = network(self.weights, &self.first, &present);
+        self.follow(numbers, -(estimates[4] + estimates[5]));
+        if !learned {
+            return;
         }
-        for (side, estimate) in self.sides.iter_mut().zip([width, height]) {
-            let grown = *side + down(*side * estimate / 4.0, SCALE);
+        for (centre, estimate) in self.centre.iter_mut().zip(&estimates[..2]) {
+            *centre = down((*centre + estimate.clamp(-1.0, 1.0) / 4.0) * 15.0 / 16.0, ESTIMATE).clamp(-0.5, 0.5);
+        }
+        for (side, estimate) in self.sides.iter_mut().zip(&estimates[2..4]) {
+            let grown = *side + down(*side * estimate.clamp(-1.0, 1.0) / 4.0, SCALE);
             *side = (1.0 + down((grown - 1.0) * 15.0 / 16.0, SCALE)).clamp(0.5, 2.0);
         }
     }
 
-    /// Place and size are exact without a correction: it fades by a quarter.
-    pub fn fade(&mut self) {
+    /// The opinion after a frame with this trust.
+    fn follow(&mut self, numbers: &Numbers, trust: f64) {
+        let trust = trust.clamp(0.0, numbers.most_trust);
+        self.opinion += down((trust - self.opinion) * numbers.opinion_rate, ESTIMATE);
+    }
+
+    /// The best decision that the opinion allows.
+    pub fn decision(&self, numbers: &Numbers) -> Decision {
+        decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
+    }
+
+    /// Place and size are exact without a correction: it fades by a quarter, and there is full trust.
+    pub fn fade(&mut self, numbers: &Numbers) {
+        self.follow(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }

@@ -9,6 +9,7 @@
 //! would add up. If the early template gives the exact place and size, the network does not run, and the correction
 //! fades by a quarter.
 
+use super::network::Outputs;
 use crate::image::FineRect;
 use crate::track::saved::{Reader, Writer};
 use crate::track::update::Owner;
@@ -36,8 +37,8 @@ impl Correction {
     /// The correction after a lock.
     pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
-    /// Adds an estimate: right, down, logarithms of width and height, in units of 1/4096.
-    pub(super) fn take(&mut self, [right, down, width, height]: [i32; 4]) {
+    /// Adds an estimate.
+    pub(in super::super) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
         let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
@@ -107,7 +108,7 @@ mod tests {
     fn no_correction_changes_nothing() {
         assert_eq!(Correction::NONE.correct(BOX), BOX);
         let mut still = Correction::NONE;
-        still.take([0; 4]);
+        still.take([0; 6]);
         assert_eq!(still, Correction::NONE);
     }
 
@@ -125,7 +126,7 @@ mod tests {
         for estimate in [i32::MIN, -4096, 4096, i32::MAX] {
             let mut correction = Correction::NONE;
             for _ in 0..100 {
-                correction.take([estimate; 4]);
+                correction.take([estimate; 6]);
             }
             let Correction { centre, sides } = correction;
             assert_eq!(Correction::restore(centre, sides), Some(correction), "{estimate}");
@@ -140,7 +141,7 @@ mod tests {
     fn a_correction_fades() {
         let mut correction = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         for _ in 0..200 {
-            correction.take([0; 4]);
+            correction.take([0; 6]);
         }
         let mut faded = Correction { centre: [500, -500], sides: [ONE + 9000, ONE - 9000] };
         faded.fade();

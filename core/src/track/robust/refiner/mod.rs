@@ -4,26 +4,30 @@
 //! nearer or turns. The network compares the target in the first frame and in the present one, and estimates the error
 //! of the box ([`network`]). The estimates are carried from frame to frame ([`correction`]). It corrects only the
 //! answer: place and scale of the tracker, and what it learns, stay as they are. (Moving the place or changing the
-//! scale by the estimates gained nothing on the recordings.)
+//! scale by the estimates gained nothing on the recordings.) The network also estimates how far it may err, and that
+//! can make the state of the answer worse ([`opinion`]).
 //!
 //! ```text
-//! after learning:  crop -> layers 1 to 4 -> two full layers -> correction
-//! at a lock:       crop, which is kept
+//! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
+//! at a lock:                crop, which is kept
 //! ```
 //!
-//! It runs only in frames that the tracker learns from, so that an uncertain view changes no box. It does not run if
-//! the early template gives the exact place and size. Cost: 1024 samples and 428,176 products.
+//! It corrects the box only in frames that the tracker learns from, so that an uncertain view changes no box. It does
+//! not run if the early template gives the exact place and size, if the patch cannot show the target, or if evidence
+//! says that the target is lost. Cost: 1024 samples and 428,176 products.
 
 mod correction;
 mod crop;
 mod first;
 mod network;
+mod opinion;
 
 pub(super) use correction::Correction;
 pub(super) use crop::reachable;
 pub(super) use first::{First, FirstCrop};
 #[cfg(feature = "unstable")]
 pub(crate) use network::REFINER_WEIGHTS;
+pub(super) use opinion::Opinion;
 
 use super::sampling::Sampling;
 use crate::image::{FineRect, Frame, Rect};
@@ -31,10 +35,10 @@ use crate::kernels::{Backend, Dense};
 use crate::track::budget::Budget;
 use crop::Crop;
 use heapless::Vec;
-use network::{Layers, ROOM};
+use network::{Layers, Outputs, ROOM};
 
 /// Bytes that the refiner adds to a saved target.
-pub(super) const SAVED: usize = Correction::SAVED + First::SAVED;
+pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVED;
 /// The most work of a crop, and of the refiner in a frame.
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
@@ -63,8 +67,7 @@ impl Refiner {
         Some(Self::Crop(Crop::begin(target, bounds, sampling)))
     }
 
-    /// Does one piece of work. After the last one adds the network's estimate to `correction` and returns true.
-    #[allow(clippy::too_many_arguments)]
+    /// Does one piece of work. Returns the network's estimate after the last one.
     pub(super) fn next_piece(
         &mut self,
         backend: Backend,
@@ -72,21 +75,17 @@ impl Refiner {
         first: &First,
         sampling: &mut Sampling,
         bytes: &mut [i8],
-        correction: &mut Correction,
         budget: &mut Budget,
-    ) -> bool {
+    ) -> Option<Outputs> {
         match self {
             Self::Crop(crop) => {
                 let present = network::room_for_crop(bytes);
                 if present.is_none_or(|present| crop.next_row(frame, sampling, present, budget)) {
                     *self = Self::Layers(Layers::begin(first.crop(), bytes, budget));
                 }
-                false
+                None
             }
-            Self::Layers(layers) => {
-                let estimate = layers.next_row(Dense::new(backend), bytes, budget);
-                estimate.map(|estimate| correction.take(estimate)).is_some()
-            }
+            Self::Layers(layers) => layers.next_row(Dense::new(backend), bytes, budget),
         }
     }
 }

@@ -12,8 +12,8 @@
 //! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. The unit of
 //! inputs and outputs is 1/16, that of weights 2^-shift (2^-8 in the last layer). Beyond the edge, the inputs of the
 //! first layer are 64, those of the others 0. The six outputs, in units of 1/4096: the shift of the centre to the right
-//! and down, in sides of the box; the logarithms of the factors of width and height; and two for the spread of the
-//! estimates, which only training uses.
+//! and down, in sides of the box; the logarithms of the factors of width and height; and those of the spread of the
+//! place and of the size, in units of e^-1.5 sides.
 //!
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
 //! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
@@ -22,9 +22,9 @@ use super::crop::{MEAN, SAMPLES, SIDE};
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::budget::{Budget, units};
 
-/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height.
-/// Unit: 1/4096.
-pub(super) type Outputs = [i32; 4];
+/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height, of
+/// the spread of the place and of the size. Unit: 1/4096.
+pub(in super::super) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
 const BYTES: usize = 4 * ALL_BIASES + ALL_WEIGHTS;
@@ -170,7 +170,7 @@ impl Layers {
     /// Computes a row of a convolution, or both full layers. Returns the outputs after the last piece.
     #[inline(never)]
     pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
-        let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 4]) };
+        let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 6]) };
         let Some(&convolution) = CONVOLUTIONS.get(self.number) else {
             return Some(full(dense, even, budget));
         };
@@ -234,8 +234,7 @@ fn full(dense: Dense, inputs: &[i8], budget: &mut Budget) -> Outputs {
     let number = CONVOLUTIONS.len();
     dense.outputs(layer(number, FULL_SHIFT), inputs.get(..count).unwrap_or_default(), &mut [], &mut hidden);
     budget.spend(units(outputs * (count + last)));
-    let [right, down, width, height, ..] = Dense::sums::<6>(layer(number + 1, 0), &hidden);
-    [right, down, width, height]
+    Dense::sums(layer(number + 1, 0), &hidden)
 }
 
 #[cfg(test)]

@@ -1,0 +1,107 @@
+//! The network's opinion of the box, which can make the state worse: a running mean of how little it expects to err.
+//!
+//! ```text
+//! trust    = -(log spread of the place + log spread of the size), between 0 and 3
+//! opinion' = opinion + (trust - opinion) / 8              a match of the early template that is exact counts as a trust of 3
+//! ```
+//!
+//! Training asks the network how far its estimates of place and size spread. Where the crop does not show the first
+//! frame's target, they spread widely. The filter cannot say that: it learns what it follows.
+//!
+//! The opinion changes nothing but the state. (Learning, peaks and redetection by it gained nothing on the recordings.)
+
+use super::network::Outputs;
+use crate::track::State;
+use crate::track::saved::{Reader, Writer};
+use crate::track::update::Owner;
+
+/// The most trust. Trust and opinion are in units of 1/4096.
+const MOST: i32 = 3 << 12;
+/// The target is uncertain while the opinion is below this.
+const UNCERTAIN_BELOW: i32 = 4752;
+/// It is lost while the opinion is below this.
+const LOST_BELOW: i32 = 3277;
+
+/// The opinion: 0 to `MOST`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) struct Opinion(i32);
+
+impl Opinion {
+    /// The opinion after a lock.
+    pub(in super::super) const BEST: Self = Self(MOST);
+
+    /// Follows the spreads of an estimate.
+    pub(in super::super) fn follow(&mut self, [.., place, size]: Outputs) {
+        self.near((-(place + size)).clamp(0, MOST));
+    }
+
+    /// Follows a match of the early template that gives the exact place and size.
+    pub(in super::super) fn agree(&mut self) {
+        self.near(MOST);
+    }
+
+    fn near(&mut self, trust: i32) {
+        self.0 += (trust - self.0) >> 3;
+    }
+
+    /// The best state that this opinion allows.
+    pub(in super::super) fn state(self) -> State {
+        if self.0 < LOST_BELOW {
+            State::Lost
+        } else if self.0 < UNCERTAIN_BELOW {
+            State::Uncertain
+        } else {
+            State::Tracking
+        }
+    }
+
+    pub(in super::super) fn identify(self, owner: &mut Owner) {
+        owner.add(self.0.cast_unsigned());
+    }
+
+    /// Bytes of the saved form.
+    pub(super) const SAVED: usize = 4;
+
+    pub(in super::super) fn save(self, to: &mut Writer<'_>) {
+        to.i32(self.0);
+    }
+
+    /// Reads a saved opinion; `None` if it is out of range.
+    pub(in super::super) fn read(from: &mut Reader<'_>) -> Option<Self> {
+        from.i32().filter(|opinion| (0..=MOST).contains(opinion)).map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest sums of the network are below 2^28.
+    #[test]
+    fn the_same_spreads_again_and_again_stay_within_bounds() {
+        const LARGEST: i32 = 1 << 28;
+        for (spread, end) in [(LARGEST, 0), (0, 0), (-6000, 11_993), (-LARGEST, MOST)] {
+            let mut opinion = Opinion::BEST;
+            for _ in 0..100 {
+                opinion.follow([0, 0, 0, 0, spread, spread]);
+                assert!((0..=MOST).contains(&opinion.0));
+            }
+            assert!((opinion.0 - end).abs() < 8, "{spread}: {opinion:?}");
+        }
+    }
+
+    #[test]
+    fn states_begin_at_their_thresholds() {
+        let states =
+            [0, LOST_BELOW - 1, LOST_BELOW, UNCERTAIN_BELOW - 1, UNCERTAIN_BELOW, MOST].map(|of| Opinion(of).state());
+        use State::{Lost, Tracking, Uncertain};
+        assert_eq!(states, [Lost, Lost, Uncertain, Uncertain, Tracking, Tracking]);
+    }
+
+    #[test]
+    fn an_exact_match_restores_trust() {
+        let mut opinion = Opinion(0);
+        (0..8).for_each(|_| opinion.agree());
+        assert_eq!(opinion.state(), State::Tracking);
+    }
+}
