@@ -80,11 +80,11 @@
 /** The most bytes that #smr_save writes for the paper's tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
-#define SMR_ROBUST_TARGET_SIZE (12392 + 6 * sizeof(size_t))
+#define SMR_ROBUST_TARGET_SIZE (12400 + 6 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
-#define SMR_ROBUST_SAVED_SIZE 12346
+#define SMR_ROBUST_SAVED_SIZE 12350
 
 /** Bytes that #smr_save_copy writes in addition to those of #smr_save. */
 #define SMR_COPY_AROUND 8

@@ -32,9 +32,9 @@ pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
 /// Bytes that the refiner adds to a target. The header leaves room for them, so that it fits the library with and
 /// without the refiner.
-pub(crate) const REFINER: usize = 1048;
+pub(crate) const REFINER: usize = 1056;
 /// Bytes that it adds to the saved form.
-const SAVED_REFINER: usize = 1040;
+const SAVED_REFINER: usize = 1044;
 
 /// `SMR_ROBUST_TARGET_SIZE` in the header.
 pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();

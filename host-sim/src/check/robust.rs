@@ -397,6 +397,40 @@ mod tests {
         noticed(&others, hidden);
     }
 
+    /// The numbers of the network's opinion, which alone decides here, on a target that is hidden by noise and comes back.
+    #[test]
+    fn other_numbers_of_the_opinion_are_noticed() {
+        let others: [Change<Numbers>; 5] = [
+            ("most_trust", |numbers| numbers.most_trust = 2.0),
+            ("opinion_rate", |numbers| numbers.opinion_rate = 0.25),
+            ("opinion_lost_below", |numbers| numbers.opinion_lost_below = 1.0),
+            ("opinion_uncertain_below", |numbers| numbers.opinion_uncertain_below = 1.0),
+            ("parts.opinion", |numbers| numbers.parts.opinion = false),
+        ];
+        let noisy = |mut numbers: Numbers| {
+            let mut config = Config::refined();
+            (config.lost_below, config.uncertain_below) = (0, 0);
+            (numbers.lost_below, numbers.uncertain_below) = (0.0, 0.0);
+            let noise = |at: usize, step: usize| (at + step * 19_200).wrapping_mul(2_654_435_761) >> 13;
+            let frame = |step: usize| {
+                let mut pixels = vec![100; 160 * 120];
+                for (at, pixel) in pixels.iter_mut().enumerate() {
+                    let (column, row) = ((at % 160).wrapping_sub(60), (at / 160).wrapping_sub(40));
+                    if (5..40).contains(&step) {
+                        *pixel = u8::try_from(noise(at, step) % 256).unwrap();
+                    } else if column < 40 && row < 40 {
+                        *pixel = tiles(40, 40, |x, y| (x, y))[row * 40 + column];
+                    }
+                }
+                GrayFrame { width: 160, height: 120, pixels }
+            };
+            let check = lock("noisy", numbers, config, &frame(0), Rect::new(60, 40, 40, 40));
+            through(check, (1..50).map(frame))
+        };
+        assert_eq!(noisy(Numbers::refined()).violation, None);
+        noticed(&others, noisy);
+    }
+
     /// What is cut off at black and white, though it has contrast, shows nothing.
     #[test]
     fn another_part_that_is_cut_off_is_noticed() {

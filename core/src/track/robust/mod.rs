@@ -27,9 +27,9 @@
 //!     |
 //!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        1.59
 //!     |
-//!  refiner       the box by a small learned network (feature `refiner`)                               0.76
+//!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it        0.76
 //!     |
-//!   answer                                                                                    4.55 in all
+//!   answer        its state is the worse of those of confidence and opinion                   4.55 in all
 //! ```
 //!
 //! The numbers are measured with the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The sum is a

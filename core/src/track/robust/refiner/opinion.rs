@@ -18,9 +18,9 @@ use crate::track::update::Owner;
 /// The most trust. Trust and opinion are in units of 1/4096.
 const MOST: i32 = 3 << 12;
 /// The target is uncertain while the opinion is below this.
-const UNCERTAIN_BELOW: i32 = 4752;
+const UNCERTAIN_BELOW: i32 = 4864;
 /// It is lost while the opinion is below this.
-const LOST_BELOW: i32 = 3277;
+const LOST_BELOW: i32 = 2868;
 
 /// The opinion: 0 to `MOST`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
