@@ -46,12 +46,12 @@ fn ablation_has_a_row_for_every_part() {
     let names = text.lines().skip(1).map(|line| line.split("  ").next().unwrap());
     let expected = ["smr", "robust", "without velocity", "without distance-penalty", "without size"];
     assert_eq!(names.clone().take(5).collect::<Vec<_>>(), expected);
-    assert_eq!(names.count(), 9);
+    assert_eq!(names.count(), 10);
 
     let report = json(&said(ABLATION, &["synthetic", "--starts-every", "150", "--json"]));
     let rows = |name: &str| report[name].as_array().unwrap().len();
-    assert_eq!(["measured", "starts", "means", "paired", "calibration"].map(rows), [9, 18, 9, 0, 360]);
-    assert_eq!(report["means"][8]["tracker"], "without refiner");
+    assert_eq!(["measured", "starts", "means", "paired", "calibration"].map(rows), [10, 20, 10, 0, 400]);
+    assert_eq!(report["means"][9]["tracker"], "without opinion");
     // What `host-sim eval --robustness` measures.
     let whole = [Variant::new(MethodKind::Robust, &robust::Config::robust().into())];
     let open = |path: &Path| smr_recordings::open(path, &OpenOptions::default());
