@@ -17,7 +17,8 @@ pub enum smr_state {
     /// something else. Never from the paper's tracker.
     SMR_UNCERTAIN = 2,
     /// The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is
-    /// its current best guess. Nothing is learned, and the search goes on.
+    /// its current best guess. Nothing is learned (except while only the refiner's network says so), and the search
+    /// goes on.
     SMR_LOST = 3,
 }
 

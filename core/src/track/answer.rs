@@ -10,6 +10,8 @@ use crate::image::{FineRect, Rect};
 /// | leaving | it was found partly outside the picture | never |
 /// | uncertain | never | the early template hardly agrees |
 /// | lost | the peak did not exceed the runner-up enough | it has not agreed for some frames |
+///
+/// With the refiner, `Robust` is also uncertain or lost while the network expects large errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
@@ -20,7 +22,8 @@ pub enum State {
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
     /// The target is not visible. The box of [`Paper`](crate::Paper) is the last accepted one; the box of
-    /// [`Robust`](crate::Robust) is its current best guess. Nothing is learned, and the search goes on.
+    /// [`Robust`](crate::Robust) is its current best guess. Nothing is learned (except while only the refiner's
+    /// network says so), and the search goes on.
     Lost = 3,
 }
 

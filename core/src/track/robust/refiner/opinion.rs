@@ -1,14 +1,16 @@
 //! The network's opinion of the box, which can make the state worse: a running mean of how little it expects to err.
 //!
 //! ```text
-//! trust    = -(log spread of the place + log spread of the size), between 0 and 3
-//! opinion' = opinion + (trust - opinion) / 8              a match of the early template that is exact counts as a trust of 3
+//! trust    = -(log spread of the place + log spread of the size), from 0 to 3; 3 if the early template is exact
+//! opinion' = opinion + (trust - opinion) / 8
 //! ```
 //!
-//! Training asks the network how far its estimates of place and size spread. Where the crop does not show the first
-//! frame's target, they spread widely. The filter cannot say that: it learns what it follows.
+//! In training the network learns how far its estimates of place and size are off. On a crop that does not show the
+//! first frame's target it expects large errors. The filter cannot tell: it learns what it follows.
 //!
 //! The opinion changes nothing but the state. (Learning, peaks and redetection by it gained nothing on the recordings.)
+//! It makes fewer wrong frames *tracking*: 0.13 of them, 0.20 without it; and of the right frames 0.11 are not, 0.10
+//! without it.
 
 use super::network::Outputs;
 use crate::track::State;
@@ -17,9 +19,10 @@ use crate::track::update::Owner;
 
 /// The most trust. Trust and opinion are in units of 1/4096.
 const MOST: i32 = 3 << 12;
-/// The target is uncertain while the opinion is below this.
+/// The target is uncertain while the opinion is below this: the network expects errors of 1/8 of a side.
 const UNCERTAIN_BELOW: i32 = 4864;
-/// It is lost while the opinion is below this.
+/// It is lost while the opinion is below this: errors of 1/6 of a side.
+/// With 3277 more covered targets are lost, 46 of 95 under noise in place of 33, and R is lower by 0.0008 +- 0.0006.
 const LOST_BELOW: i32 = 2868;
 
 /// The opinion: 0 to `MOST`.
@@ -30,12 +33,12 @@ impl Opinion {
     /// The opinion after a lock.
     pub(in super::super) const BEST: Self = Self(MOST);
 
-    /// Follows the spreads of an estimate.
+    /// Follows the spreads of an estimate, which are below 2^28.
     pub(in super::super) fn follow(&mut self, [.., place, size]: Outputs) {
         self.near((-(place + size)).clamp(0, MOST));
     }
 
-    /// Follows a match of the early template that gives the exact place and size.
+    /// Follows an exact match of the early template.
     pub(in super::super) fn agree(&mut self) {
         self.near(MOST);
     }
