@@ -181,7 +181,7 @@ impl Numbers {
             uncertain_below: 32_500.0,
             most_trust: 3.0,
             opinion_rate: 0.125,
-            opinion_lost_below: 0.7,
+            opinion_lost_below: 0.8,
             opinion_uncertain_below: 1.1875,
             learned_from: 37_500.0,
             found_from: 52_000.0,
