@@ -160,7 +160,7 @@ const ROBUST: [Mutant; 29] = [
 
 /// Mutants that only a lost and returning target shows. The robust tracker loses none of the targets in the built-in recordings; the
 /// tests of `check` have such a target.
-const LOST: [Mutant; 4] = [
+const LOST: [Mutant; 5] = [
     ("how much is enough", "track/robust/constants.rs", "FOUND_FROM: i32 = 52_000;", "FOUND_FROM: i32 = 104_000;"),
     (
         "where a lost target is searched",
@@ -169,6 +169,7 @@ const LOST: [Mutant; 4] = [
         "(2 * i64::from(number))",
     ),
     ("what is asked for", "track/robust/windows.rs", "reach + 2 * SCALE_REACH", "reach"),
+    ("how fast light is followed", "track/robust/constants.rs", "FOLLOWED: u32 = 3;", "FOLLOWED: u32 = 2;"),
     ("the opinion's rate", "track/robust/refiner/opinion.rs", "(trust - self.0) >> 3", "(trust - self.0) >> 2"),
 ];
 

@@ -84,7 +84,7 @@ impl Light {
 pub(super) fn window_contrast(cells: &[i8]) -> u32 {
     let grays = || rolled(cells.as_chunks::<CHANNELS>().0.iter().map(|&[.., gray]| i32::from(gray)));
     let count = count(cells).max(1);
-    let mean = grays().sum::<i32>() / count.cast_signed();
+    let mean = grays().sum::<i32>().checked_div(count.cast_signed()).unwrap_or(0);
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
@@ -108,7 +108,8 @@ pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bo
 /// gain.
 pub(super) fn relight(template: &mut [u8], from: Contrast, patch: Image<'_>, expected: u32) -> (Contrast, u32) {
     let to = Contrast::of(patch);
-    let gain = (ONE_GAIN * to.deviation / from.deviation.max(1)).clamp((expected / 2).max(1), 2 * expected);
+    // Not `clamp`, which can panic.
+    let gain = (ONE_GAIN * to.deviation / from.deviation.max(1)).min(2 * expected).max((expected / 2).max(1));
     for pixel in rolled(template.iter_mut()) {
         let deviation = (i32::from(*pixel) - from.mean.cast_signed()) * gain.cast_signed();
         *pixel = u8::try_from((to.mean.cast_signed() + (deviation >> 8)).clamp(0, 255)).unwrap_or(0);
