@@ -94,8 +94,8 @@ function configBytes(tracker) {
   ];
   const robust = () => [
     Number(o.size), Number(o.sweep), 1, 1, 1, 1, o.reach, o.patience, o.lostBelow, o.uncertainBelow, o.learningRate, o.earlyRate,
-    // With the refiner an answer has one number more: 2, with its opinion of the box.
-    ...(o.refiner ? [2] : []),
+    // With the refiner an answer has one number more.
+    ...(o.refiner ? [1] : []),
   ];
   const letter = (method === "paper" ? "P" : "R").charCodeAt(0);
   return numbers([2, [VERSION, letter, ...tracker.table, ...(method === "paper" ? paper() : robust())]]);

@@ -128,7 +128,7 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
             smr_record_u16(to, numbers[at]);
         }
         if (robust->refiner != 0) {
-            smr_record_u16(to, 2); /* with its opinion of the box */
+            smr_record_u16(to, 1);
         }
     } else {
         const smr_gate *gate = &paper->gate;

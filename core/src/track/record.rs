@@ -72,7 +72,7 @@
 //!   left, top, right, bottom
 //! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, distance
 //!   penalty, verification, gated learning); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`,
-//!   `early_rate`; with the refiner a 2 (1: without its opinion of the box)
+//!   `early_rate`; with the refiner a 1
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.

@@ -57,9 +57,9 @@ enum Kind {
 /// How long a fault is that has another amount.
 const FRAMES: usize = 10;
 
-/// How long a change of light lasts, and how long dusk takes: a hundredth in each frame.
+/// How long a change of light lasts, and how long dusk takes.
 const LIT: usize = 150;
-const DUSK: usize = 100;
+const DUSK: i64 = 100;
 
 /// The seed of all that is random in a fault; with the number of the frame.
 const SEED: u64 = 0xFA17_0000;
@@ -67,36 +67,14 @@ const SEED: u64 = 0xFA17_0000;
 impl Fault {
     /// The list that `all` stands for.
     pub fn all() -> Vec<Self> {
-        let of = |kind, amount| Self { kind, amount };
-        vec![
-            of(Kind::Dropped, 5),
-            of(Kind::Repeated, 5),
-            of(Kind::Torn, 3),
-            of(Kind::Black, 3),
-            of(Kind::White, 3),
-            of(Kind::Columns, 8),
-            of(Kind::Bits, 20),
-            of(Kind::Gain, 50),
-            of(Kind::Gain, 150),
-            of(Kind::Noise, 20),
-            of(Kind::Origin, 12),
-            of(Kind::Gap, 10),
-        ]
+        listed(
+            "dropped:5 repeated:5 torn:3 black:3 white:3 columns:8 bits:20 gain:50 gain:150 noise:20 origin:12 gap:10",
+        )
     }
 
     /// The list that `light` stands for.
     pub fn changes_of_light() -> Vec<Self> {
-        let of = |kind, amount| Self { kind, amount };
-        vec![
-            of(Kind::Light, 20),
-            of(Kind::Light, 200),
-            of(Kind::Dusk, 20),
-            of(Kind::Night, 20),
-            of(Kind::Fog, 20),
-            of(Kind::Gamma, 50),
-            of(Kind::Gamma, 200),
-            of(Kind::Offset, 60),
-        ]
+        listed("light:20 light:200 dusk:20 night:20 fog:20 gamma:50 gamma:200 offset:60")
     }
 
     /// True if the tracker is locked in it.
@@ -160,8 +138,8 @@ impl Fault {
             Kind::Noise => relight(pixels, |level| level + normal(&mut random, amount)),
             Kind::Light | Kind::Night => dim(pixels, amount.into(), &mut random),
             Kind::Dusk => {
-                let step = i64::try_from((index + 1).min(DUSK)).unwrap_or(0);
-                dim(pixels, 100 + (i64::from(amount) - 100) * step / 100, &mut random);
+                let step = i64::try_from(index + 1).unwrap_or(DUSK).min(DUSK);
+                dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK, &mut random);
             }
             Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
             Kind::Gamma => pixels.iter_mut().for_each(|pixel| *pixel = raised(*pixel, f64::from(amount) / 100.0)),
@@ -170,6 +148,11 @@ impl Fault {
         }
         Some(made)
     }
+}
+
+/// The faults in a text, as they are typed.
+fn listed(faults: &str) -> Vec<Fault> {
+    faults.split(' ').map(|fault| fault.parse().expect("it is a fault")).collect()
 }
 
 /// What stands so far to the left and above; the edges go on.

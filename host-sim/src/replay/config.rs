@@ -53,9 +53,7 @@ impl Configured for smr_core::Robust {
         (config.reach, config.patience) = (rest.byte()?, rest.byte()?);
         (config.lost_below, config.uncertain_below) = (rest.next(), rest.next());
         (config.learning_rate, config.early_rate) = (rest.next(), rest.next());
-        // 2: with its opinion. Records of earlier versions have a 1.
-        let opinion = !config.refiner || rest.next() == 2;
-        Ok(if opinion { config } else { without(config, Part::Opinion) })
+        Ok(config)
     }
 }
 

@@ -19,7 +19,7 @@
 //! | `deviation(window)` | 1/16 gray level | 4 to 2040 |
 //! | `light` | 2^-14 for each gray level | 2^21 |
 //!
-//! Cost: 12 instructions on the M4 for each cell of the window; the template's pixels count in verification.
+//! Cost: 12 units of work for each cell of the window. The template's pixels count in verification.
 
 use super::constants::{CHANNELS, FOLLOWED, LEAST_ALPHA, LEAST_WINDOW, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
 use super::grid::Extent;

@@ -126,10 +126,10 @@ pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>,
 }
 
 /// The settings that answers depend on, without the table; the backend is none of them. The refiner comes last, because
-/// a flight record holds it only if it is on: 1, or 2 with its opinion.
+/// a flight record holds it only if it is on.
 #[inline(never)]
 pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
-    let Parts { velocity, distance_penalty, verification, gated_learning, opinion } = config.parts;
+    let Parts { velocity, distance_penalty, verification, gated_learning, .. } = config.parts;
     [
         (Setting::Size, config.size as u16),
         (Setting::Sweep, config.sweep as u16),
@@ -143,6 +143,6 @@ pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
         (Setting::UncertainBelow, config.uncertain_below),
         (Setting::LearningRate, config.learning_rate),
         (Setting::EarlyRate, config.early_rate),
-        (Setting::Refiner, config.refiner as u16 * (1 + opinion as u16)),
+        (Setting::Refiner, config.refiner as u16),
     ]
 }
