@@ -7,6 +7,7 @@
 pub mod colors;
 mod encode;
 pub mod export;
+pub mod front_end;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
 mod missing;
