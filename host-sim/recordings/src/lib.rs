@@ -30,6 +30,7 @@ pub mod random;
 mod raw;
 mod resize;
 mod samples;
+mod seekable;
 pub mod slow;
 mod start;
 pub mod synthetic;
@@ -46,6 +47,7 @@ pub use frame_times::frame_times;
 pub use images::{decode_picture, read_picture};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
+pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
@@ -280,7 +282,7 @@ impl Source {
     fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
         let length = files.len();
         let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files), Some(length), at) }
+        Self { colors, ..Self::new(images::frames(files, 1), Some(length), at) }
     }
 }
 
