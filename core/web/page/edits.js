@@ -40,7 +40,7 @@ export class Edits {
   /** Takes targets that were made elsewhere, { id, name, locks }: that cannot be undone here. */
   load(targets) {
     [this.#past, this.#future] = [[], []];
-    this.targets = targets.map((target) => ({ ...target, name: target.name === `target${target.id}` ? "" : target.name, color: colorOf(target.id) }));
+    this.targets = targets.map((target) => ({ ...target, name: ["target", `target${target.id}`].includes(target.name) ? "" : target.name, color: colorOf(target.id) }));
     this.#ids = Math.max(this.#ids, ...targets.map(({ id }) => id));
     this.#chosen ??= this.targets[0]?.id ?? null;
   }

@@ -229,7 +229,7 @@ function undo(isRedo) {
 // ---- what host-sim tells
 
 function heard(told) {
-  news = told;
+  news = { ...told, live: told.live ?? news.live };
   answers.clear(told.clear ?? []);
   answers.take(told.rows);
   followed = told.followed > 0 ? source.first + told.followed - 1 : null;
@@ -251,7 +251,7 @@ function heard(told) {
 function measure() {
   if (kind !== "live") {
     [first, last] = [source.first, source.last ?? (source.frames === null ? Math.max(followed ?? 0, frame ?? 0, source.first) : source.first + source.frames - 1)];
-  } else if (news.live !== undefined) {
+  } else if (news.live) {
     [first, last] = [news.live.oldest, news.live.newest];
     answers.forget(first);
     if (byId("newest").checked) {

@@ -14,6 +14,7 @@ mod damage;
 pub mod fault;
 mod folders;
 mod frame_range;
+mod frame_times;
 mod images;
 pub mod input;
 mod iou;
@@ -29,6 +30,7 @@ pub mod random;
 mod raw;
 mod resize;
 mod samples;
+mod seekable;
 pub mod slow;
 mod start;
 pub mod synthetic;
@@ -41,11 +43,14 @@ pub use color::{ColorFrames, Colors, Moment};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
+pub use frame_times::frame_times;
 pub use images::{decode_picture, read_picture};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
+pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
+pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fs;
@@ -277,7 +282,7 @@ impl Source {
     fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
         let length = files.len();
         let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files), Some(length), at) }
+        Self { colors, ..Self::new(images::frames(files, 1), Some(length), at) }
     }
 }
 

@@ -127,7 +127,7 @@ struct Ffmpeg {
 
 impl Ffmpeg {
     fn start(program: &str, file: &Path, patience: Duration) -> Result<Self> {
-        let mut command = command(program, "level+warning", file);
+        let mut command = command(program, "level+warning", file, &["-threads", "1"]);
         command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
         let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
@@ -178,12 +178,12 @@ pub fn input(file: &Path) -> OsString {
     input
 }
 
-/// An ffmpeg that decodes the file on one thread: with several, what it puts in place of damage is different in every run. What it writes and
-/// says is piped.
-pub(super) fn command(program: &str, level: &str, file: &Path) -> Command {
+/// An ffmpeg that reads the file, with such options. What it writes and says is piped. Whole recordings are decoded on one thread: with several,
+/// what it puts in place of damage is different in every run.
+pub(super) fn command(program: &str, level: &str, file: &Path, options: &[&str]) -> Command {
     let mut command = Command::new(program);
     // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
-    command.args(["-nostdin", "-nostats", "-v", level, "-reinit_filter", "0", "-threads", "1", "-i"]).arg(input(file));
+    command.args(["-nostdin", "-nostats", "-v", level, "-reinit_filter", "0"]).args(options).arg("-i").arg(input(file));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }

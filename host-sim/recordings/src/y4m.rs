@@ -5,8 +5,8 @@
 use super::damage::Damaged;
 use super::{GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::fs::{File, Metadata};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 /// More than a line can have: the header of the stream, or that of a frame.
@@ -20,6 +20,25 @@ pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     let name = file.display().to_string();
     let data = File::open(file).with_context(|| format!("cannot open {name}"))?;
     Frames::new(BufReader::new(data), name)
+}
+
+/// The times of the frames of a file, in seconds; `None` if its header says no rate.
+pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
+    let mut frames = open(file).ok()?;
+    let (number, seconds) = frames.header.rate?;
+    let end = frames.stream.get_ref().metadata().ok().filter(Metadata::is_file)?.len();
+    let count = std::iter::from_fn(move || frames.skip_frame().filter(|&at| at <= end));
+    Some((0_u32..).zip(count).map(move |(frame, _)| f64::from(frame) * seconds / number))
+}
+
+/// The frames of a file from the one on that is shown at `time`.
+pub(super) fn frames_at(file: &Path, time: f64) -> Option<impl Iterator<Item = GrayFrame> + Send + use<>> {
+    let count = times(file)?.take_while(|&before| before < time - 1e-6).count();
+    let mut frames = open(file).ok()?;
+    for _ in 0..count {
+        frames.skip_frame()?;
+    }
+    Some(frames.map_while(Result::ok))
 }
 
 pub(super) struct Frames<R> {
@@ -38,7 +57,7 @@ impl<R: BufRead> Frames<R> {
     }
 
     fn read(&mut self) -> Result<Option<GrayFrame>> {
-        let Header { size: (width, height), frame_bytes } = self.header;
+        let Header { size: (width, height), frame_bytes, .. } = self.header;
         let line = line(&mut self.stream)?;
         if line.is_empty() {
             return Ok(None);
@@ -64,6 +83,15 @@ impl<R: BufRead> Frames<R> {
     }
 }
 
+impl Frames<BufReader<File>> {
+    /// Where the next frame begins; `None` if none begins here.
+    fn skip_frame(&mut self) -> Option<u64> {
+        line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;
+        self.stream.seek_relative(self.header.frame_bytes.try_into().ok()?).ok()?;
+        self.stream.stream_position().ok()
+    }
+}
+
 fn line(stream: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     stream.take(LINE_BYTES).read_until(b'\n', &mut line)?;
@@ -80,11 +108,13 @@ impl<R: BufRead> Iterator for Frames<R> {
     }
 }
 
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq)]
 struct Header {
     size: (u16, u16),
     /// Bytes of all planes of a frame.
     frame_bytes: u64,
+    /// So many frames in so many seconds.
+    rate: Option<(f64, f64)>,
 }
 
 impl Header {
@@ -104,7 +134,7 @@ impl Header {
             frame_bytes <= MOST_PIXELS,
             "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
         );
-        // The rate and the shape of a pixel are not used, but tell whether this is such a header.
+        // They tell whether this is such a header.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
         let ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
@@ -112,7 +142,13 @@ impl Header {
             ratios.into_iter().all(is_ratio),
             "its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it"
         );
-        Ok(Self { size, frame_bytes })
+        let rate = field('F').and_then(|rate| rate.split_once(':'));
+        let rate = rate.and_then(|(frames, seconds)| Some((frames.parse().ok()?, seconds.parse().ok()?)));
+        Ok(Self {
+            size,
+            frame_bytes,
+            rate: rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0),
+        })
     }
 }
 
