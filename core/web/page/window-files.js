@@ -22,12 +22,10 @@ export function drawFiles(place, { formats, films, live }, make) {
 /** How far a file is, or where it is. */
 export function drawMade(place, { id, done, file, error }) {
   place.hidden = false;
-  if (error !== undefined) {
-    place.replaceChildren(error);
-  } else if (file === undefined) {
-    place.replaceChildren(`The file is being made: ${Math.floor(100 * done)} %.`);
-  } else {
+  if (file) {
     place.replaceChildren("The file is there: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
+  } else {
+    place.replaceChildren(error || `The file is being made: ${Math.floor(100 * done)} %.`);
   }
 }
 

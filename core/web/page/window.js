@@ -20,6 +20,7 @@ import { drawWindow } from "./window-stage.js";
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const AHEAD = 12; // pictures that are loaded before they are played
+const MOST_LATE = 50; // frames
 const USUAL_RATE = 25; // frames a second, where the source does not say
 const NEW_COLOR = "#fff";
 const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
@@ -255,7 +256,8 @@ function measure() {
     [first, last] = [news.live.oldest, news.live.newest];
     answers.forget(first);
     if (byId("newest").checked) {
-      goTo(last);
+      // So that there is a picture with its boxes, unless these come late.
+      goTo(edits.targets.length === 0 || followed === null ? last : clamp(followed, last - MOST_LATE, last));
     }
   }
 }
@@ -427,7 +429,7 @@ function said(chosen) {
 function load() {
   const { progress, live } = news;
   const dropped = live && `${live.dropped === 0 ? "No frame was dropped" : `${live.dropped} frames were dropped: this machine was behind`}. The picture is ${Math.round(live.latency_ms)} ms old.`;
-  const following = progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
+  const following = !live && progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
   const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
   return [dropped, following, hint].filter(Boolean).join(" ");
 }
@@ -499,7 +501,7 @@ function listen() {
   byId("newest").addEventListener("change", measure);
   byId("speed").addEventListener("change", () => (playing = playing && restarted(frame)));
   byId("zoom").addEventListener("change", zoom);
-  byId("stop").addEventListener("click", () => trying(connection.stop()));
+  byId("stop").addEventListener("click", stop);
   byId("undo").addEventListener("click", () => undo(false));
   byId("redo").addEventListener("click", () => undo(true));
   byId("unlock").addEventListener("click", unlock);
@@ -534,6 +536,13 @@ function useMethod() {
   [source.method, source.options] = [byId("method").value, {}];
   trying(connection.method(source.method, source.options));
   draw();
+}
+
+async function stop() {
+  if ((await trying(connection.stop())) !== "") {
+    play(false);
+    say("Stopped. The last minutes can still be looked through.");
+  }
 }
 
 async function trying(promise) {
