@@ -45,9 +45,11 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   }
 }
 
+// A line is broken between words only, not behind the hyphens of an option.
 function write(id, text) {
   if (byId(id).textContent !== text) {
-    byId(id).textContent = text;
+    const words = text.split(" ").flatMap((word) => [" ", htmlNode("span", { class: "word" }, word)]);
+    byId(id).replaceChildren(...words.slice(1));
   }
 }
 

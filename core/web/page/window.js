@@ -378,9 +378,11 @@ function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
-    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "not followed here") : "");
+    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "–") : "");
   });
 }
+
+const named = (number) => (number > last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
 
 // Of the tracker that follows, what app.js shows of both.
 function drawChosen(chosen) {
@@ -393,7 +395,7 @@ function drawChosen(chosen) {
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
     const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end, shown);
-    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named: (number) => (timeOf(number) === null ? String(number) : clock(timeOf(number))) });
+    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named });
   }
 }
 
@@ -409,6 +411,7 @@ function drawControls(chosen) {
   write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
   byId("lost").hidden = lost === undefined;
   write(byId("load"), load());
+  write(byId("about"), source.about ?? about());
   byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
 }
 
@@ -424,6 +427,11 @@ function said(chosen) {
   }
   const { x, y, width, height } = whole(found.box);
   return `${nameOf(chosen)} ${found.state}: left ${x}, top ${y}, ${width} x ${height} pixels`;
+}
+
+function about() {
+  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${timeOf(last) === null ? "" : `, ${clock(timeOf(last))}`}`;
+  return `${source.width}x${source.height} pixels${long}`;
 }
 
 function load() {
@@ -568,7 +576,6 @@ function prepare() {
   byId("play").hidden = kind === "embedded";
   document.title = source.name;
   byId("name").textContent = source.name;
-  byId("about").textContent = source.about ?? `${source.width}x${source.height} pixels.`;
   byId("version").textContent = `host-sim ${source.version}`;
   byId("stage").style.setProperty("--ratio", source.width / source.height);
   timeline = new Timeline(byId("timeline"), { goTo: visit });
