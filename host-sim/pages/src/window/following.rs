@@ -515,3 +515,6 @@ pub(super) fn start(followed: &Arc<Followed>, source: &Arc<dyn Source>) {
     let (followed, source) = (Arc::clone(followed), Arc::clone(source));
     std::thread::spawn(move || followed.run(source.as_ref()));
 }
+
+#[cfg(test)]
+mod tests;
