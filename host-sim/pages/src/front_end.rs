@@ -14,11 +14,16 @@ macro_rules! modules {
 }
 
 modules! {
+    "answers.js"
     "command.js"
+    "connection.js"
     "cost.js"
     "dom.js"
     "download.js"
     "drag.js"
+    "edits.js"
+    "embedded.js"
+    "events.js"
     "figures.js"
     "graph.js"
     "history.js"
@@ -26,7 +31,12 @@ modules! {
     "methods.js"
     "palette.js"
     "rows.js"
+    "timeline.js"
     "view.js"
+    "window-files.js"
+    "window-pictures.js"
+    "window-stage.js"
+    "window.js"
 }
 
 /// The text of the module with this file name.
