@@ -20,3 +20,4 @@ mod tables;
 mod target;
 mod targets;
 mod trax;
+mod view;
