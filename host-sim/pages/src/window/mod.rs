@@ -9,6 +9,7 @@
 //! [`following`] finds out what is to be followed again. Answers come back as [`news`]. [`pictures`] gives any frame as a JPEG.
 //! The page itself is core/web/page/window.html.
 
+mod camera;
 mod following;
 mod made;
 mod news;
@@ -16,6 +17,7 @@ mod pictures;
 mod routes;
 mod server;
 
+pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
 pub use made::{Job, Made};
 pub use pictures::Recorded;
@@ -66,4 +68,8 @@ pub struct Live {
     pub dropped: usize,
     /// From the arrival of a frame to its answer.
     pub latency_ms: f64,
+    /// Frames that came in a second, on average.
+    pub rate: f64,
+    /// No more frames will come.
+    pub has_ended: bool,
 }

@@ -39,7 +39,7 @@ impl Source for Scene {
     }
 
     fn live(&self) -> Option<Live> {
-        self.every.map(|_| Live { oldest: 1, newest: FRAMES, dropped: 0, latency_ms: 0.0 })
+        self.every.map(|_| Live { oldest: 1, newest: FRAMES, dropped: 0, latency_ms: 0.0, rate: 0.0, has_ended: false })
     }
 }
 
