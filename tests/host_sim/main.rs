@@ -10,6 +10,7 @@ mod command_line_input;
 #[cfg(unix)]
 mod endurance;
 mod figures;
+mod live;
 mod page;
 mod pick;
 mod readme_commands;

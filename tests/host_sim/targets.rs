@@ -37,7 +37,7 @@ fn each_of_several_targets_is_followed_as_if_it_were_alone() {
     assert!(of("a")[24]["quality"].is_number() && of("a")[23]["quality"].is_null());
 
     let csv = host_sim(&[&part[..], &["--init", &a, "--init", &b]].concat());
-    assert!(csv.out.starts_with("target,frame,x,y,width,height,state,"), "{}", csv.out);
+    assert!(csv.out.starts_with("target,frame,time,x,y,width,height,state,"), "{}", csv.out);
     assert_eq!(csv.out.lines().count(), 1 + 40 + 31);
 }
 

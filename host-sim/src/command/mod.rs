@@ -1,7 +1,6 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them. Programs of the tests are
 //! made of the same options ([`program`]).
 
-mod answer_line;
 mod check;
 mod convert;
 mod demo;

@@ -1,6 +1,5 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
-use super::answer_line::{Answer, Format, Printer};
 use super::paths::Places;
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
@@ -10,26 +9,29 @@ use anyhow::{Context, Result, bail, ensure};
 use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
+use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{Plan, Rate};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{GrayFrame, Sequence};
+use smr_recordings::{GrayFrame, Now, Sequence, cleanup};
 use std::io::{IsTerminal, Write, stdout};
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
-    /// The recording; `-` is Y4M from standard input, answered as it comes
+    /// The recording; `-` is Y4M from standard input, answered as it comes. Or a live source: an address that ffmpeg takes (rtsp://...), or /dev/video0
+    /// of Linux. Ctrl-C ends it
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
     /// How the target is followed
     #[arg(long, value_enum, default_value = "robust")]
     method: MethodKind,
-    /// The format of a line [default: tld; of several targets csv]
+    /// What is printed of each frame [default: tld; of several targets csv]
+    ///
+    /// Of several targets: csv, json, mot, coco or cvat. coco and cvat are whole when the last frame has been followed.
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Print one JSON object for each frame instead
+    /// Print one JSON object for each frame: --format json
     ///
     /// Each has version, method, options (those that were given), target (if it has a name), frame (as the recording counts it), state, box (whole pixels), fine (with fractions), confidence, ratio,
     /// runner_up_ratio, alpha, scale, found_again, work and quality. What the method does not know is null; so are both boxes while the target
@@ -66,45 +68,47 @@ impl Track {
 
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
-        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence)?;
+        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
-        let printer = Printer {
-            format: self.format(targets.len())?,
+        let format = self.format(targets.len())?;
+        let about = About {
+            name: sequence.name.clone(),
             origin: variant.origin(),
-            is_named: targets.iter().any(|target| target.name.is_some()),
+            targets: targets.iter().map(|target| target.name.clone()).collect(),
+            pictures: sequence.colors.picture_names(),
         };
+        let printer = Printer::new(format, about);
         let mut lines = Lines::create(self.out.as_deref(), self.video.is_some())?;
+        let mut clock = sequence.colors.clock(sequence.first, format.has_times(), self.recording.ffmpeg_patience());
+        let live = sequence.colors.now();
+        if live.is_some() {
+            // Ctrl-C is how it ends.
+            cleanup::stop_first();
+        }
         let film = self.film(&mut sequence)?;
         lines.write(&printer.head())?;
         // Lines on the same terminal show how far it is.
         let shown = self.out.is_some() || !stdout().is_terminal();
         let bar = if shown { progress::bar(&sequence.name, sequence.length) } else { ProgressBar::hidden() };
-        let mut pass = Pass { name: sequence.name, targets, printer, lines, film, bar };
-        let numbered = (sequence.first..).zip(sequence.frames);
-        let mut last = 0;
-        for (number, frame) in numbered {
-            pass.frame(number, &frame?)?;
-            last = number;
+        let mut pass = Pass { name: sequence.name, targets, printer, lines, film, bar, live, drops: false, last: sequence.first - 1 };
+        for frame in sequence.frames {
+            let (number, time) = clock.tick();
+            pass.frame(number, time, &frame?)?;
         }
-        pass.finish(sequence.first..=last)?;
+        pass.finish(sequence.first)?;
         Ok(Outcome::Holds)
     }
 
-    /// `None`: JSON.
     /// Errors: The format has no place for the names of several targets.
-    fn format(&self, targets: usize) -> Result<Option<Format>> {
-        let several = targets > 1;
-        let format = match self.format {
-            _ if self.json => return Ok(None),
-            None if several => Format::Csv,
-            format => format.unwrap_or(Format::Tld),
-        };
+    fn format(&self, targets: usize) -> Result<Format> {
+        let usual = if targets > 1 { Format::Csv } else { Format::Tld };
+        let format = if self.json { Format::Json } else { self.format.unwrap_or(usual) };
         ensure!(
-            !several || format == Format::Csv,
-            "--format {}: its lines have no names, and there are {targets} targets: expected --format csv or --json",
+            targets <= 1 || format.has_names(),
+            "--format {}: its lines have no names, and there are {targets} targets: expected csv, json, mot, coco or cvat",
             choice_name(&format)
         );
-        Ok(Some(format))
+        Ok(format)
     }
 
     fn film(&self, sequence: &mut Sequence) -> Result<Option<Film>> {
@@ -126,40 +130,66 @@ struct Pass {
     lines: Lines,
     film: Option<Film>,
     bar: ProgressBar,
+    live: Option<Now>,
+    /// Whether frames have been dropped.
+    drops: bool,
+    /// The number of the last frame.
+    last: usize,
 }
 
 impl Pass {
-    fn frame(&mut self, number: usize, frame: &GrayFrame) -> Result<()> {
+    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame) -> Result<()> {
+        if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
+            self.drops = true;
+            self.warn("frames are dropped: they come faster than the target is followed (--resize 1/2 helps)");
+        }
         let (mut shown, mut poor) = (Vec::new(), Vec::new());
-        for target in &mut self.targets {
-            let locks = target.next_start() == Some(number);
+        for (at, target) in self.targets.iter_mut().enumerate() {
+            let locks = target.next_start().is_some_and(|start| start <= number);
             let report = target.step(number, frame).with_context(|| self.name.clone())?;
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
                 poor.push(target.name.as_deref());
             }
             let name = target.name.as_deref();
-            let answer = Answer { target: name, frame: number, report: report.as_ref(), quality };
+            let size = (frame.width, frame.height);
+            let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
             self.lines.write(&self.printer.line(&answer)?)?;
             shown.push(Shown { name, report });
         }
         self.film.as_mut().map_or(Ok(()), |film| film.frame(frame, number, &shown))?;
         if let Some(warning) = warning(&poor) {
-            self.bar.suspend(|| complain(&format!("warning: {}: {warning}", self.name)));
+            self.warn(&warning);
         }
         self.bar.inc(1);
+        self.last = number;
         Ok(())
     }
 
-    /// Errors: A box lies in none of the frames that were read.
-    fn finish(mut self, frames: RangeInclusive<usize>) -> Result<()> {
-        self.bar.finish_and_clear();
-        for target in &mut self.targets {
-            if let Some(frame) = target.next_start() {
-                let (first, last) = frames.into_inner();
-                bail!("{}{}: there is no frame {frame} (--init): expected {first} to {last}", self.name, named(target));
-            }
+    fn warn(&self, what: &str) {
+        self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
+    }
+
+    /// What was not followed is never hidden.
+    fn say_end(&self, live: &Now) {
+        if let Some(reason) = live.ended() {
+            self.warn(&format!("it has ended: {reason}"));
         }
+        let (name, dropped) = (&self.name, live.dropped());
+        let came = self.bar.position() + dropped as u64;
+        complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
+    }
+
+    /// Errors: A box lies in none of the frames that were read.
+    fn finish(mut self, first: usize) -> Result<()> {
+        self.bar.finish_and_clear();
+        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, named(target))));
+        if let Some(live) = &self.live {
+            self.say_end(live);
+        } else if let Some((frame, name)) = missing {
+            bail!("{}{name}: there is no frame {frame} (--init): expected {first} to {}", self.name, self.last);
+        }
+        self.lines.write(&self.printer.foot()?)?;
         self.film.map_or(Ok(()), Film::finish)?;
         self.lines.finish()
     }
