@@ -90,7 +90,17 @@ impl Track {
         // Lines on the same terminal show how far it is.
         let shown = self.out.is_some() || !stdout().is_terminal();
         let bar = if shown { progress::bar(&sequence.name, sequence.length) } else { ProgressBar::hidden() };
-        let mut pass = Pass { name: sequence.name, targets, printer, lines, film, bar, live, drops: false, last: sequence.first - 1 };
+        let mut pass = Pass {
+            name: sequence.name,
+            targets,
+            printer,
+            lines,
+            film,
+            bar,
+            live,
+            drops: false,
+            last: sequence.first - 1,
+        };
         for frame in sequence.frames {
             let (number, time) = clock.tick();
             pass.frame(number, time, &frame?)?;

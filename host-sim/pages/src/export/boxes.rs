@@ -146,7 +146,9 @@ impl Printer {
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
-        let &Answer { target, frame, time, report: Some(report), quality, .. } = answer else { return Ok(String::new()) };
+        let &Answer { target, frame, time, report: Some(report), quality, .. } = answer else {
+            return Ok(String::new());
+        };
         let evidence = report.evidence.as_ref();
         let line = serde_json::to_string(&JsonLine {
             origin: &self.about.origin,
@@ -276,7 +278,10 @@ mod tests {
 
     /// What stands first in every line.
     fn head(method: &str) -> String {
-        format!(r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#, env!("CARGO_PKG_VERSION"))
+        format!(
+            r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#,
+            env!("CARGO_PKG_VERSION")
+        )
     }
 
     #[test]
@@ -366,7 +371,10 @@ mod tests {
         assert_eq!((of("id"), of("image_id")), (vec![1, 2, 3, 4], vec![1, 2, 3, 3]));
         assert_eq!((of("category_id"), of("iscrowd")), (vec![1, 2, 1, 2], vec![0; 4]));
         let last = &coco["annotations"][3];
-        assert_eq!((&last["bbox"], &last["area"]), (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0)));
+        assert_eq!(
+            (&last["bbox"], &last["area"]),
+            (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0))
+        );
     }
 
     #[test]

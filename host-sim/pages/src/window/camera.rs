@@ -3,10 +3,10 @@
 //! Trackers get the newest frame. If they are busy when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a
 //! frame of the last seconds is followed from there on, through every frame, until it has caught up.
 
-use super::{Known, Live, Numbered, Source};
+use super::{Known, LiveState, Numbered, Source};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
-use smr_recordings::{ColorFrame, GrayFrame, messages};
+use smr_recordings::{ColorFrame, GrayFrame, Live, LiveFrame, messages};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -18,8 +18,28 @@ const MOST_GRAY: usize = 64 << 20;
 /// The most bytes of pictures: some minutes.
 const MOST_PICTURES: usize = 160 << 20;
 
-/// What comes out of a camera: each frame in gray and in color.
-pub type Frames = Box<dyn Iterator<Item = Result<(GrayFrame, ColorFrame)>> + Send>;
+/// A frame that has come.
+struct Seen {
+    gray: GrayFrame,
+    /// Since the first one.
+    seconds: f64,
+    color: Color,
+}
+
+/// Makes the frame in color.
+type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
+
+type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
+
+/// The frames of `live`, and why it has ended.
+fn seen(mut live: Live) -> impl Iterator<Item = Result<Seen>> {
+    std::iter::from_fn(move || {
+        let Some(LiveFrame { seconds, planes, .. }) = live.next() else {
+            return live.ended.take().map(|said| Err(anyhow!(said)));
+        };
+        Some(Ok(Seen { gray: planes.gray(), seconds, color: Box::new(move || planes.color()) }))
+    })
+}
 
 /// A camera, read by a thread of its own.
 pub struct Camera(Arc<Shared>);
@@ -30,7 +50,8 @@ struct Shared {
 }
 
 struct Kept {
-    gray: VecDeque<(Arc<GrayFrame>, Instant)>,
+    /// Each with its time in seconds, and when it came.
+    gray: VecDeque<(Arc<GrayFrame>, f64, Instant)>,
     gray_bytes: usize,
     pictures: BTreeMap<usize, Arc<Vec<u8>>>,
     picture_bytes: usize,
@@ -50,12 +71,12 @@ impl Kept {
         self.newest + 1 - self.gray.len()
     }
 
-    fn add(&mut self, gray: GrayFrame) {
+    fn add(&mut self, gray: GrayFrame, seconds: f64) {
         self.newest += 1;
         self.gray_bytes += gray.pixels.len();
-        self.gray.push_back((Arc::new(gray), Instant::now()));
+        self.gray.push_back((Arc::new(gray), seconds, Instant::now()));
         while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
-            self.gray_bytes -= self.gray.pop_front().map_or(0, |(gray, _)| gray.pixels.len());
+            self.gray_bytes -= self.gray.pop_front().map_or(0, |(gray, ..)| gray.pixels.len());
         }
     }
 
@@ -73,16 +94,16 @@ impl Shared {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn read(&self, frames: Frames, pictures: &SyncSender<(usize, ColorFrame)>) {
+    fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
         let mut said = None;
         for frame in frames {
             match frame {
-                Ok((gray, color)) => {
+                Ok(Seen { gray, seconds, color }) => {
                     let mut kept = self.kept();
                     if kept.stopped {
                         break;
                     }
-                    kept.add(gray);
+                    kept.add(gray, seconds);
                     let number = kept.newest;
                     drop(kept);
                     self.came.notify_all();
@@ -98,9 +119,9 @@ impl Shared {
         self.came.notify_all();
     }
 
-    fn encode(&self, pictures: &Receiver<(usize, ColorFrame)>) {
-        for (number, frame) in pictures {
-            let small = encode::within(&frame, super::pictures::SIDE);
+    fn encode(&self, pictures: &Receiver<(usize, Color)>) {
+        for (number, color) in pictures {
+            let small = encode::within(&color(), super::pictures::SIDE);
             if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
                 self.kept().add_picture(number, picture);
             }
@@ -108,7 +129,7 @@ impl Shared {
     }
 
     /// Waits for the frame that trackers get next. `None` when there will be none.
-    fn next(&self, reader: &mut Reader) -> Option<Result<(usize, GrayFrame)>> {
+    fn next(&self, reader: &mut Reader) -> Option<Result<(usize, Option<f64>, GrayFrame)>> {
         let mut kept = self.kept();
         if let Some(arrived) = reader.arrived {
             kept.latency_ms = 0.9 * kept.latency_ms + 0.1 * arrived.elapsed().as_secs_f64() * 1e3;
@@ -130,9 +151,9 @@ impl Shared {
         let earliest = if reader.has_caught_up { kept.newest } else { kept.oldest_gray() };
         let number = reader.next.max(earliest);
         kept.dropped += number - reader.next;
-        let (gray, arrived) = &kept.gray[number - kept.oldest_gray()];
+        let (gray, seconds, arrived) = &kept.gray[number - kept.oldest_gray()];
         (reader.next, reader.arrived) = (number + 1, Some(*arrived));
-        Some(Ok((number, GrayFrame::clone(gray))))
+        Some(Ok((number, Some(*seconds), GrayFrame::clone(gray))))
     }
 }
 
@@ -154,7 +175,12 @@ impl Reader {
 }
 
 impl Camera {
-    pub fn new(frames: Frames) -> Self {
+    /// Reads `live` from now on.
+    pub fn new(live: Live) -> Self {
+        Self::of(Box::new(seen(live)))
+    }
+
+    fn of(frames: Frames) -> Self {
         let kept = Kept {
             gray: VecDeque::new(),
             gray_bytes: 0,
@@ -200,12 +226,12 @@ impl Source for Camera {
         nearest.filter(|_| number <= kept.newest).map(|(_, picture)| Arc::clone(picture))
     }
 
-    fn live(&self) -> Option<Live> {
+    fn live(&self) -> Option<LiveState> {
         let kept = self.0.kept();
         let seconds = kept.begin.elapsed().as_secs_f64();
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let rate = kept.newest as f64 / seconds.max(0.001);
-        Some(Live {
+        Some(LiveState {
             oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
             dropped: kept.dropped,
@@ -226,10 +252,10 @@ mod tests {
     use super::*;
     use std::sync::mpsc::channel;
 
-    fn frame(level: u8) -> (GrayFrame, ColorFrame) {
+    fn frame(level: u8) -> Seen {
         let gray = GrayFrame { width: 8, height: 8, pixels: vec![level; 64] };
         let color = ColorFrame::from(&gray);
-        (gray, color)
+        Seen { gray, seconds: f64::from(level), color: Box::new(|| color) }
     }
 
     fn wait_for(camera: &Camera, newest: usize) {
@@ -243,27 +269,28 @@ mod tests {
     #[test]
     fn trackers_get_the_newest_frame_and_what_they_miss_is_counted() {
         let (sender, frames) = channel();
-        let camera = Camera::new(Box::new(frames.into_iter()));
+        let camera = Camera::of(Box::new(frames.into_iter()));
         (1..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
         wait_for(&camera, 3);
         let mut seen = camera.gray_from(2).unwrap();
-        let mut next = || seen.next().unwrap().map(|(number, gray)| (number, gray.pixels[0]));
+        let mut next =
+            || seen.next().unwrap().map(|(number, seconds, gray)| (number, gray.pixels[0], seconds.unwrap()));
         // A lock in an older frame is followed through all frames.
-        assert_eq!((next().unwrap(), next().unwrap()), ((2, 2), (3, 3)));
+        assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
         sender.send(Ok(frame(4))).unwrap();
         wait_for(&camera, 4);
-        assert_eq!(next().unwrap(), (4, 4));
+        assert_eq!(next().unwrap(), (4, 4, 4.0));
         // It has caught up now, or does so with the next one.
         let late = thread::spawn(move || {
             thread::sleep(Duration::from_millis(50));
             sender.send(Ok(frame(5))).unwrap();
             sender
         });
-        assert_eq!(next().unwrap(), (5, 5));
+        assert_eq!(next().unwrap(), (5, 5, 5.0));
         let sender = late.join().unwrap();
         (6..=9).for_each(|level| sender.send(Ok(frame(level))).unwrap());
         wait_for(&camera, 9);
-        assert_eq!(next().unwrap(), (9, 9));
+        assert_eq!(next().unwrap(), (9, 9, 9.0));
         assert_eq!(camera.live().unwrap().dropped, 3);
         drop(sender);
         assert_eq!(next().unwrap_err().to_string(), "the source has ended");
@@ -274,10 +301,10 @@ mod tests {
     #[test]
     fn what_is_kept_is_bounded() {
         let (sender, frames) = channel::<Result<_>>();
-        let camera = Camera::new(Box::new(frames.into_iter()));
+        let camera = Camera::of(Box::new(frames.into_iter()));
         let mut kept = camera.0.kept();
         for number in 1..=20 {
-            kept.add(GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] });
+            kept.add(GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
             kept.add_picture(number, vec![0; 20 << 20]);
         }
         assert_eq!((kept.gray.len(), kept.pictures.len()), (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));

@@ -28,8 +28,8 @@ use anyhow::Result;
 use smr_recordings::GrayFrame;
 use std::sync::Arc;
 
-/// Frames with their numbers, from some number on.
-pub type Numbered = Box<dyn Iterator<Item = Result<(usize, GrayFrame)>>>;
+/// Frames with their numbers, from some number on, and of a camera with their times in seconds.
+pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
 
 /// Where the frames of a window come from: a recording, or a camera.
 pub trait Source: Send + Sync {
@@ -44,7 +44,7 @@ pub trait Source: Send + Sync {
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
     /// Of a camera: what is kept, and how well trackers keep up.
-    fn live(&self) -> Option<Live> {
+    fn live(&self) -> Option<LiveState> {
         None
     }
 
@@ -60,7 +60,7 @@ pub struct Known {
 
 /// What is said of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Live {
+pub struct LiveState {
     /// The numbers of the oldest frame that is kept, and of the newest.
     pub oldest: usize,
     pub newest: usize,

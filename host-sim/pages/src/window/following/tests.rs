@@ -1,5 +1,5 @@
 use super::*;
-use crate::window::{Live, Numbered};
+use crate::window::{LiveState, Numbered};
 use anyhow::anyhow;
 use smr_core::paper;
 use smr_evaluation::MethodKind;
@@ -30,7 +30,11 @@ impl Source for Scene {
         self.read.fetch_add(1, Ordering::SeqCst);
         Ok(Box::new((number..=FRAMES).filter(move |at| (at - number).is_multiple_of(every)).map(move |at| {
             read.fetch_add(1, Ordering::SeqCst);
-            if damaged == Some(at) { Err(anyhow!("frame {at} is damaged")) } else { Ok((at, synthetic::frame(at - 1))) }
+            if damaged == Some(at) {
+                Err(anyhow!("frame {at} is damaged"))
+            } else {
+                Ok((at, None, synthetic::frame(at - 1)))
+            }
         })))
     }
 
@@ -38,8 +42,15 @@ impl Source for Scene {
         None
     }
 
-    fn live(&self) -> Option<Live> {
-        self.every.map(|_| Live { oldest: 1, newest: FRAMES, dropped: 0, latency_ms: 0.0, rate: 0.0, has_ended: false })
+    fn live(&self) -> Option<LiveState> {
+        self.every.map(|_| LiveState {
+            oldest: 1,
+            newest: FRAMES,
+            dropped: 0,
+            latency_ms: 0.0,
+            rate: 0.0,
+            has_ended: false,
+        })
     }
 }
 
