@@ -28,6 +28,12 @@ export class Columns {
     return [this.first + from, this.first + Math.max(Math.ceil(((column + 1) * all) / this.count) - 1, from)];
   }
 
+  /** Takes the first frame of each column for all of it, until it is looked at. */
+  sample(states) {
+    this.states = Array.from({ length: this.count }, (_, column) => states(this.frames(column)[0]));
+    return this;
+  }
+
   /** Looks at the column of a frame again. */
   see(frame, states) {
     if (frame >= this.first && frame <= this.last) {
@@ -200,7 +206,7 @@ export class Timeline {
   #look(count) {
     const { first, last, frame, followed, strips } = this.#shown;
     const isOther = (one) => one?.count !== count || one.first !== first || one.last !== last;
-    this.#columns = strips.map((_, at) => (isOther(this.#columns[at]) ? new Columns(count, first, last) : this.#columns[at]));
+    this.#columns = strips.map(({ states }, at) => (isOther(this.#columns[at]) ? new Columns(count, first, last).sample(states) : this.#columns[at]));
     this.#left = Math.min(this.#left, count);
     let seen = count;
     strips.forEach(({ states }, at) => {

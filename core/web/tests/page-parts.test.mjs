@@ -126,6 +126,7 @@ test("the slider has the worst state of each column, and looks at a long video i
   const states = (frame) => (lost.has(frame) ? "lost" : frame > 190_000 ? undefined : "tracking");
   const columns = new Columns(400, 1, 200_000);
   assert.deepEqual([columns.frames(0), columns.frames(399)], [[1, 500], [199_501, 200_000]]);
+  assert.deepEqual([columns.sample(states).states[0], columns.states[299]], ["lost", "tracking"]);
   let turns = 0;
   for (let seen = 0; seen < 400; turns++) {
     seen += columns.refresh(states, 10_000);
