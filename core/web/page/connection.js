@@ -1,5 +1,7 @@
 // The window's side of `host-sim view`: what it asks host-sim for, and what it hears.
 
+import { targetOf, toldOf } from "./edits.js";
+
 const AGAIN_MS = 1000;
 const MOST_FAILURES = 3;
 
@@ -42,7 +44,7 @@ export class Connection {
 
   /** Says which targets are wanted. If host-sim refuses them, throws its reason. */
   async targets(targets) {
-    await told("targets", targets.map(({ id, name, locks }) => ({ id, name, locks: locks.map(({ number, box }) => ({ frame: number, box: [box.x, box.y, box.width, box.height] })) })));
+    await told("targets", targets.map(toldOf));
   }
 
   async method(method, options) {
@@ -62,8 +64,6 @@ export class Connection {
     return (await asked("firmware")).text();
   }
 }
-
-const targetOf = ({ id, name, locks }) => ({ id, name, locks: locks.map(({ frame, box: [x, y, width, height] }) => ({ number: frame, box: { x, y, width, height } })) });
 
 async function asked(address, options) {
   const answer = await fetch(address, options).catch(() => {

@@ -12,6 +12,17 @@ export const nameOf = ({ id, name }) => name || `target${id}`;
 /** The lock of a target in a frame, if there is one. */
 export const lockIn = (target, number) => target?.locks.find((lock) => lock.number === number);
 
+/** A target as host-sim tells it: { id, name, locks: [{ frame, box: [x, y, width, height] }] }. */
+export function targetOf({ id, name, locks }) {
+  return { id, name, locks: locks.map(({ frame, box: [x, y, width, height] }) => ({ number: frame, box: { x, y, width, height } })) };
+}
+
+/** A target as it is told to host-sim. */
+export function toldOf(target) {
+  const { id, locks } = target;
+  return { id, name: nameOf(target), locks: locks.map(({ number, box: { x, y, width, height } }) => ({ frame: number, box: [x, y, width, height] })) };
+}
+
 export class Edits {
   /** { id, name, color, locks: [{ number, box }] }, locks in the order of frames. They are replaced, never changed. */
   targets = [];

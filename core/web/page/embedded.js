@@ -1,6 +1,7 @@
 // Frames that are in the page itself, which host-sim has made: nothing follows there.
 
 import { byId } from "./dom.js";
+import { targetOf } from "./edits.js";
 
 export class Embedded {
   follows = false;
@@ -12,7 +13,7 @@ export class Embedded {
     const { frames, ...source } = JSON.parse(byId("data").textContent);
     this.#pictures = new Map(frames);
     this.#numbers = frames.map(([number]) => number);
-    return source;
+    return { ...source, targets: source.targets.map(targetOf) };
   }
 
   /** The frame that comes so many frames later, or earlier. Of a frame that is left out, the nearest is meant. */
@@ -24,7 +25,9 @@ export class Embedded {
 
   /** The picture of a frame. */
   async picture(number) {
-    const bytes = Uint8Array.from(atob(this.#pictures.get(number)), (letter) => letter.charCodeAt(0));
-    return createImageBitmap(new Blob([bytes], { type: "image/jpeg" }));
+    const image = new Image();
+    image.src = `data:image/jpeg;base64,${this.#pictures.get(number)}`;
+    await image.decode();
+    return image;
   }
 }

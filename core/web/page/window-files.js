@@ -33,14 +33,15 @@ export function drawMade(place, { id, done, file, error }) {
 
 /** The lines that repeat what was done. `verbs`: { track: "--video out.mp4", ... }, what follows after the boxes. */
 export function drawCommands(place, verbs, { words, method, options }, targets) {
+  const shown = Object.keys(TITLES).filter((verb) => verb in verbs);
   if (place.children.length === 0) {
-    place.append(...Object.keys(verbs).map(line));
+    place.append(...shown.map(line));
   }
   const named = targets.map((target) => ({ name: nameOf(target), locks: target.locks }));
   const inits = initsOf(named, targets.length > 1 || targets.some(({ name }) => name !== ""));
   const chosen = Object.entries(options ?? {}).map(([name, value]) => `--${name} ${value}`);
-  for (const [verb, after] of Object.entries(verbs)) {
-    const parts = ["host-sim", verb, words, ...inits, method && `--method ${method}`, ...chosen, after];
+  for (const verb of shown) {
+    const parts = ["host-sim", verb, words, ...inits, method && `--method ${method}`, ...chosen, verbs[verb]];
     write(verb, targets.length === 0 ? "Drag a box first." : parts.filter(Boolean).join(" "));
     document.querySelector(`[data-of=${verb}]`).disabled = targets.length === 0;
   }

@@ -12,7 +12,7 @@ export class Pictures {
   #wanted = [];
   #underWay = new Set();
 
-  /** `load(number)` gives a bitmap; `came(number)` and `failed(number, error)` are told. */
+  /** `load(number)` gives a bitmap or an image; `came(number)` and `failed(number, error)` are told. */
   constructor(load, came, failed) {
     [this.#load, this.#came, this.#failed] = [load, came, failed];
   }
@@ -61,7 +61,7 @@ export class Pictures {
       }
       if (other !== number && !this.#wanted.includes(other)) {
         this.#kept.delete(other);
-        old.close();
+        old.close?.();
         this.#bytes -= bytesOf(old);
       }
     }

@@ -197,7 +197,7 @@ async function changed() {
   if (!connection.follows) {
     return;
   }
-  sending = sending.catch(() => {}).then(() => connection.targets(targets.map((target) => ({ ...target, name: nameOf(target) }))));
+  sending = sending.catch(() => {}).then(() => connection.targets(targets));
   try {
     await sending;
   } catch (error) {
@@ -318,20 +318,21 @@ function follow() {
   }
 }
 
+// Draws once for each picture of the screen, however much has changed. What is read is drawn less often.
 function draw() {
+  follow();
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
     if (pictures.get(shown) !== undefined) {
-      follow();
       const inOrder = [...edits.targets].sort((one, other) => (one === edits.chosen) - (other === edits.chosen));
       const color = (pulled === null ? edits.chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
       drawWindow(byId("stage"), { picture: pictures.get(shown), size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
     }
-    reading ??= setTimeout(() => {
-      reading = null;
-      drawReadings();
-    }, READINGS_MS);
   });
+  reading ??= setTimeout(() => {
+    reading = null;
+    drawReadings();
+  }, READINGS_MS);
 }
 
 // The events of a target. Of an hour they take a while, so they are not found anew for each answer.
@@ -450,11 +451,10 @@ function writeAddress() {
   }, 400);
 }
 
-function readAddress() {
+// The frame that the address names; null if it names none.
+function addressed() {
   const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
-  if (wanted > 0) {
-    goTo(wanted);
-  }
+  return wanted > 0 ? wanted : null;
 }
 
 // ---- actions of the user
@@ -519,7 +519,7 @@ function listen() {
       draw();
     }
   });
-  addEventListener("hashchange", readAddress);
+  addEventListener("hashchange", () => goTo(addressed() ?? frame));
   new ResizeObserver(draw).observe(byId("stage"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 }
@@ -586,8 +586,7 @@ async function start() {
   prepare();
   listen();
   measure();
-  goTo(source.shown ?? first);
-  readAddress();
+  goTo(addressed() ?? source.shown ?? first);
   if (connection.follows) {
     await connection.listen(heard, gone);
   }

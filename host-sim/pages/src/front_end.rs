@@ -39,6 +39,18 @@ modules! {
     "window.js"
 }
 
+const WINDOW: &str = include_str!("../../../core/web/page/window.html");
+const STYLES: [&str; 3] = [
+    include_str!("report/base.css"),
+    include_str!("../../../core/web/page/page.css"),
+    include_str!("../../../core/web/page/window.css"),
+];
+
+/// The page of the window, which ends with these elements.
+pub fn window(scripts: &str) -> String {
+    WINDOW.replace("{{style}}", &STYLES.concat()).replace("{{scripts}}", scripts)
+}
+
 /// The text of the module with this file name.
 pub fn module(name: &str) -> Option<&'static str> {
     MODULES.iter().find(|(module, _)| *module == name).map(|(_, text)| *text)

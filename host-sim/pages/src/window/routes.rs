@@ -15,13 +15,6 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-const PAGE: &str = include_str!("../../../../core/web/page/window.html");
-const STYLES: [&str; 3] = [
-    include_str!("../report/base.css"),
-    include_str!("../../../../core/web/page/page.css"),
-    include_str!("../../../../core/web/page/window.css"),
-];
-
 /// How long a page waits for news before it asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
 /// News are gathered for so long, so that a page is not told of each frame alone.
@@ -98,7 +91,10 @@ impl Window {
     fn routed(&self, Request { posts, path, query, body }: &Request) -> Result<Reply> {
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         Ok(match (posts, first, rest) {
-            (false, "", "") => Reply::new("text/html; charset=utf-8", page()),
+            (false, "", "") => {
+                let script = "<script type=\"module\" src=\"page/window.js\"></script>";
+                Reply::new("text/html; charset=utf-8", front_end::window(script))
+            }
             (false, "page", name) => match front_end::module(name) {
                 Some(text) => Reply::new("text/javascript; charset=utf-8", text),
                 None => Reply::error(404, "there is no such module"),
@@ -245,11 +241,6 @@ impl Window {
         let id = self.made.begin(job, move |id| followed.tell(Item::Made(id)))?;
         Ok(json_reply(&json!({ "id": id })))
     }
-}
-
-fn page() -> String {
-    PAGE.replace("{{style}}", &STYLES.concat())
-        .replace("{{scripts}}", "<script type=\"module\" src=\"page/window.js\"></script>")
 }
 
 fn json_reply(value: &Value) -> Reply {
