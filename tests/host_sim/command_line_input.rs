@@ -393,8 +393,11 @@ fn messages_are_in_peoples_words() {
     track(&["--resize", "1/1000"]).refuses(&["--resize 1/1000", "smaller than a pixel: expected larger frames"]);
     track(&["--resize", "1000/1"]).refuses(&["--resize 1000/1 of 160x120: expected at most 65535 pixels on each side"]);
     for command in ["check", "report", "eval"] {
-        host_sim(&[command, "rtsp://me:secret@camera/1?key=2"])
-            .refuses(&["rtsp://camera/1 is a live source", "`track`", "expected a recording"]);
+        host_sim(&[command, "rtsp://me:secret@camera/1?key=2"]).refuses(&[
+            "rtsp://camera/1 is a live source",
+            "`track`",
+            "expected a recording",
+        ]);
     }
     host_sim(&["track", "udp://127.0.0.1:9", "--frames", "..9"]).refuses(&["--frames is for recordings", "Ctrl-C"]);
     #[cfg(unix)]

@@ -44,14 +44,14 @@ pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
 pub use frame_times::frame_times;
-pub use live::{Live, LiveFrame, is_live};
-pub use y4m::Planes;
 pub use images::{decode_picture, read_picture};
+pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
+pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fs;
@@ -229,8 +229,7 @@ fn built_in(path: &Path) -> Option<Sequence> {
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
 /// folders of their own.
 pub fn is_sequence(path: &Path) -> bool {
-    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path)
-    {
+    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {

@@ -143,8 +143,7 @@ impl Planes {
         let Chroma { across, down, is_full } = self.chroma;
         let (luma, chroma) = self.bytes.split_at(width * height);
         let (blue, red) = chroma.split_at(chroma.len() / 2);
-        let (black, of_luma, of_chroma) =
-            if is_full { (0.0, 1.0, 1.0) } else { (16.0, 255.0 / 219.0, 255.0 / 224.0) };
+        let (black, of_luma, of_chroma) = if is_full { (0.0, 1.0, 1.0) } else { (16.0, 255.0 / 219.0, 255.0 / 224.0) };
         let pixel = |at: usize| {
             let gray = (f32::from(luma[at]) - black) * of_luma;
             let difference = |plane: &[u8]| {

@@ -5,6 +5,7 @@ mod check;
 mod convert;
 mod demo;
 mod eval;
+mod events;
 mod exit_code;
 mod figures;
 mod frame;

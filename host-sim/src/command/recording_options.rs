@@ -4,7 +4,9 @@ use super::number::whole;
 use super::tracker_options::Pair;
 use anyhow::{Result, bail, ensure};
 use clap::Args;
-use smr_recordings::{self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings};
+use smr_recordings::{
+    self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
+};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

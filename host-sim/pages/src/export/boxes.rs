@@ -12,6 +12,7 @@ use smr_core::{Quality, Rect};
 use smr_evaluation::{Evidence, Origin, Report, name_of};
 use smr_recordings::BoundingBox;
 use smr_recordings::boxes::Form;
+use std::path::Path;
 
 /// What a text holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -41,6 +42,16 @@ impl Format {
     /// True if it says which target a box is of.
     pub const fn has_names(self) -> bool {
         matches!(self, Self::Csv | Self::Json | Self::Mot | Self::Coco | Self::Cvat)
+    }
+
+    /// That of a file of this name, if the extension tells.
+    pub fn of_file(file: &Path) -> Option<Self> {
+        match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "json" | "jsonl" => Some(Self::Json),
+            "xml" => Some(Self::Cvat),
+            _ => None,
+        }
     }
 
     /// True if times of frames are in it.
@@ -146,7 +157,9 @@ impl Printer {
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
-        let &Answer { target, frame, time, report: Some(report), quality, .. } = answer else { return Ok(String::new()) };
+        let &Answer { target, frame, time, report: Some(report), quality, .. } = answer else {
+            return Ok(String::new());
+        };
         let evidence = report.evidence.as_ref();
         let line = serde_json::to_string(&JsonLine {
             origin: &self.about.origin,
@@ -213,7 +226,7 @@ impl From<Rect> for Whole {
     }
 }
 
-/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, section 4.2), and what is not known is -1.
+/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, Data Format), and what is not known is -1.
 fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
     else {
@@ -276,7 +289,10 @@ mod tests {
 
     /// What stands first in every line.
     fn head(method: &str) -> String {
-        format!(r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#, env!("CARGO_PKG_VERSION"))
+        format!(
+            r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#,
+            env!("CARGO_PKG_VERSION")
+        )
     }
 
     #[test]
@@ -366,7 +382,10 @@ mod tests {
         assert_eq!((of("id"), of("image_id")), (vec![1, 2, 3, 4], vec![1, 2, 3, 3]));
         assert_eq!((of("category_id"), of("iscrowd")), (vec![1, 2, 1, 2], vec![0; 4]));
         let last = &coco["annotations"][3];
-        assert_eq!((&last["bbox"], &last["area"]), (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0)));
+        assert_eq!(
+            (&last["bbox"], &last["area"]),
+            (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0))
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/manual/advanced/xml_format/>: a track for each target. Frames count from 0, and a box
+//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0, and a box
 //! goes from its left and upper to its right and lower edge.
 
 use super::{About, Answer};
@@ -46,7 +46,12 @@ impl Tracks {
     pub fn text(&self, about: &About) -> String {
         let ((width, height), frames, name) = (self.size, self.frames, escaped(&about.name));
         let labels: String = (0..self.tracks.len())
-            .map(|target| format!("        <label><name>{}</name><attributes></attributes></label>\n", escaped(about.label(target))))
+            .map(|target| {
+                format!(
+                    "        <label><name>{}</name><attributes></attributes></label>\n",
+                    escaped(about.label(target))
+                )
+            })
             .collect();
         let mut text = format!(
             r#"<?xml version="1.0" encoding="utf-8"?>
@@ -69,7 +74,8 @@ impl Tracks {
         );
         for (target, track) in self.tracks.iter().enumerate() {
             let label = escaped(about.label(target));
-            text += &format!("  <track id=\"{target}\" label=\"{label}\" source=\"auto\">\n{}  </track>\n", track.boxes);
+            text +=
+                &format!("  <track id=\"{target}\" label=\"{label}\" source=\"auto\">\n{}  </track>\n", track.boxes);
         }
         text + "</annotations>\n"
     }
