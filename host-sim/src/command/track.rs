@@ -54,7 +54,7 @@ pub struct Track {
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     /// Frames per second of the video, without sound [default: as in the recording, else 25]
-    #[arg(long, value_name = "25|29.97|30000/1001", requires = "video")]
+    #[arg(long, value_name = "25|29.97|30000/1001")]
     rate: Option<Rate>,
     #[command(flatten)]
     recording: RecordingOptions,
@@ -98,6 +98,7 @@ impl Track {
         let printer = Printer::new(format, about);
         let (boxes, films) = self.outputs();
         let film = match films[..] {
+            [] if self.rate.is_some() => bail!("--rate is of a video, and none is written: expected --video, too"),
             [] => None,
             [(_, film)] => Some(film),
             _ => bail!("--out and --video both name a video: expected one of them"),
