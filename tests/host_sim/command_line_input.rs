@@ -392,7 +392,7 @@ fn messages_are_in_peoples_words() {
     track(&["--resize", "99999x99999"]).refuses(&["--resize 99999x99999: expected a size", "from 1 to 65535"]);
     track(&["--resize", "1/1000"]).refuses(&["--resize 1/1000", "smaller than a pixel: expected larger frames"]);
     track(&["--resize", "1000/1"]).refuses(&["--resize 1000/1 of 160x120: expected at most 65535 pixels on each side"]);
-    for command in ["check", "report", "eval"] {
+    for command in ["check", "eval"] {
         host_sim(&[command, "rtsp://me:secret@camera/1?key=2"]).refuses(&[
             "rtsp://camera/1 is a live source",
             "`track`",

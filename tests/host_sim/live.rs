@@ -62,7 +62,7 @@ fn what_comes_too_fast_is_dropped_and_counted() {
     let mut counts = end.split_once("camera: ").unwrap().1.split(' ').filter_map(|word| word.parse::<usize>().ok());
     let (came, dropped) = (counts.next().unwrap(), counts.next().unwrap());
     let csv = std::fs::read_to_string(&boxes).unwrap();
-    let rows: Vec<(usize, f64)> = csv.lines().skip(1).map(|row| number_and_time(row)).collect();
+    let rows: Vec<(usize, f64)> = csv.lines().skip(1).map(number_and_time).collect();
     assert_eq!((rows.len(), rows[0]), (came - dropped, (1, 0.0)), "{end}");
     assert!(rows.is_sorted() && rows.last().unwrap().0 <= came, "{end}");
     assert!(dropped > 0, "600 frames are sent at once: {end}");

@@ -131,6 +131,11 @@ impl Colors {
         files.iter().filter_map(name).collect()
     }
 
+    /// How many frames a video has, as far as it says so itself.
+    pub fn length(&self, patience: Duration) -> Option<usize> {
+        Some(frame_times(self.video()?, patience)?.count())
+    }
+
     /// What is known of a live source.
     pub fn now(&self) -> Option<Now> {
         if let Self::Live(now) = self { Some(now.clone()) } else { None }

@@ -12,6 +12,7 @@ use smr_core::{Quality, Rect};
 use smr_evaluation::{Evidence, Origin, Report, name_of};
 use smr_recordings::BoundingBox;
 use smr_recordings::boxes::Form;
+use std::path::Path;
 
 /// What a text holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -41,6 +42,16 @@ impl Format {
     /// True if it says which target a box is of.
     pub const fn has_names(self) -> bool {
         matches!(self, Self::Csv | Self::Json | Self::Mot | Self::Coco | Self::Cvat)
+    }
+
+    /// That of a file of this name, if the extension tells.
+    pub fn of_file(file: &Path) -> Option<Self> {
+        match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "json" | "jsonl" => Some(Self::Json),
+            "xml" => Some(Self::Cvat),
+            _ => None,
+        }
     }
 
     /// True if times of frames are in it.
@@ -215,7 +226,7 @@ impl From<Rect> for Whole {
     }
 }
 
-/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, section 4.2), and what is not known is -1.
+/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, Data Format), and what is not known is -1.
 fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
     else {

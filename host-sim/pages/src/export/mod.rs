@@ -18,5 +18,5 @@ mod writer;
 pub use crate::encode::{pgm, png};
 pub use frame_times::Rate;
 pub use overlay::Overlay;
-pub use video::{Film, Plan};
+pub use video::{ENDINGS as FILM_ENDINGS, Film, Plan};
 pub use writer::{Format, Writer, Written, is_whole};

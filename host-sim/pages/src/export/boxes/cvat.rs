@@ -1,4 +1,4 @@
-//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/manual/advanced/xml_format/>: a track for each target. Frames count from 0, and a box
+//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0, and a box
 //! goes from its left and upper to its right and lower edge.
 
 use super::{About, Answer};
