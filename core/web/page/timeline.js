@@ -8,7 +8,11 @@ import { palette } from "./palette.js";
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
 // The number of states that one drawing asks for: more of them, of a long video, are seen in the next drawings.
 const BUDGET = 10_000;
+<<<<<<< HEAD
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6;
+=======
+const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
+>>>>>>> page
 // How long the head stays where the user put it, if that frame does not come.
 const PATIENCE_MS = 1000;
 
@@ -99,7 +103,12 @@ export class Timeline {
       this.#wanted = null;
     }
     const head = this.#wanted ?? frame;
+<<<<<<< HEAD
     const height = `${MARKS + strips.reduce((sum, { isChosen }) => sum + stripHeight(isChosen) + GAP, 0) + BELOW}px`;
+=======
+    const ofStrips = strips.reduce((sum, { isChosen }) => sum + stripHeight(isChosen) + GAP, 0);
+    const height = `${Math.max(MARKS + ofStrips + BELOW, LEAST_HEIGHT)}px`;
+>>>>>>> page
     if (this.#canvas.style.height !== height) {
       this.#canvas.style.height = height;
     }

@@ -12,11 +12,16 @@ export const LAST_DASH = [4, 4];
  * `picture` of `size` is the frame. `targets`: see followed.js; `chosen` is one of them. `box`: the box that the user
  * draws, or null.
  */
-export function drawStage(canvas, { picture, size, targets, chosen, on, box, number }) {
-  const { width, height } = fitted(canvas);
+export function drawStage(canvas, scene) {
   const context = canvas.getContext("2d");
-  const scale = width / size.width;
+  const place = fitted(canvas);
   context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+  drawScene(context, place, scene);
+}
+
+/** The same, on any canvas: on a part of it of `width` times `height`. */
+export function drawScene(context, { width, height }, { picture, size, targets, chosen, on, box, number }) {
+  const scale = width / size.width;
   context.imageSmoothingEnabled = scale < 1;
   context.drawImage(picture, 0, 0, width, height);
   const shown = METHODS.filter((method) => on[method]);

@@ -4,6 +4,7 @@
 import { Answers } from "./answers.js";
 import { Connection } from "./connection.js";
 import { byId, htmlNode, inView } from "./dom.js";
+import { save } from "./download.js";
 import { Drag, gripOf } from "./drag.js";
 import { Edits, lockIn, nameOf } from "./edits.js";
 import { Embedded } from "./embedded.js";
@@ -29,7 +30,7 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const connection = byId("data") === null ? new Connection() : new Embedded();
 const edits = new Edits();
 const answers = new Answers();
-const pictures = new Pictures((number) => connection.picture(number), came, (number, error) => number === frame && say(error.message));
+const pictures = new Pictures((number) => connection.picture(number), came, missed);
 const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
 let source; // see PROTOCOL of `host-sim view`
@@ -70,6 +71,13 @@ function goTo(number) {
 function came(number) {
   if (number === frame || shown === null || Math.abs(number - frame) < Math.abs(shown - frame)) {
     show(number);
+  }
+}
+
+// Not every picture of a camera is kept: the next one is there soon.
+function missed(number, error) {
+  if (number === frame && !(kind === "live" && byId("newest").checked)) {
+    say(error.message);
   }
 }
 
@@ -562,6 +570,13 @@ async function trying(promise) {
   }
 }
 
+async function take(format) {
+  const file = await trying(connection.boxes(format));
+  if (file !== "") {
+    save(file.name, file.bytes);
+  }
+}
+
 async function make(what, options) {
   byId("made").hidden = false;
   byId("made").textContent = "The file is being made.";
@@ -593,7 +608,7 @@ function prepare() {
     graph = new Graph(byId("curves"));
     figures = new Figures(byId("figures"), NOT_THERE);
     seesCurves = inView(byId("curves"), draw);
-    drawFiles(byId("files"), source, make);
+    drawFiles(byId("files"), source, take, make);
   }
 }
 

@@ -18,6 +18,7 @@ mod frame_times;
 mod images;
 pub mod input;
 mod iou;
+mod live;
 pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
@@ -39,18 +40,20 @@ mod video_color;
 mod y4m;
 
 pub use boxes::BoundingBox;
-pub use color::{ColorFrames, Colors, Moment};
+pub use color::{Clock, ColorFrames, Colors, Moment, Now};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
 pub use frame_times::frame_times;
 pub use images::{decode_picture, read_picture};
+pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
+pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fs;
@@ -164,6 +167,8 @@ pub struct OpenOptions {
     pub init: Option<BoundingBox>,
     /// How long ffmpeg may be silent; a minute if it is `None`.
     pub ffmpeg_patience: Option<Duration>,
+    /// A live source is taken, too.
+    pub takes_live: bool,
 }
 
 /// The folder beside a recording with what other trackers answered on it.
@@ -185,15 +190,15 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
         let frames = damage::frames(frames, name.clone());
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
+    } else if is_live(path) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
+        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
+        Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
-        ensure!(
-            !path.to_string_lossy().contains("://"),
-            "{} is an address, and host-sim reads files: {LIVE}",
-            path.display()
-        );
+        ensure!(!path.to_string_lossy().starts_with("/dev/video"), "there is no camera {}: {LIVE}", path.display());
         let kind = fs::metadata(path).with_context(|| {
             let known = BUILT_IN.join(", ");
             format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
@@ -206,7 +211,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(sequence)
 }
 
-/// What to do with frames that do not lie in a file.
+/// What to do with frames that neither lie in a file nor come from a camera of Linux.
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
 /// Y4M as it comes, for example from a camera: no boxes lie beside it.
@@ -226,7 +231,7 @@ fn built_in(path: &Path) -> Option<Sequence> {
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
 /// folders of their own.
 pub fn is_sequence(path: &Path) -> bool {
-    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() {
+    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {

@@ -83,7 +83,7 @@ impl Seekable {
                         return Ok(Box::new(frames.map(Ok)));
                     }
                 }
-                Colors::None => {}
+                Colors::None | Colors::Live(_) => {}
             }
         }
         Ok(Box::new(open(&self.path, &self.options)?.frames.skip(number - 1)))
@@ -101,7 +101,9 @@ impl Seekable {
                 let frames = self.time(number).and_then(|time| color_frames_at(file, time, side, self.patience()));
                 Box::new(frames.into_iter().flatten().map(|(frame, _)| frame))
             }
-            Colors::None => Box::new(self.gray_from(number)?.map_while(Result::ok).map(|frame| (&frame).into())),
+            Colors::None | Colors::Live(_) => {
+                Box::new(self.gray_from(number)?.map_while(Result::ok).map(|frame| (&frame).into()))
+            }
         })
     }
 }

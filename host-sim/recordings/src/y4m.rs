@@ -3,7 +3,7 @@
 //! What ffmpeg decodes comes through here as well, see [`super::video`].
 
 use super::damage::Damaged;
-use super::{GrayFrame, MOST_PIXELS, has_extension};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
@@ -56,30 +56,37 @@ impl<R: BufRead> Frames<R> {
         Ok(Self { stream, header, name, number: 0 })
     }
 
-    fn read(&mut self) -> Result<Option<GrayFrame>> {
-        let Header { size: (width, height), frame_bytes, .. } = self.header;
+    /// The next frame with its colors; `None` at the end.
+    pub(super) fn next_planes(&mut self) -> Result<Option<Planes>> {
+        self.number += 1;
+        let read = self.read();
+        let bytes = read.with_context(|| format!("{}, frame {}", self.name, self.number))?;
+        Ok(bytes.map(|bytes| Planes { size: self.header.size, chroma: self.header.chroma, bytes }))
+    }
+
+    /// All planes of a frame.
+    fn read(&mut self) -> Result<Option<Vec<u8>>> {
+        let frame_bytes = self.header.frame_bytes;
         let line = line(&mut self.stream)?;
         if line.is_empty() {
             return Ok(None);
         }
-        let luma = u64::from(width) * u64::from(height);
-        let (mut pixels, mut chroma) = (Vec::new(), 0);
+        let mut pixels = Vec::new();
         if line.ends_with(b"\n") || line.len() as u64 == LINE_BYTES {
             let is_frame = line.starts_with(b"FRAME\n") || line.starts_with(b"FRAME ") && line.ends_with(b"\n");
             ensure!(
                 is_frame,
                 "it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"
             );
-            self.stream.by_ref().take(luma).read_to_end(&mut pixels)?;
-            chroma = io::copy(&mut self.stream.by_ref().take(frame_bytes - luma), &mut io::sink())?;
+            self.stream.by_ref().take(frame_bytes).read_to_end(&mut pixels)?;
         }
-        let read = pixels.len() as u64 + chroma;
+        let read = pixels.len() as u64;
         if read < frame_bytes {
             let (expected, found) = ("FRAME\n".len() as u64 + frame_bytes, line.len() as u64 + read);
             let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
             return Err(Damaged::new(why).into());
         }
-        Ok(Some(GrayFrame { width, height, pixels }))
+        Ok(Some(pixels))
     }
 }
 
@@ -102,9 +109,53 @@ impl<R: BufRead> Iterator for Frames<R> {
     type Item = Result<GrayFrame>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.number += 1;
-        let read = self.read();
-        read.with_context(|| format!("{}, frame {}", self.name, self.number)).transpose()
+        self.next_planes().map(|planes| planes.map(|planes| planes.gray())).transpose()
+    }
+}
+
+/// A frame as it is in the stream: luma, then color.
+#[derive(Clone, Debug)]
+pub struct Planes {
+    pub size: (u16, u16),
+    chroma: Chroma,
+    bytes: Vec<u8>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Chroma {
+    /// So many pixels, across and down, have one color; 0 of gray frames.
+    across: usize,
+    down: usize,
+    /// Levels from 0 to 255, not from 16 on.
+    is_full: bool,
+}
+
+impl Planes {
+    pub fn gray(&self) -> GrayFrame {
+        let (width, height) = self.size;
+        let luma = usize::from(width) * usize::from(height);
+        GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
+    }
+
+    /// In red, green and blue, by the matrix of BT.601: the stream does not say which.
+    pub fn color(&self) -> ColorFrame {
+        let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
+        let Chroma { across, down, is_full } = self.chroma;
+        let (luma, chroma) = self.bytes.split_at(width * height);
+        let (blue, red) = chroma.split_at(chroma.len() / 2);
+        let (black, of_luma, of_chroma) = if is_full { (0.0, 1.0, 1.0) } else { (16.0, 255.0 / 219.0, 255.0 / 224.0) };
+        let pixel = |at: usize| {
+            let gray = (f32::from(luma[at]) - black) * of_luma;
+            let difference = |plane: &[u8]| {
+                let at = at / width / down.max(1) * width.div_ceil(across.max(1)) + at % width / across.max(1);
+                plane.get(at).map_or(0.0, |&level| (f32::from(level) - 128.0) * of_chroma)
+            };
+            let (blue, red) = (difference(blue), difference(red));
+            let rgb = [gray + 1.402 * red, gray - 0.344_136 * blue - 0.714_136 * red, gray + 1.772 * blue];
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+            rgb.map(|level| level.round() as u8)
+        };
+        ColorFrame { width: self.size.0, height: self.size.1, pixels: (0..luma.len()).map(pixel).collect() }
     }
 }
 
@@ -113,6 +164,7 @@ struct Header {
     size: (u16, u16),
     /// Bytes of all planes of a frame.
     frame_bytes: u64,
+    chroma: Chroma,
     /// So many frames in so many seconds.
     rate: Option<(f64, f64)>,
 }
@@ -128,7 +180,9 @@ impl Header {
             String::from_utf8_lossy(fields.context("expected a line that begins with YUV4MPEG2")?).into_owned();
         let field = |letter| fields.split(' ').rev().find_map(|field| field.strip_prefix(letter));
         let size = (side('W', field('W'))?, side('H', field('H'))?);
-        let frame_bytes = frame_bytes(size, field('C').unwrap_or("420"))?;
+        let (across, down) = chroma(field('C').unwrap_or("420"))?;
+        let chroma = Chroma { across, down, is_full: fields.contains("XCOLORRANGE=FULL") };
+        let frame_bytes = frame_bytes(size, chroma);
         let (width, height) = size;
         ensure!(
             frame_bytes <= MOST_PIXELS,
@@ -147,6 +201,7 @@ impl Header {
         Ok(Self {
             size,
             frame_bytes,
+            chroma,
             rate: rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0),
         })
     }
@@ -158,16 +213,21 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-fn frame_bytes((width, height): (u16, u16), colour: &str) -> Result<u64> {
+fn frame_bytes((width, height): (u16, u16), chroma: Chroma) -> u64 {
     let (width, height) = (u64::from(width), u64::from(height));
-    let chroma = match colour {
-        "mono" => 0,
-        "420" | "420jpeg" | "420paldv" | "420mpeg2" => width.div_ceil(2) * height.div_ceil(2),
-        "422" => width.div_ceil(2) * height,
-        "444" => width * height,
+    let plane = |across: usize, down: usize| width.div_ceil(across as u64) * height.div_ceil(down as u64);
+    width * height + if chroma.across == 0 { 0 } else { 2 * plane(chroma.across, chroma.down) }
+}
+
+/// How many pixels, across and down, have one color.
+fn chroma(colour: &str) -> Result<(usize, usize)> {
+    Ok(match colour {
+        "mono" => (0, 0),
+        "420" | "420jpeg" | "420paldv" | "420mpeg2" => (2, 2),
+        "422" => (2, 1),
+        "444" => (1, 1),
         _ => bail!("{}", unsupported(colour)),
-    };
-    Ok(width * height + 2 * chroma)
+    })
 }
 
 fn unsupported(colour: &str) -> String {

@@ -67,7 +67,7 @@ impl Report {
         let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
         let found = self.recording.find(&self.paths)?;
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
-        let open = |path: &PathBuf| self.recording.open_with_targets(path);
+        let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };

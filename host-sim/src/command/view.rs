@@ -1,6 +1,5 @@
 //! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
 
-use super::answer_line::{Answer, Format, Printer};
 use super::number::whole;
 use super::tracker_options::{Pair, TrackerOptions};
 use super::{Outcome, say};
@@ -9,9 +8,10 @@ use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::{Robust, robust};
 use smr_evaluation::{MethodKind, Variant};
-use smr_pages::window::{Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
+use smr_pages::export::boxes::{About, Answer, Format, Printer};
+use smr_pages::window::{Camera, Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
 use smr_recordings::output::complain;
-use smr_recordings::{OpenOptions, Seekable, Start, is_seekable};
+use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Seekable, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -21,7 +21,7 @@ use std::time::Duration;
 
 #[derive(Debug, clap::Args)]
 pub struct View {
-    /// The recording
+    /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
     #[arg(value_name = "SEQ")]
     source: PathBuf,
     /// How targets are followed
@@ -46,41 +46,41 @@ pub struct View {
     tracker: TrackerOptions,
 }
 
+/// What is shown.
+struct Opened {
+    name: String,
+    source: Arc<dyn Source>,
+    /// The names of the pictures, if it has any.
+    pictures: Vec<String>,
+    /// The box beside the recording.
+    beside: Option<smr_core::Rect>,
+}
+
 /// The formats of boxes that the page offers.
-const FORMATS: [&str; 5] = ["csv", "json", "tld", "otb", "vot"];
+const FORMATS: [&str; 9] = ["csv", "json", "tld", "otb", "vot", "got10k", "mot", "coco", "cvat"];
 const FILMS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
 impl View {
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
-        let path = &self.source;
-        ensure!(
-            is_seekable(path) || !path.exists(),
-            "{}: it can be read only once: expected a file or a folder",
-            path.display()
-        );
-        let options = OpenOptions {
-            size: self.size.map(|Pair(width, height)| (width, height)),
-            init: None,
-            ffmpeg_patience: self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into())),
-        };
-        let (recording, mut sequence) = Seekable::open(path, &options)?;
-        let first = sequence.frames.next().with_context(|| format!("{} has no frames", sequence.name))??;
-        let targets = self.targets(sequence.init.is_some().then(|| sequence.start()).transpose()?)?;
-        let source: Arc<dyn Source> = Arc::new(Recorded::new(recording));
+        let Opened { name, source, pictures, beside } = self.open()?;
+        let targets = self.targets(beside)?;
+        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
+        let is_live = source.live().is_some();
         let server = Server::bind()?;
         let address = server.address();
         let words = self.words();
+        let size = (first.width, first.height);
         let window = Window {
-            name: sequence.name.clone(),
-            size: (first.width, first.height),
+            name: name.clone(),
+            size,
             words: shlex::try_join(words.iter().map(String::as_str))?,
             formats: FORMATS.to_vec(),
-            films: if has_ffmpeg() { FILMS.to_vec() } else { Vec::new() },
+            films: if !is_live && has_ffmpeg() { FILMS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
             made: Arc::new(Made::new()?),
-            wish: Box::new(Desk { words, name: sequence.name }),
+            wish: Box::new(Desk { words, name, size, pictures, is_live }),
         };
         say(|out| match self.json {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
@@ -93,6 +93,28 @@ impl View {
         }
         window.serve(server)?;
         Ok(Outcome::Holds)
+    }
+
+    fn open(&self) -> Result<Opened> {
+        let path = &self.source;
+        let patience = self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into()));
+        let is_stdin = path == Path::new("-");
+        if is_stdin || is_live(path) {
+            let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
+            let name = live.name.clone();
+            return Ok(Opened { name, source: Arc::new(Camera::new(live)), pictures: Vec::new(), beside: None });
+        }
+        ensure!(
+            is_seekable(path) || !path.exists(),
+            "{}: it can be read only once: expected a file, a folder or a camera",
+            path.display()
+        );
+        let size = self.size.map(|Pair(width, height)| (width, height));
+        let options = OpenOptions { size, ffmpeg_patience: patience, ..OpenOptions::default() };
+        let (recording, sequence) = Seekable::open(path, &options)?;
+        let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
+        let pictures = sequence.colors.picture_names();
+        Ok(Opened { name: sequence.name, source: Arc::new(Recorded::new(recording)), pictures, beside })
     }
 
     /// The targets that are given, or else the one beside the recording.
@@ -129,6 +151,10 @@ fn has_ffmpeg() -> bool {
 struct Desk {
     words: Vec<String>,
     name: String,
+    /// Of a frame.
+    size: (u16, u16),
+    pictures: Vec<String>,
+    is_live: bool,
 }
 
 /// The options of a method, as the page sends them.
@@ -151,34 +177,54 @@ impl Wish for Desk {
         tracker.variant(method)
     }
 
-    fn boxes(&self, format: &str, followed: &Followed, _known: &Known) -> Result<(String, Vec<u8>)> {
-        let rows = followed.rows();
-        let format = match format {
-            "json" => None,
-            other => match Format::from_str(other, true) {
-                Ok(format) => Some(format),
-                Err(_) => bail!("{other:?} is no format of boxes: expected one of {}", FORMATS.join(", ")),
-            },
+    fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)> {
+        let Ok(format) = Format::from_str(format, true) else {
+            bail!("{format:?} is no format of boxes: expected one of {}", FORMATS.join(", "));
         };
-        let printer = Printer { format, origin: followed.variant().origin(), is_named: rows.len() > 1 };
-        let mut all: Vec<_> =
-            rows.iter().flat_map(|(target, rows)| rows.iter().map(move |(frame, row)| (*frame, target, row))).collect();
-        all.sort_by_key(|(frame, ..)| *frame);
+        let targets = followed.rows();
+        ensure!(
+            targets.len() == 1 || format.has_names(),
+            "its lines have no names, and there are {} targets: expected csv, json, mot, coco or cvat",
+            targets.len()
+        );
+        let is_named = targets.len() > 1;
+        let about = About {
+            name: self.name.clone(),
+            origin: followed.variant().origin(),
+            targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
+            pictures: self.pictures.clone(),
+        };
+        let mut printer = Printer::new(format, about);
         let mut text = printer.head();
-        for (frame, target, row) in all {
-            let target = printer.is_named.then_some(target.name.as_str());
-            let answer = Answer { target, frame, report: Some(&row.report), quality: row.quality };
-            text += &printer.line(&answer)?;
+        let last = targets.iter().filter_map(|(_, rows)| rows.last()).map(|(frame, _)| *frame).max().unwrap_or(0);
+        let first = if self.is_live {
+            targets.iter().filter_map(|(_, rows)| rows.first()).map(|(frame, _)| *frame).min()
+        } else {
+            None
+        };
+        let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
+        for frame in first.unwrap_or(1)..=last {
+            for (target, rows) in left.iter_mut().enumerate() {
+                let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
+                let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
+                let report = row.map(|row| &row.report);
+                let quality = row.and_then(|row| row.quality);
+                text += &printer.line(&Answer { target, frame, time, size: self.size, report, quality })?;
+            }
         }
+        text += &printer.foot()?;
         let ending = match format {
-            None => "jsonl",
-            Some(Format::Csv) => "csv",
-            Some(_) => "txt",
+            Format::Json => "jsonl",
+            Format::Coco => "json",
+            Format::Cvat => "xml",
+            Format::Csv => "csv",
+            _ => "txt",
         };
         Ok((self.file(ending), text.into_bytes()))
     }
 
     fn made(&self, ending: &str, followed: &Followed) -> Result<Job> {
+        ensure!(!self.is_live, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
         ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
         let lines = followed.rows().iter().map(|(_, rows)| rows.len()).sum();

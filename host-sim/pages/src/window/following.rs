@@ -50,6 +50,8 @@ pub struct Row {
     pub shown: BoundingBox,
     /// In a frame that the target was locked on.
     pub quality: Option<Quality>,
+    /// Of a camera: when the frame came, in seconds.
+    pub time: Option<f64>,
 }
 
 /// What one lock, and a tracker of one setting, makes a segment of.
@@ -349,9 +351,9 @@ impl Followed {
                     let mut goes_on = true;
                     for frame in frames {
                         match frame {
-                            Ok((number, frame)) => {
+                            Ok((number, time, frame)) => {
                                 last = Some(number);
-                                goes_on = self.frame(number, &frame, &mut trackers, source, pace.next());
+                                goes_on = self.frame((number, time), &frame, &mut trackers, source, pace.next());
                             }
                             Err(error) => {
                                 self.ends(last.unwrap_or(start - 1), Some(&error));
@@ -400,7 +402,7 @@ impl Followed {
     /// Asks the trackers that wait for this frame. False if another frame than the next one is to be read.
     fn frame(
         &self,
-        number: usize,
+        (number, time): (usize, Option<f64>),
         frame: &GrayFrame,
         trackers: &mut HashMap<Key, Follower>,
         source: &dyn Source,
@@ -427,7 +429,7 @@ impl Followed {
                     let shown = report.target.or(before).unwrap_or_else(|| task.key.lock.1.into());
                     let next = segment.next();
                     segment.rows.extend((next..number).map(|_| None));
-                    segment.rows.push_back(Some(Row { report, shown, quality }));
+                    segment.rows.push_back(Some(Row { report, shown, quality, time }));
                     if is_live && segment.rows.len() > MOST_LIVE_ROWS {
                         segment.rows.pop_front();
                         segment.gone += 1;
@@ -515,3 +517,6 @@ pub(super) fn start(followed: &Arc<Followed>, source: &Arc<dyn Source>) {
     let (followed, source) = (Arc::clone(followed), Arc::clone(source));
     std::thread::spawn(move || followed.run(source.as_ref()));
 }
+
+#[cfg(test)]
+mod tests;

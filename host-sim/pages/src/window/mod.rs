@@ -9,6 +9,7 @@
 //! [`following`] finds out what is to be followed again. Answers come back as [`news`]. [`pictures`] gives any frame as a JPEG.
 //! The page itself is core/web/page/window.html.
 
+mod camera;
 mod following;
 mod made;
 mod news;
@@ -16,6 +17,7 @@ mod pictures;
 mod routes;
 mod server;
 
+pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
 pub use made::{Job, Made};
 pub use pictures::Recorded;
@@ -26,8 +28,8 @@ use anyhow::Result;
 use smr_recordings::GrayFrame;
 use std::sync::Arc;
 
-/// Frames with their numbers, from some number on.
-pub type Numbered = Box<dyn Iterator<Item = Result<(usize, GrayFrame)>>>;
+/// Frames with their numbers, from some number on, and of a camera with their times in seconds.
+pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
 
 /// Where the frames of a window come from: a recording, or a camera.
 pub trait Source: Send + Sync {
@@ -42,7 +44,7 @@ pub trait Source: Send + Sync {
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
     /// Of a camera: what is kept, and how well trackers keep up.
-    fn live(&self) -> Option<Live> {
+    fn live(&self) -> Option<LiveState> {
         None
     }
 
@@ -58,7 +60,7 @@ pub struct Known {
 
 /// What is said of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Live {
+pub struct LiveState {
     /// The numbers of the oldest frame that is kept, and of the newest.
     pub oldest: usize,
     pub newest: usize,
@@ -66,4 +68,8 @@ pub struct Live {
     pub dropped: usize,
     /// From the arrival of a frame to its answer.
     pub latency_ms: f64,
+    /// Frames that came in a second, on average.
+    pub rate: f64,
+    /// No more frames will come.
+    pub has_ended: bool,
 }

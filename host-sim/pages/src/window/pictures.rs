@@ -45,7 +45,7 @@ impl Source for Recorded {
 
     fn gray_from(&self, number: usize) -> Result<Numbered> {
         let frames = self.recording.gray_from(number)?;
-        Ok(Box::new((number..).zip(frames).map(|(number, frame)| Ok((number, frame?)))))
+        Ok(Box::new((number..).zip(frames).map(|(number, frame)| Ok((number, None, frame?)))))
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {

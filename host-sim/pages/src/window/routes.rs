@@ -171,6 +171,7 @@ impl Window {
         json!({
             "name": self.name,
             "live": self.source.live().is_some(),
+            "rate": self.source.live().map(|live| live.rate),
             "width": self.size.0,
             "height": self.size.1,
             "frames": frames,
@@ -256,8 +257,8 @@ fn number(query: &str, name: &str) -> Result<u64> {
     text.parse().with_context(|| format!("{name}={text}: expected a number"))
 }
 
-/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work]`
-fn told_row(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
+/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`
+fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
     let figure = |value: f64| (value * 1e6).round() / 1e6;
@@ -274,5 +275,6 @@ fn told_row(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> 
         evidence.map(|evidence| figure(evidence.ratio)),
         evidence.map(|evidence| figure(evidence.scale)),
         work,
+        time.map(figure),
     ])
 }
