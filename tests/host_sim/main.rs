@@ -21,3 +21,4 @@ mod tables;
 mod target;
 mod targets;
 mod trax;
+mod view;

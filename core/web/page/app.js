@@ -6,17 +6,22 @@ import { packedModules, workerAddress } from "./data.js";
 import { byId, htmlNode, inView, sample } from "./dom.js";
 import { save } from "./download.js";
 import { Drag } from "./drag.js";
+import { clock, drawEvents, eventsOf } from "./events.js";
 import { Figures } from "./figures.js";
+import { Film } from "./film.js";
 import { Followed } from "./followed.js";
 import { Follower } from "./follower.js";
 import { Graph } from "./graph.js";
+import { KEPT } from "./history.js";
 import { drawList } from "./list.js";
 import { METHODS, SETTINGS, TITLES } from "./methods.js";
+import { palette } from "./palette.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { csv, json } from "./rows.js";
 import { commandLine } from "./command.js";
 import { BUILT_IN } from "./synthetic.js";
+import { Timeline } from "./timeline.js";
 import { drawStage } from "./view.js";
 import { Video } from "./video.js";
 
@@ -36,7 +41,9 @@ let version = "";
 let passes = 0; // of the sources, each from a first frame on
 let drawing = null;
 let reading = null;
-let follower, player, graph, cards, figures, seesCurves, seesComparisons;
+let film = null; // that is being made: { pictures, first, next, last }
+let told = { key: "", events: [] }; // what happened to the chosen target
+let follower, player, graph, cards, figures, timeline, seesCurves, seesComparisons;
 
 // ---- messages
 
@@ -84,6 +91,7 @@ function lockByUser(box) {
   if (chosen === null) {
     newTarget();
   }
+  dropFilm();
   chosen.planned = [];
   lock(chosen, box, true).catch((error) => say(error.message));
 }
@@ -110,6 +118,7 @@ async function use(source) {
 
 function forget() {
   passes += 1;
+  dropFilm();
   follower.ask("restart", { settings });
   [targets, chosen, ids, number] = [[], null, 0, null];
   newTarget();
@@ -147,9 +156,33 @@ async function trying(source, hint) {
   draw();
 }
 
+function seek(to) {
+  if (player.source.kind === "camera") {
+    say("The earlier pictures of a camera are gone.");
+    return;
+  }
+  dropFilm();
+  player.seek(to);
+}
+
+// The event before or after the frame that is shown.
+function seekEvent(way) {
+  const frames = events().map(({ frame }) => frame).filter((frame) => (frame - number) * way > 0);
+  if (frames.length > 0) {
+    seek(way > 0 ? Math.min(...frames) : Math.max(...frames));
+  }
+}
+
+// Where following stopped, if that is before the frame that is shown.
+function behind() {
+  const next = Math.min(...targets.map((target) => target.next ?? Infinity));
+  return number !== null && next <= number ? next : null;
+}
+
 // Locks are repeated, except on a camera: its earlier pictures are gone.
 function restarted() {
   passes += 1;
+  dropFilm();
   follower.ask("restart", { settings });
   targets.forEach((target) => target.restart(player.source.kind !== "camera"));
   number = null;
@@ -172,10 +205,15 @@ function answered(reply) {
     targets.forEach((target) => target.restart(false));
     say("The frames have another size now: lock again.");
   }
-  for (const [id, answers] of reply.answers) {
-    targets.find((target) => target.id === id)?.answered(reply.number, answers);
+  const answers = new Map(reply.answers);
+  for (const target of targets) {
+    const found = answers.get(target.id);
+    found === undefined ? target.showAt(reply.number) : target.answered(reply.number, found);
   }
   number = reply.number;
+  if (number === film?.next) {
+    filmed();
+  }
   draw();
 }
 
@@ -215,7 +253,44 @@ function drawReadings() {
   }
   figures.draw(chosen, on);
   drawList(byId("targets"), { targets, chosen, choose, remove: removeTarget });
+  drawEvents(byId("events"), events(), { timeOf, goTo: seek, chosen: number });
+  drawTimeline();
   drawControls();
+}
+
+const timeOf = (frame) => player.source.timeOf(frame);
+
+// A lock is one of both trackers; all else is of one of them.
+function events() {
+  const histories = METHODS.filter((method) => settings.on[method] && chosen?.histories[method]).map((method) => [method, chosen.histories[method]]);
+  const key = [passes, chosen?.id, chosen?.last, chosen?.locks.length, ...histories.map(([method]) => method)].join();
+  if (told.key !== key) {
+    const locks = chosen?.locks ?? [];
+    const isLock = ({ kind }) => kind === "locked" || kind === "corrected";
+    const ofMethod = ([method, history]) => eventsOf(history.states(), locks).filter((one) => !isLock(one)).map((one) => ({ ...one, name: TITLES[method] }));
+    told = { key, events: [...eventsOf([], locks), ...histories.flatMap(ofMethod)].sort((one, other) => one.frame - other.frame) };
+  }
+  return told.events;
+}
+
+function drawTimeline() {
+  const { length } = player.source;
+  byId("timeline").hidden = player.source.kind === "camera";
+  if (number === null || byId("timeline").hidden) {
+    return;
+  }
+  const followed = targets.map(({ last }) => last ?? 0);
+  const last = Math.max(length ?? 0, number, ...followed);
+  timeline.draw({ first: 1, last, frame: number, followed: chosen?.last ?? null, strips: targets.flatMap(stripsOf), marks: events(), timeOf });
+}
+
+// Each tracker of the chosen target, and the first one of the others.
+function stripsOf(target) {
+  const isChosen = target === chosen;
+  const methods = METHODS.filter((method) => settings.on[method]).slice(0, isChosen ? METHODS.length : 1);
+  return methods.map((method) => ({
+    color: isChosen ? palette()[method].onPage : palette().faint, isChosen, states: (frame) => target.histories[method]?.stateAt(frame),
+  }));
 }
 
 function drawControls() {
@@ -229,9 +304,14 @@ function drawControls() {
   byId("speed").disabled = byId("repeat").disabled = byId("again").disabled = isCamera;
   byId("add").disabled = targets.length >= MOST_TARGETS;
   const of = source.length === null ? "" : ` of ${source.length}`;
-  byId("place").value = number === null ? "" : `frame ${number}${of}`;
+  const time = number === null ? null : timeOf(number);
+  byId("place").value = number === null ? "" : `frame ${number}${of}${time === null ? "" : `, ${clock(time)}`}`;
   const named = number === null ? "" : `${source.name}, ${size.width}x${size.height} pixels. `;
-  byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: this machine was behind.`}`;
+  const next = behind();
+  const stopped = next === null ? "" : ` This frame is not followed yet: Play goes on from frame ${next}.`;
+  byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: this machine was behind.`}${stopped}`;
+  byId("filming").value = film === null ? "" : `frame ${film.next - 1} of ${film.last}`;
+  byId("film").textContent = film === null ? "Video with boxes" : "Stop and save the video";
   const states = METHODS.map((method) => chosen?.now[method]?.state && `${TITLES[method]}: ${chosen.now[method].state}`).filter(Boolean);
   byId("stage").setAttribute("aria-label", ["The frame with its boxes", ...states].join(", "));
   drawCommand();
@@ -250,8 +330,9 @@ function drawCommand() {
 // ---- downloads
 
 const FILES = {
-  csv: (method, named) => save(`boxes-${method}.csv`, csv(named)),
-  json: (method, named) => save(`boxes-${method}.jsonl`, json(named, method, settings, version)),
+  csv: (method, named) => save(`boxes-${method}.csv`, csv(named, timeOf)),
+  json: (method, named) => save(`boxes-${method}.jsonl`, json(named, method, settings, version, timeOf)),
+  film: () => (film === null ? startFilm() : endFilm()),
   record: async (method) => {
     const { bytes } = await follower.ask("record", { id: chosen?.id, method });
     bytes === null ? say(`${TITLES[method]} has no flight record: lock it on a target first.`) : save(`flight-${method}.smr`, bytes);
@@ -264,6 +345,63 @@ function download(event) {
   const named = targets.filter(({ histories }) => histories[method]).map(({ name, histories }) => [name, histories[method]]);
   if (kind !== undefined) {
     FILES[kind](method, named);
+  }
+}
+
+// The video plays once more from its first frame, as far as it was followed.
+async function startFilm() {
+  const histories = targets.flatMap((target) => Object.values(target.histories));
+  const last = Math.max(...targets.map((target) => target.last ?? 0));
+  if (player.source.kind === "camera" || last === 0) {
+    say(last === 0 ? "There are no boxes yet: lock a target first." : "The earlier pictures of a camera are gone: no video can be made of them.");
+    return;
+  }
+  try {
+    const pictures = await Film.open(size, (error) => failFilm(error.message));
+    // Earlier boxes are forgotten.
+    const first = Math.max(1, ...histories.filter(({ length }) => length === KEPT).map((history) => history.row(KEPT - 1).number));
+    film = { pictures, first, next: first, last };
+    player.seek(first);
+    draw();
+  } catch (error) {
+    say(error.message);
+  }
+}
+
+function filmed() {
+  const { source } = player;
+  const seconds = (frame) => source.timeOf(frame) ?? frame / source.rate;
+  targets.forEach((target) => target.showAt(number));
+  film.pictures.add({ picture, size, targets, chosen, on: settings.on, box: null, number }, seconds(number) - seconds(film.first));
+  film.next += 1;
+  if (number === film.last) {
+    endFilm();
+  } else if (!player.isPlaying && number === film.first) {
+    player.play(true);
+  }
+}
+
+async function endFilm() {
+  const { pictures, first, next } = film;
+  film = null;
+  player.play(false);
+  if (next === first) {
+    say("The video has no frames yet.");
+    return;
+  }
+  save("boxes.webm", await pictures.end());
+  say(`boxes.webm has frames ${first} to ${next - 1}, without sound.`);
+}
+
+function failFilm(reason) {
+  dropFilm();
+  say(`The video cannot be made: ${reason}`);
+}
+
+function dropFilm() {
+  if (film !== null) {
+    film = null;
+    say("The video with boxes was given up.");
   }
 }
 
@@ -283,7 +421,7 @@ function listen() {
   });
   byId("play").addEventListener("click", () => player.play(!player.isPlaying));
   byId("step").addEventListener("click", () => player.step());
-  byId("again").addEventListener("click", () => player.restart());
+  byId("again").addEventListener("click", () => seek(1));
   byId("speed").addEventListener("change", ({ target }) => {
     player.speed = Number(target.value);
   });
@@ -304,6 +442,8 @@ function listen() {
     if (event.key === " ") {
       event.preventDefault();
       player.play(!player.isPlaying);
+    } else if (event.key === "[" || event.key === "]") {
+      seekEvent(event.key === "]" ? 1 : -1);
     }
   });
   listenToDrops();
@@ -383,7 +523,10 @@ async function start() {
   seesCurves = inView(byId("curves"), draw);
   seesComparisons = inView(byId("scale"), draw);
   byId("cost").textContent = "Time here: of an update in this browser, the median of 300. Cortex-M4 and M55: instructions of this update, estimated from its work.";
-  player = new Player(follower, { shown: () => chosen?.id, sent, answered, restarted, changed: draw, say });
+  player = new Player(follower, {
+    shown: () => chosen?.id, behind, ready: () => film?.pictures.ready(), sent, answered, restarted, changed: draw, say,
+  });
+  timeline = new Timeline(byId("timeline"), { goTo: seek });
   new Drag(byId("stage"), {
     size: () => (number === null ? null : size),
     start: startBox,

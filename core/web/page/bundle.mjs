@@ -36,6 +36,8 @@ function add(address, places, parts, above) {
       return "";
     })
     .replace(COMMENT, "")
+    // No text of the page goes over lines.
+    .replace(/^ +/gm, "")
     // A worker of a page from disk cannot be a module, and only modules have this.
     .replaceAll("import.meta.url", "self.location.href");
   const left = body.match(/^(?:import\s*[{"*\w]|export ).*/m);

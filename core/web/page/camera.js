@@ -43,6 +43,11 @@ export class Camera {
     this.#video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#sink.failed("The camera was disconnected."));
   }
 
+  /** The times of a camera are not kept. */
+  timeOf() {
+    return null;
+  }
+
   play() {
     this.#isPlaying = true;
   }

@@ -2,9 +2,9 @@
 
 import { htmlNode } from "./dom.js";
 
-const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
+const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream", webm: "video/webm" };
 
-/** Saves `content`, text or bytes, under `name`. */
+/** Saves `content`, text, bytes or a blob, under `name`. */
 export function save(name, content) {
   const type = TYPES[name.split(".").at(-1)];
   const address = URL.createObjectURL(new Blob([content], { type }));

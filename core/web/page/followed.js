@@ -15,6 +15,8 @@ export class Followed {
   planned = [];
   /** The lock among them that the worker makes now. */
   underWay = null;
+  /** The last frame that was followed, or null. */
+  last = null;
   /** The last answers by method. */
   histories = {};
   /** The state to show for each method: { state, box, window, ... }, or { error } if it refused the last lock. */
@@ -28,7 +30,8 @@ export class Followed {
   /** Notes that the worker has locked its trackers. */
   locked(number, box, locked) {
     this.locks = [...this.locks.filter((lock) => lock.number < number), { number, box }].slice(-MOST_LOCKS);
-    [this.now, this.underWay] = [{}, null];
+    [this.now, this.underWay, this.last] = [{}, null, number];
+    Object.values(this.histories).forEach((history) => history.dropFrom(number));
     for (const [method, { quality, error, window }] of Object.entries(locked)) {
       if (error === undefined) {
         this.histories[method] ??= new History();
@@ -41,6 +44,7 @@ export class Followed {
   }
 
   answered(number, answers) {
+    this.last = number;
     for (const [method, { answer, ms, window, sweepWindow, pictures }] of Object.entries(answers)) {
       this.histories[method].answer(number, answer, ms);
       const { x, y, width, height } = answer.fineBox;
@@ -49,11 +53,24 @@ export class Followed {
     }
   }
 
+  /** Shows what was answered in a frame before. */
+  showAt(number) {
+    for (const [method, history] of Object.entries(this.histories)) {
+      const row = history.find(number);
+      this.now[method] = row === undefined ? { state: "not followed" } : shownOf(row);
+    }
+  }
+
+  /** The frame to be followed next; null if there is none. */
+  get next() {
+    return this.last === null ? (this.planned[0]?.number ?? null) : this.last + 1;
+  }
+
   /** Goes back to before the first frame: all locks are planned, `isRepeated` or not. */
   restart(isRepeated) {
     const underWay = this.underWay === null ? [] : [this.underWay];
     this.planned = isRepeated ? [...this.locks, ...underWay, ...this.planned] : [];
-    this.underWay = null;
+    [this.underWay, this.last] = [null, null];
     this.locks = [];
     this.histories = {};
     this.now = {};
@@ -61,7 +78,7 @@ export class Followed {
 
   /** The box to lock on in a frame; null if there is none. */
   due(number) {
-    if (this.planned.length === 0 || this.planned[0].number > number) {
+    if (this.planned.length === 0 || this.planned[0].number !== number) {
       return null;
     }
     this.underWay = this.planned.shift();
@@ -76,6 +93,17 @@ export class Followed {
 
   /** True if a tracker follows the target. */
   get isFollowed() {
-    return METHODS.some((method) => this.now[method]?.state !== undefined);
+    return METHODS.some((method) => this.histories[method]?.length > 0);
   }
+}
+
+const value = (figure) => (Number.isNaN(figure) ? null : figure);
+
+// A row of a history as an answer.
+function shownOf({ state, fineX, fineY, fineWidth, fineHeight, confidence, ratio, runnerUpRatio, alpha, scale, work }) {
+  const box = { x: fineX / 256, y: fineY / 256, width: fineWidth / 256, height: fineHeight / 256 };
+  return {
+    state, box, confidence: value(confidence), ratio: value(ratio), runnerUpRatio: value(runnerUpRatio), alpha: value(alpha), scale: value(scale),
+    work: Number.isNaN(work) ? undefined : work,
+  };
 }

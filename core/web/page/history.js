@@ -11,20 +11,46 @@ const COLUMNS = [
 
 export class History {
   #columns = Object.fromEntries(COLUMNS.map((name) => [name, new Float64Array(KEPT)]));
-  #end = 0; // rows ever written
+  #start = 0; // the oldest row that is there
+  #end = 0; // the row that is written next
 
   get length() {
-    return Math.min(this.#end, KEPT);
+    return this.#end - this.#start;
   }
 
-  /** Adds the frame of a lock. It replaces the answer in that frame, if there is one. */
+  /** Adds the frame of a lock. It replaces the answers from that frame on. */
   lock(number, box, quality) {
+    this.dropFrom(number);
     const fine = { x: 256 * box.x, y: 256 * box.y, width: 256 * box.width, height: 256 * box.height };
     this.#write({ number, state: "tracking", box, fineBox: fine, quality });
   }
 
   answer(number, answer, ms) {
     this.#write({ number, ...answer, ms });
+  }
+
+  /** Forgets the answers from a frame on. */
+  dropFrom(number) {
+    this.#end = this.#place(number);
+  }
+
+  /** The row of a frame; undefined if there is none. */
+  find(number) {
+    const at = this.#place(number);
+    return at < this.#end && this.#number(at) === number ? this.row(this.#end - 1 - at) : undefined;
+  }
+
+  /** The state in a frame; undefined if there is no answer. */
+  stateAt(number) {
+    const at = this.#place(number);
+    return at < this.#end && this.#number(at) === number ? STATES[this.#columns.state[at % KEPT]] : undefined;
+  }
+
+  /** { number, state } of all rows, the oldest first. */
+  *states() {
+    for (let at = this.#start; at < this.#end; at++) {
+      yield { number: this.#number(at), state: STATES[this.#columns.state[at % KEPT]] };
+    }
   }
 
   /** The row `back` rows before the last one. Missing values are NaN. */
@@ -47,17 +73,37 @@ export class History {
     return Array.from({ length: used }, (_, at) => this.#columns[name][(this.#end - used + at) % KEPT]);
   }
 
+  #number(at) {
+    return this.#columns.number[at % KEPT];
+  }
+
+  // The first row whose frame is not before `number`. Rows mostly lie at the distance of their frames.
+  #place(number) {
+    if (this.length === 0) {
+      return this.#end;
+    }
+    let [from, to] = [this.#start, this.#end];
+    const likely = this.#start + number - this.#number(this.#start);
+    if (likely >= from && likely < to && this.#number(likely) === number) {
+      return likely;
+    }
+    while (from < to) {
+      const middle = Math.floor((from + to) / 2);
+      this.#number(middle) < number ? (from = middle + 1) : (to = middle);
+    }
+    return from;
+  }
+
   #write({ number, state, box, fineBox: fine, foundAgain, ...figures }) {
-    const isSame = this.#end > 0 && this.#columns.number[(this.#end - 1) % KEPT] === number;
-    const at = (isSame ? this.#end - 1 : this.#end) % KEPT;
     const row = {
       ...figures, number, ...box, state: STATES.indexOf(state), foundAgain: foundAgain === undefined ? NaN : Number(foundAgain),
       fineX: fine.x, fineY: fine.y, fineWidth: fine.width, fineHeight: fine.height,
     };
     for (const name of COLUMNS) {
-      this.#columns[name][at] = row[name] ?? NaN;
+      this.#columns[name][this.#end % KEPT] = row[name] ?? NaN;
     }
-    this.#end += isSame ? 0 : 1;
+    this.#end += 1;
+    this.#start = Math.max(this.#start, this.#end - KEPT);
   }
 }
 

@@ -1,10 +1,10 @@
-// Plays one source of frames at a time: plays, steps and holds it. Frames go to the worker, answers to the page.
+// Plays one source of frames at a time: plays, steps, seeks and holds it. Frames go to the worker, answers to the page.
 
 export class Player {
   isPlaying = false;
   repeats = true;
   source = null;
-  /** Frames that were not followed because the trackers were behind. */
+  /** Frames of a camera that were not followed because the trackers were behind. */
   dropped = 0;
   #follower;
   #page;
@@ -15,8 +15,9 @@ export class Player {
   #speed = 1;
 
   /**
-   * `page`: { shown() the target whose pictures are wanted, sent(number), answered(reply), restarted(), changed(),
-   * say(text) }.
+   * `page`: { shown() the target whose pictures are wanted, behind() the frame where following stopped, if that is before the
+   * frame that is shown, or null, ready() a promise for the time when it can take a frame, sent(number), answered(reply),
+   * restarted(), changed(), say(text) }.
    */
   constructor(follower, page) {
     this.#follower = follower;
@@ -26,7 +27,8 @@ export class Player {
   /** The calls that a source may make. */
   get sink() {
     return {
-      offer: (frame) => this.#offer(frame),
+      room: () => this.#room(),
+      send: (frame) => this.#send(frame),
       show: (video, count) => this.#show(video, count),
       missed: (count) => {
         this.dropped += this.#isHeld ? 0 : count;
@@ -51,7 +53,9 @@ export class Player {
 
   play(on) {
     if (on && this.#hasEnded) {
-      this.restart();
+      this.#begin();
+    } else if (on && this.source.kind !== "camera") {
+      this.#goBack();
     }
     this.isPlaying = on;
     on ? this.source.play() : this.source.pause();
@@ -63,12 +67,34 @@ export class Player {
     this.source.step();
   }
 
-  /** Starts again at the first frame. */
+  /** Shows a frame. What was followed stays. */
+  seek(number) {
+    this.play(false);
+    this.#hasEnded = false;
+    this.source.seek(number);
+  }
+
+  /** Starts again at the first frame, and follows all anew. */
   restart() {
     this.#hasEnded = false;
     this.#pass += 1;
     this.#page.restarted();
     this.source.restart();
+  }
+
+  // At the end of the built-in recording it is followed again, so that there is always something to see. What was followed in
+  // a video stays.
+  #begin() {
+    this.#hasEnded = false;
+    this.source.kind === "recording" ? this.restart() : this.source.seek(1);
+  }
+
+  #goBack() {
+    const behind = this.#page.behind();
+    if (behind !== null) {
+      this.#page.say(`Goes on from frame ${behind}: following had stopped there.`);
+      this.source.seek(behind);
+    }
   }
 
   /** Waits while the user draws a box. */
@@ -89,7 +115,7 @@ export class Player {
 
   #ended() {
     if (this.repeats && this.isPlaying) {
-      this.restart();
+      this.#begin();
       this.source.play();
     } else {
       this.#hasEnded = true;
@@ -97,15 +123,12 @@ export class Player {
     }
   }
 
-  #offer(frame) {
-    if (this.#isHeld || this.#follower.isBehind) {
-      return false;
-    }
-    this.#send(frame);
-    return true;
+  async #room() {
+    await this.#page.ready();
+    await this.#follower.free();
   }
 
-  // Follows the picture that a video shows now. `count` gives its number, if it is followed.
+  // Follows the picture that a camera shows now. `count` gives its number, if it is followed.
   async #show(video, count) {
     if (this.#isHeld) {
       return;
@@ -118,12 +141,11 @@ export class Player {
       return;
     }
     const pass = this.#pass;
-    const number = count();
     this.#making += 1;
     const picture = await pictureOf(video).catch(() => null);
     this.#making -= 1;
     if (picture !== null && pass === this.#pass) {
-      await this.#send({ number, picture });
+      await this.#send({ number: count(), picture });
     } else {
       picture?.close();
     }

@@ -7,43 +7,63 @@ export class Recording {
   name = BUILT_IN.name;
   width = BUILT_IN.width;
   height = BUILT_IN.height;
+  length = BUILT_IN.length;
+  rate = BUILT_IN.rate;
   #sink;
-  #next = 0;
+  #last = 0; // the number of the frame that was sent last
+  #wanted = null; // the frame that is sent as soon as there is room
+  #isWaiting = false;
   #timer = null;
   #speed = 1;
 
-  /** `sink`: { offer(frame) returns true if the frame was taken, ended() }. */
+  /** `sink`: { room() a promise for room for a frame, send(frame), ended() }. */
   constructor(sink) {
     this.#sink = sink;
   }
 
-  get length() {
-    return BUILT_IN.length;
+  /** Nobody knows when it was taken. */
+  timeOf() {
+    return null;
   }
 
   play() {
     clearInterval(this.#timer);
-    this.#timer = setInterval(() => this.step(), 1000 / (BUILT_IN.rate * this.#speed));
+    this.#timer = setInterval(() => {
+      if (this.#wanted === null) {
+        this.step();
+      }
+    }, 1000 / (this.rate * this.#speed));
   }
 
   pause() {
     clearInterval(this.#timer);
-    this.#timer = null;
+    [this.#timer, this.#wanted] = [null, null];
   }
 
   step() {
-    if (this.#next === BUILT_IN.length) {
+    this.seek(this.#last + 1);
+  }
+
+  async seek(number) {
+    this.#wanted = number;
+    if (this.#isWaiting) {
+      return;
+    }
+    this.#isWaiting = true;
+    await this.#sink.room();
+    this.#isWaiting = false;
+    const next = this.#wanted;
+    this.#wanted = null;
+    if (next > this.length) {
       this.#sink.ended();
-    } else if (this.#sink.offer({ number: this.#next + 1, index: this.#next })) {
-      this.#next += 1;
+    } else if (next !== null) {
+      this.#last = next;
+      this.#sink.send({ number: next, index: next - 1 });
     }
   }
 
   restart() {
-    this.#next = 0;
-    if (this.#timer === null) {
-      this.step();
-    }
+    this.seek(1);
   }
 
   set speed(speed) {

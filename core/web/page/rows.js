@@ -2,24 +2,27 @@
 
 import { optionsOf } from "./command.js";
 
-const CSV_NAMES = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
 // Rounds to six digits, as host-sim does.
 const rounded = (value, unit) => (Number.isNaN(value) ? null : Math.round((value / unit) * 1e6) / 1e6);
 const figure = (value) => (Number.isNaN(value) ? null : value);
 
-/** The rows of all targets of a method, in the order of the frames. `named` is a list of [name, history]. */
-export function csv(named) {
+/**
+ * The rows of all targets of a method, in the order of the frames. `named` is a list of [name, history]; `timeOf(frame)` is the
+ * time of a frame in seconds, or null.
+ */
+export function csv(named, timeOf) {
   const isNamed = named.length > 1;
-  const lines = inOrder(named).map(([name, row]) => `${isNamed ? `${name},` : ""}${csvLine(row)}\n`);
+  const lines = inOrder(named).map(([name, row]) => `${isNamed ? `${name},` : ""}${csvLine(row, timeOf)}\n`);
   return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
 }
 
 /** One JSON object on each line. */
-export function json(named, method, settings, version) {
+export function json(named, method, settings, version, timeOf) {
   const origin = { version, method, options: optionsOf(method, settings) };
   const isNamed = named.length > 1;
-  return inOrder(named).map(([name, row]) => `${JSON.stringify({ ...origin, ...(isNamed ? { target: name } : {}), ...ofRow(row) })}\n`).join("");
+  return inOrder(named).map(([name, row]) => `${JSON.stringify({ ...origin, ...(isNamed ? { target: name } : {}), ...ofRow(row, timeOf) })}\n`).join("");
 }
 
 function inOrder(named) {
@@ -27,16 +30,17 @@ function inOrder(named) {
   return all.sort(([, one], [, other]) => one.number - other.number);
 }
 
-function csvLine(row) {
-  const { frame, state, fine, confidence, ratio, runner_up_ratio, alpha, scale, work } = ofRow(row);
+function csvLine(row, timeOf) {
+  const { frame, time, state, fine, confidence, ratio, runner_up_ratio, alpha, scale, work } = ofRow(row, timeOf);
   const box = fine === null ? ["", "", "", ""] : [fine.x, fine.y, fine.width, fine.height];
-  return [frame, ...box, state, confidence, ratio, runner_up_ratio, alpha, scale, work].map((value) => value ?? "").join(",");
+  return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, scale, work].map((value) => value ?? "").join(",");
 }
 
-function ofRow(row) {
+function ofRow(row, timeOf) {
   const isLost = row.state === "lost";
   return {
     frame: row.number,
+    time: rounded(timeOf(row.number) ?? NaN, 1),
     state: row.state,
     box: isLost ? null : { x: row.x, y: row.y, width: row.width, height: row.height },
     fine: isLost ? null : { x: row.fineX / 256, y: row.fineY / 256, width: row.fineWidth / 256, height: row.fineHeight / 256 },

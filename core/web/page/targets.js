@@ -11,6 +11,7 @@ export class Targets {
   #library;
   #settings;
   #targets = new Map(); // by id: the trackers by method, each { tracker, recorder }
+  #last = new Map(); // by id: the last frame that was followed
 
   constructor(library, settings) {
     this.#library = library;
@@ -21,6 +22,8 @@ export class Targets {
   lock(id, frame, box) {
     const followers = this.#targets.get(id) ?? {};
     this.#targets.set(id, followers);
+    const isHere = (this.#last.get(id) ?? frame.number) === frame.number;
+    this.#last.set(id, frame.number);
     const locked = {};
     for (const method of METHODS.filter((method) => this.#settings.on[method])) {
       followers[method] ??= this.#make(method);
@@ -29,6 +32,11 @@ export class Targets {
         locked[method] = { quality: tracker.lock(frame, box), window: tracker.window };
       } catch (error) {
         locked[method] = { error: error.message };
+        if (!isHere) {
+          // It stands in another frame and cannot go on from this one.
+          tracker.free();
+          delete followers[method];
+        }
       }
     }
     return locked;
@@ -39,6 +47,7 @@ export class Targets {
       tracker.free();
     }
     this.#targets.delete(id);
+    this.#last.delete(id);
   }
 
   /** Removes all targets. Later ones are made with `settings`. */
@@ -50,11 +59,13 @@ export class Targets {
   }
 
   /**
-   * The answers for a frame: by id and method { answer, ms, window, sweepWindow }. The target `shown` also has the
-   * pictures.
+   * The answers for a frame, of the targets that it is the next one for: by id and method { answer, ms, window, sweepWindow }.
+   * The target `shown` also has the pictures.
    */
   update(frame, shown) {
-    return [...this.#targets].map(([id, followers]) => {
+    const due = [...this.#targets].filter(([id]) => this.#last.get(id) === frame.number - 1);
+    return due.map(([id, followers]) => {
+      this.#last.set(id, frame.number);
       const methods = Object.entries(followers).filter(([, { tracker }]) => tracker.last !== null);
       return [id, Object.fromEntries(methods.map(([method, { tracker }]) => [method, updated(tracker, frame, id === shown)]))];
     });

@@ -1,26 +1,51 @@
-// A video file as a source of frames. It plays at its own time: a frame that comes while the trackers are behind is
-// dropped, and counted.
+// A video file as a source of frames. None is lost: the video pauses while the trackers are behind, and where the browser
+// skipped a picture it goes back for it.
 
-import { eachPicture } from "./pictures.js";
+import { lacking } from "./codec.js";
 
-// The time of a picture in seconds, assumed until the video has played.
+// The time from a picture to the next one in seconds, assumed until it is known.
 const LIKELY_STEP = 1 / 30;
+// A gap of this many steps may hide a picture.
+const GAP = 1.5;
+// Less than files can tell apart.
+const HAIR = 0.0005;
+// The number of pictures that wait for the trackers before the video pauses.
+const MOST_WAITING = 3;
+// The part of the speed that is tried next after a picture was skipped, and the number of pictures until more is tried.
+const SLOWER = 0.7, PATIENCE = 60;
+const SLOWEST = 0.0625, FASTEST = 16; // of browsers
+// How long a picture may take after a seek, in browsers that tell its time only then.
+const LATE_MS = 100;
+
+const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 export class Video {
   kind = "video";
   #sink;
   #video;
+  #file;
   #address;
-  #end = () => {};
-  #step = Infinity; // seconds from a picture to the next one, the shortest that was seen
-  #time = null; // of the last picture
-  #number = 0;
+  #tick = 0; // the handle of the next call for a picture
+  #mediaTime = 0; // of the picture that was shown last
+  #isTimed = true; // pictures know their times
+  #times = []; // of pictures, by number
+  #counted = 0; // pictures from the first one on
+  #length = null;
+  #step = null; // from a picture to the next one, the shortest that was seen
+  #last = null; // the picture that was sent last: { number, time }
+  #queue = []; // those that wait
+  #isSending = false;
+  #turn = Promise.resolve(); // seeks, one after the other
+  #seeks = 0; // that are not done
+  #wanted = null; // the frame that the user wants to see
+  #stopped = new AbortController();
   #isPlaying = false;
-  #isSeeking = false; // back to the first picture
+  #speed = 1;
+  #part = 1; // of the speed, so that no picture is skipped
+  #unskipped = 0; // pictures since one was skipped
 
   constructor(sink, video, file) {
-    this.#sink = sink;
-    this.#video = video;
+    [this.#sink, this.#video, this.#file] = [sink, video, file];
     this.name = file.name;
     this.#address = URL.createObjectURL(file);
   }
@@ -28,38 +53,45 @@ export class Video {
   /** Opens the file. If it cannot be played, throws an error that says why in one line. */
   async open() {
     const video = this.#video;
+    if (typeof VideoFrame !== "function" || video.requestVideoFrameCallback === undefined) {
+      throw new Error("This browser is too old for video files: use a current Firefox, Chrome, Edge or Safari.");
+    }
     const loaded = new Promise((resolve, reject) => {
       video.onloadeddata = resolve;
       video.onerror = reject;
     });
-    // The first picture comes before the video plays.
-    this.#end = eachPicture(video, (picture) => this.#seen(picture));
     video.src = this.#address;
-    try {
-      await loaded;
-    } catch {
-      this.stop();
-      throw new Error(`${this.name} is no video that this browser plays: expected MP4, WebM or another that it knows.`);
-    }
+    const isLoaded = await loaded.then(() => true, () => false);
     [this.width, this.height] = [video.videoWidth, video.videoHeight];
-    if (this.width === 0) {
+    if (!isLoaded || this.width === 0) {
       this.stop();
-      throw new Error(`${this.name} has no pictures.`);
+      throw new Error(await this.#whyNot(isLoaded));
     }
     video.onerror = () => this.#sink.failed(`${this.name} is damaged: it ends here.`);
-    video.onended = () => this.#sink.ended();
+    video.onended = () => this.#isPlaying && this.#goBack(Infinity);
+    this.#nextTick();
+    await this.#measure();
+    this.seek(1);
   }
 
+  /** The number of frames; an estimate until all were seen. */
   get length() {
-    return this.#step === Infinity ? null : Math.round(this.#video.duration / this.#step);
+    const { duration } = this.#video;
+    return this.#length ?? (Number.isFinite(duration) ? Math.max(Math.round(duration / this.#pace), this.#counted) : null);
+  }
+
+  /** The time of a frame in seconds; an estimate where no frame was seen. */
+  timeOf(number) {
+    return this.#times[number] ?? this.#times[this.#counted] + (number - this.#counted) * this.#pace;
   }
 
   play() {
     this.#isPlaying = true;
-    this.#video.play().catch((error) => {
-      // A pause soon after is no error.
-      if (error.name !== "AbortError") {
-        this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
+    this.#alone(async () => {
+      const { currentTime } = this.#video;
+      const { time } = this.#ahead;
+      if (this.#isPlaying && (currentTime < time || currentTime >= time + (this.#step ?? 0) || this.#video.ended)) {
+        (await this.#pictureAt(time + HAIR)).close();
       }
     });
   }
@@ -67,62 +99,264 @@ export class Video {
   pause() {
     this.#isPlaying = false;
     this.#video.pause();
+    this.#queue.splice(0).forEach(({ picture }) => picture.close());
   }
 
   step() {
-    if (this.#video.ended) {
-      this.#sink.ended();
-    } else {
-      // Seeks to the middle of the next picture, because its edges are rounded.
-      this.#video.currentTime = (this.#time ?? 0) + 1.5 * (this.#step === Infinity ? LIKELY_STEP : this.#step);
-    }
+    this.#alone(async () => {
+      const next = await this.#after(this.#ahead.time);
+      next === null ? this.#end() : this.#add(next, this.#ahead.number + 1);
+    });
+  }
+
+  /** Shows a frame. */
+  seek(number) {
+    const isPlaying = this.#isPlaying;
+    this.pause();
+    this.#isPlaying = isPlaying;
+    this.#wanted = number;
+    this.#alone(async () => {
+      const wanted = this.#wanted;
+      this.#wanted = null;
+      if (wanted !== null) {
+        await this.#show(wanted);
+      }
+    });
   }
 
   restart() {
-    [this.#time, this.#number] = [null, 0];
-    this.#isSeeking = true;
-    this.#video.onseeked = () => {
-      [this.#isSeeking, this.#video.onseeked] = [false, null];
-      this.#seen({ time: this.#video.currentTime, missed: 0 });
-    };
-    this.#video.currentTime = 0;
+    this.seek(1);
   }
 
   set speed(speed) {
-    this.#video.playbackRate = speed;
+    this.#speed = speed;
+    this.#video.playbackRate = Math.min(Math.max(speed * this.#part, SLOWEST), FASTEST);
   }
 
   stop() {
-    this.#end();
+    this.pause();
+    this.#stopped.abort();
     const video = this.#video;
-    video.onerror = video.onended = video.onloadeddata = video.onseeked = null;
-    this.#video.removeAttribute("src");
-    this.#video.load();
+    video.cancelVideoFrameCallback?.(this.#tick);
+    video.onerror = video.onended = video.onloadeddata = null;
+    video.removeAttribute("src");
+    video.load();
     URL.revokeObjectURL(this.#address);
   }
 
-  async #seen({ time, missed }) {
-    if (this.#isSeeking) {
+  async #whyNot(hasSound) {
+    const codec = await lacking(this.#file, this.#video);
+    if (codec !== null) {
+      return `${this.name} is ${codec}, which this browser does not play: host-sim view ${this.name} does${codec.startsWith("HEVC") ? ", or a current Safari or Edge" : ""}.`;
+    }
+    return hasSound ? `${this.name} has no pictures.` : `${this.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
+  }
+
+  // ---- pictures
+
+  // The last picture that was sent or waits.
+  get #ahead() {
+    return this.#queue.at(-1) ?? this.#last;
+  }
+
+  // The mean time from a picture to the next one.
+  get #pace() {
+    return this.#counted < 2 ? (this.#step ?? LIKELY_STEP) : (this.#times[this.#counted] - this.#times[1]) / (this.#counted - 1);
+  }
+
+  // The first two pictures tell how long one takes.
+  async #measure() {
+    await this.#alone(async () => {
+      // Of some files the length is known at their end.
+      if (this.#video.duration === Infinity) {
+        (await this.#pictureAt(1e9)).close();
+      }
+      const { duration } = this.#video;
+      const middle = await this.#pictureAt(duration / 2);
+      // In Firefox they count seconds as microseconds.
+      this.#isTimed = middle.picture.timestamp > duration * 1e5;
+      middle.close();
+      const first = await this.#pictureAt(0);
+      this.#last = { number: 0, time: first.time - 1 };
+      first.close();
+      const second = await this.#after(first.time);
+      this.#step = second === null ? null : second.time - first.time;
+      second?.close();
+    });
+  }
+
+  // Does something that seeks, after all that does so. Then the video plays on.
+  #alone(seek) {
+    this.#seeks += 1;
+    this.#turn = this.#turn.then(seek).catch((error) => this.#sink.failed(`${this.name} cannot be played: ${error.message}`));
+    this.#turn = this.#turn.then(() => {
+      this.#seeks -= 1;
+      this.#roll();
+    });
+    return this.#turn;
+  }
+
+  #roll() {
+    const video = this.#video;
+    if (!this.#isPlaying || this.#seeks > 0 || this.#queue.length >= MOST_WAITING || video.ended) {
       return;
     }
-    if (this.#isPlaying) {
-      this.#sink.missed(missed);
-    }
-    if (time !== this.#time) {
-      const number = this.#count(time);
-      await this.#sink.show(this.#video, () => number);
+    this.speed = this.#speed;
+    video.play().catch((error) => {
+      // A pause soon after is no error.
+      if (error.name !== "AbortError") {
+        this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
+      }
+    });
+  }
+
+  async #show(number) {
+    const before = this.#times[number] === undefined ? this.#times[number - 1] : undefined;
+    const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + HAIR) : await this.#after(before);
+    if (found === null) {
+      this.#end();
+    } else if (this.#wanted !== null) {
+      found.close();
+    } else {
+      this.#add(found, number);
     }
   }
 
-  // The number of the picture at `time`. It is computed from the time, so that dropped pictures are counted, too.
-  #count(time) {
-    const passed = this.#time === null ? 0 : time - this.#time;
-    if (passed > 0.001) {
-      this.#step = Math.min(this.#step, passed);
+  /** The picture at a time: { picture, time, close() }. */
+  async #pictureAt(time) {
+    const video = this.#video;
+    video.pause();
+    // If another source takes the video, this seek has no end, and what waits for it has none.
+    const how = { once: true, signal: this.#stopped.signal };
+    const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
+    video.currentTime = time;
+    await seeked;
+    if (!this.#isTimed) {
+      await Promise.race([new Promise((resolve) => video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
     }
-    const byTime = this.#step === Infinity ? 1 : Math.round(time / this.#step) + 1;
-    this.#time = time;
-    this.#number = Math.max(this.#number + (passed > 0 ? 1 : 0), byTime);
-    return this.#number;
+    return this.#shown();
+  }
+
+  #shown() {
+    const picture = new VideoFrame(this.#video);
+    return { picture, time: this.#isTimed ? picture.timestamp / 1e6 : this.#mediaTime, close: () => picture.close() };
+  }
+
+  // The picture after the one at `time`; null if there is none.
+  async #after(time) {
+    const end = Math.min(this.#video.duration, time + 60);
+    let reach = GAP * (this.#step ?? LIKELY_STEP);
+    let next = await this.#pictureAt(time + reach);
+    while (next.time <= time + HAIR && time + reach < end) {
+      next.close();
+      reach *= 2;
+      next = await this.#pictureAt(time + reach);
+    }
+    // A picture between them would be the one just before it.
+    while (next.time - time > GAP * (this.#step ?? 0)) {
+      const before = await this.#pictureAt(next.time - HAIR);
+      const isNext = before.time <= time + HAIR;
+      (isNext ? before : next).close();
+      if (isNext) {
+        return next;
+      }
+      next = before;
+    }
+    if (next.time > time + HAIR) {
+      return next;
+    }
+    next.close();
+    return null;
+  }
+
+  #nextTick() {
+    this.#tick = this.#video.requestVideoFrameCallback((_, { mediaTime }) => {
+      this.#mediaTime = mediaTime;
+      this.#nextTick();
+      if (this.#isPlaying && this.#seeks === 0) {
+        this.#played(this.#shown());
+      }
+    });
+  }
+
+  // Takes the picture that the browser shows while it plays.
+  #played(found) {
+    const passed = found.time - this.#ahead.time;
+    if (passed > HAIR && passed <= GAP * (this.#step ?? 0)) {
+      this.#add(found, this.#ahead.number + 1);
+      this.#unskipped += 1;
+      if (this.#unskipped % PATIENCE === 0) {
+        this.#part = Math.min(this.#part / SLOWER, 1);
+      }
+      return;
+    }
+    found.close();
+    if (passed > HAIR) {
+      this.#goBack(found.time);
+    }
+  }
+
+  // Goes back for the picture after the last one, because the browser shows the one at `time`.
+  #goBack(time) {
+    this.#video.pause();
+    this.#alone(async () => {
+      const next = this.#isPlaying ? await this.#after(this.#ahead.time) : null;
+      if (!this.#isPlaying || this.#wanted !== null) {
+        next?.close();
+      } else if (next === null) {
+        this.#end();
+      } else {
+        if (next.time < time - HAIR) {
+          [this.#part, this.#unskipped] = [this.#part * SLOWER, 0];
+        }
+        this.#add(next, this.#ahead.number + 1);
+      }
+    });
+  }
+
+  async #end() {
+    if (this.#ahead.number === this.#counted) {
+      this.#length = this.#counted;
+    }
+    while (this.#queue.length > 0) {
+      await wait(10);
+    }
+    this.#sink.ended();
+  }
+
+  // ---- to the trackers
+
+  #add({ picture, time }, number) {
+    if (this.#times[number - 1] !== undefined) {
+      this.#step = Math.min(this.#step ?? Infinity, Math.max(time - this.#times[number - 1], 2 * HAIR));
+    }
+    this.#times[number] = time;
+    if (number === this.#counted + 1) {
+      this.#counted = number;
+    }
+    this.#queue.push({ picture, time, number });
+    if (this.#queue.length >= MOST_WAITING) {
+      this.#video.pause();
+    }
+    this.#send();
+  }
+
+  async #send() {
+    if (this.#isSending) {
+      return;
+    }
+    this.#isSending = true;
+    while (this.#queue.length > 0) {
+      await this.#sink.room();
+      const next = this.#queue.shift();
+      if (next !== undefined) {
+        this.#last = { number: next.number, time: next.time };
+        this.#sink.send({ number: next.number, picture: next.picture });
+      }
+      if (this.#video.paused && this.#queue.length < MOST_WAITING - 1) {
+        this.#roll();
+      }
+    }
+    this.#isSending = false;
   }
 }

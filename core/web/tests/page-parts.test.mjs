@@ -14,6 +14,12 @@ import { commandLine } from "../page/command.js";
 import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
 import { PROJECT } from "./library.mjs";
 
+// What modules ask a browser for as soon as they are there.
+globalThis.ResizeObserver = class {};
+globalThis.matchMedia = () => ({ addEventListener() {} });
+const { clock, eventsOf, placeOf, sentence } = await import("../page/events.js");
+const { Columns } = await import("../page/timeline.js");
+
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
 const FINE = { x: 257, y: 512, width: 7680, height: 10240 };
 const ANSWER = {
@@ -93,6 +99,45 @@ test("instructions are about what was measured", () => {
   assert.deepEqual(said("smr", { work: 57_019, runnerUpRatio: null }), ["about 180 k", "about 91 k"]);
   assert.deepEqual(said("smr", { work: 931_000, runnerUpRatio: 9 }), ["about 5.6 M", "about 2.9 M"]);
   assert.deepEqual(said("smr", {}), ["–", "–"]);
+});
+
+test("events: losses end by being found or by a correction, and doubts that last count", () => {
+  const rows = (...spans) => spans.flatMap(([state, count]) => Array(count).fill(state)).map((state, at) => ({ number: at + 1, state }));
+  const told = (rows, ...locks) => eventsOf(rows, locks.map((number) => ({ number }))).map(({ kind, frame, until }) => `${kind} ${frame}-${until}`);
+  assert.deepEqual(told(rows(["tracking", 5], ["lost", 3], ["tracking", 2], ["lost", 4]), 1), ["locked 1-1", "lost 6-8", "found 9-9", "lost 11-14"]);
+  assert.deepEqual(told(rows(["tracking", 5], ["lost", 3], ["tracking", 2]), 1, 9), ["locked 1-1", "lost 6-8", "corrected 9-9"]);
+  assert.deepEqual(told(rows(["tracking", 2], ["uncertain", 9], ["leaving", 10], ["lost", 1], ["uncertain", 10]), 1), [
+    "locked 1-1", "leaving 12-21", "lost 22-22", "found 23-23", "uncertain 23-32",
+  ]);
+  assert.deepEqual(told(rows(["tracking", 4]), 1, 3), ["locked 1-1", "corrected 3-3"]);
+  assert.deepEqual(told([]), []);
+});
+
+test("times are minutes and seconds, and frames where none is known", () => {
+  assert.deepEqual([0, 12.4, 59.96, 3723.42].map(clock), ["0:00.0", "0:12.4", "1:00.0", "1:02:03.4"]);
+  const timeOf = (frame) => (frame === 311 ? 12.4 : null);
+  assert.deepEqual([placeOf(311, timeOf), placeOf(312, timeOf), placeOf(311)], ["0:12.4 (frame 311)", "frame 312", "frame 311"]);
+  const lost = { kind: "lost", frame: 311, until: 320 };
+  assert.deepEqual([sentence(lost, timeOf), sentence({ ...lost, name: "SMR" })], ["lost at 0:12.4", "SMR lost at frame 311"]);
+});
+
+test("the slider has the worst state of each column, and looks at a long video in turns", () => {
+  const lost = new Set([1, 150_000, 200_000]);
+  const states = (frame) => (lost.has(frame) ? "lost" : frame > 190_000 ? undefined : "tracking");
+  const columns = new Columns(400, 1, 200_000);
+  assert.deepEqual([columns.frames(0), columns.frames(399)], [[1, 500], [199_501, 200_000]]);
+  assert.deepEqual([columns.sample(states).states[0], columns.states[299]], ["lost", "tracking"]);
+  let turns = 0;
+  for (let seen = 0; seen < 400; turns++) {
+    seen += columns.refresh(states, 10_000);
+  }
+  assert.equal(turns, 20);
+  assert.deepEqual([0, 1, 299, 390, 399].map((at) => columns.states[at]), ["lost", "tracking", "lost", undefined, "lost"]);
+  lost.add(700);
+  columns.see(700, states);
+  assert.equal(columns.states[1], "lost");
+  const wide = new Columns(9, 5, 7);
+  assert.deepEqual([0, 2, 3, 8].map((at) => wide.frames(at)), [[5, 5], [5, 5], [6, 6], [7, 7]]);
 });
 
 test("modules become one script, in which nothing is imported", () => {

@@ -28,10 +28,11 @@ pub(super) fn pictures(files: &[PathBuf]) -> Vec<PathBuf> {
     pictures
 }
 
-pub(super) fn frames(files: Vec<PathBuf>) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
-    files.into_iter().enumerate().map(|(index, file)| {
-        read(&file).with_context(|| format!("cannot read {} (frame {})", file.display(), index + 1))
-    })
+/// The pictures as frames, the first of them with the number `first`.
+pub(super) fn frames(files: Vec<PathBuf>, first: usize) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
+    (first..)
+        .zip(files)
+        .map(|(number, file)| read(&file).with_context(|| format!("cannot read {} (frame {number})", file.display())))
 }
 
 /// One picture.

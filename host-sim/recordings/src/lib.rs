@@ -31,6 +31,7 @@ pub mod random;
 mod raw;
 mod resize;
 mod samples;
+mod seekable;
 pub mod slow;
 mod start;
 pub mod synthetic;
@@ -48,6 +49,7 @@ pub use images::{decode_picture, read_picture};
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
+pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
@@ -190,7 +192,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        ensure!(options.takes_live, "{} is a live source, for `track` alone: expected a recording", live::name(path));
+        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
         Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
@@ -285,7 +287,7 @@ impl Source {
     fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
         let length = files.len();
         let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files), Some(length), at) }
+        Self { colors, ..Self::new(images::frames(files, 1), Some(length), at) }
     }
 }
 

@@ -29,6 +29,7 @@ mod track;
 pub mod tracker_options;
 mod trax;
 mod video;
+mod view;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -67,6 +68,14 @@ enum Command {
     /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
     #[command(after_help = "Example:\n  host-sim demo -o page.html")]
     Demo(demo::Demo),
+    /// Open a recording in the browser: drag a box, see it followed, go to any frame, correct it, and take the result away
+    ///
+    /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video is there within
+    /// half a second. host-sim serves until it is ended (Ctrl+C).
+    #[command(after_help = "Examples:
+  host-sim view clip.mp4
+  host-sim view sequences/car --no-open")]
+    View(view::View),
     /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
     #[command(after_help = "Examples:
   host-sim frame clip.mp4 -o pick.html
@@ -156,6 +165,7 @@ macro_rules! each {
     ($of:expr, $command:ident => $do:expr) => {
         match $of {
             Command::Demo($command) => $do,
+            Command::View($command) => $do,
             Command::Frame($command) => $do,
             Command::Track($command) => $do,
             Command::Check($command) => $do,

@@ -1,0 +1,37 @@
+// What a video file is, if the browser cannot play it: the file says it in its first or last bytes.
+
+// The start of a file, and where its list of codecs is at the latest: phones write it at the end.
+const HEAD = 1 << 20, TAIL = 8 << 20;
+
+const HEVC = ["HEVC (H.265)", 'video/mp4; codecs="hvc1.1.6.L93.B0"'];
+const AVC = ["H.264", 'video/mp4; codecs="avc1.640028"'];
+const AV1 = ["AV1", 'video/mp4; codecs="av01.0.04M.08"'];
+const VP9 = ["VP9", 'video/webm; codecs="vp9"'];
+const MPEG4 = ["MPEG-4 Visual", 'video/mp4; codecs="mp4v.20.9"'];
+const PRORES = ["ProRes", 'video/mp4; codecs="apcn"'];
+const CODECS = {
+  hvc1: HEVC, hev1: HEVC, dvh1: HEVC, dvhe: HEVC, "V_MPEGH/ISO/HEVC": HEVC, avc1: AVC, avc3: AVC, "V_MPEG4/ISO/AVC": AVC, av01: AV1, V_AV1: AV1,
+  vp09: VP9, V_VP9: VP9, V_VP8: ["VP8", 'video/webm; codecs="vp8"'], mp4v: MPEG4, "V_MPEG4/ISO/ASP": MPEG4, "V_MS/VFW/FOURCC": ["AVI in Matroska", ""],
+  apch: PRORES, apcn: PRORES, apcs: PRORES, apco: PRORES, ap4h: PRORES, V_PRORES: PRORES,
+};
+// Kinds of files, by how they begin.
+const KINDS = [[/^RIFF....AVI /s, "AVI"], [/^\x30\x26\xb2\x75/, "WMV"], [/^FLV/, "FLV"], [/^G.{187}G/s, "MPEG-TS"], [/^YUV4MPEG2/, "Y4M"]];
+
+/** The name of a codec, or of a kind of file, that keeps this browser from playing `file`; null if it is none. */
+export async function lacking(file, video) {
+  const read = async (part) => new TextDecoder("latin1").decode(await part.arrayBuffer());
+  const head = await read(file.slice(0, HEAD));
+  const kind = KINDS.find(([start]) => start.test(head));
+  if (kind !== undefined) {
+    return kind[1];
+  }
+  const found = codecOf(head) ?? codecOf(await read(file.slice(-TAIL)));
+  const [name, type] = CODECS[found] ?? [];
+  return name !== undefined && video.canPlayType(type) === "" ? name : null;
+}
+
+// In MP4 the name comes 16 bytes after `stsd`. Sound has one, too.
+function codecOf(bytes) {
+  const all = [...bytes.matchAll(/stsd.{12}(.{4})/gs), ...bytes.matchAll(/(V_[A-Z0-9/_]+)/g)];
+  return all.map(([, name]) => name).find((name) => CODECS[name] !== undefined);
+}
