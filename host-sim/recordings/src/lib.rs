@@ -192,7 +192,11 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
+        ensure!(
+            options.takes_live,
+            "{} is a live source, for `track` and `view` alone: expected a recording",
+            live::name(path)
+        );
         Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
