@@ -44,7 +44,8 @@ impl<'a> Expected<'a> {
     /// So many frames in so many recordings that were opened.
     pub fn add(&self, frames: u64, recordings: usize) {
         self.update(|opened| {
-            (opened.frames, opened.recordings) = (opened.frames + frames, opened.recordings + recordings)
+            opened.frames += frames;
+            opened.recordings += recordings;
         });
     }
 
