@@ -29,7 +29,7 @@ impl Moment {
 }
 
 /// Where the colors of a recording are.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub enum Colors {
     /// The recording is gray, or can be read only once.
     #[default]
@@ -37,6 +37,8 @@ pub enum Colors {
     /// One picture a frame.
     Pictures(Vec<PathBuf>),
     Video(PathBuf),
+    /// Drawn by this from their indices, and how many there are.
+    Made(fn(usize) -> ColorFrame, usize),
 }
 
 impl Colors {
@@ -63,6 +65,7 @@ impl Colors {
                 let read = |file: PathBuf| Some((images::read_colors(&file).ok()?, None));
                 Box::new(files.into_iter().skip(first - 1).map_while(read))
             }
+            Self::Made(frame, length) => Box::new((first - 1..length).map(move |index| (frame(index), None))),
             Self::Video(file) => Box::new(video_color::open(&file, first, side, patience).into_iter().flatten()),
         }
     }
