@@ -19,6 +19,7 @@ modules! {
     "dom.js"
     "download.js"
     "drag.js"
+    "events.js"
     "figures.js"
     "graph.js"
     "history.js"
@@ -26,6 +27,7 @@ modules! {
     "methods.js"
     "palette.js"
     "rows.js"
+    "timeline.js"
     "view.js"
 }
 

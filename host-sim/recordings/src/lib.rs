@@ -43,7 +43,7 @@ pub use color::{ColorFrames, Colors, Moment};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
-pub use images::{decode_picture, read_picture};
+pub use images::{decode_colors, decode_picture, read_picture};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use start::{Start, Target};

@@ -49,7 +49,7 @@ pub fn frame(index: usize) -> ColorFrame {
         pixels[place(x, y)] = mean(|ray| STREET.rays[place(x, y)][ray].with(&cars, direction(x, y, ray)));
     }
     for pixel in &mut pixels {
-        let noise = noise.noise();
+        let noise = noise.noise() / 2;
         *pixel = pixel.map(|level| u8::try_from((i32::from(level) + noise).clamp(0, 255)).unwrap_or(u8::MAX));
     }
     ColorFrame { width: WIDTH, height: HEIGHT, pixels }
@@ -93,19 +93,16 @@ fn direction(x: u16, y: u16, ray: usize) -> Triple {
 
 /// The pixels that a car and its shadow may reach.
 fn around(car: &[Solid]) -> impl Iterator<Item = (u16, u16)> + use<> {
-    const REACH: f64 = 4.2;
     let [x, y, z] = minus(car[0].origin, EYE);
-    let depth = (z - DOWN * y) / (1.0 + DOWN * DOWN);
-    let (right, up) = (x * FOCAL / depth, (y + DOWN * z) / (1.0 + DOWN * DOWN) * FOCAL / depth);
-    let side = |middle: f64, most: u16| {
-        let at = |reach: f64| {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
-            let place = (f64::from(most) / 2.0 + middle + reach * FOCAL / depth) as u16;
-            place.min(most)
-        };
-        at(-REACH)..at(REACH)
+    let scale = FOCAL * (1.0 + DOWN * DOWN) / (z - DOWN * y);
+    // `middle` and `reach` in meters.
+    let side = |middle: f64, reach: f64, most: u16| {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+        let at = |place: f64| ((f64::from(most) / 2.0 + place * scale) as u16).min(most);
+        at(middle - reach)..at(middle + reach)
     };
-    let (columns, rows) = (side(right, WIDTH), side(-up, HEIGHT));
+    let columns = side(x, 3.5, WIDTH);
+    let rows = side(-(y + DOWN * z) / (1.0 + DOWN * DOWN), 2.4, HEIGHT);
     rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
@@ -394,7 +391,7 @@ mod tests {
         let bytes = [0, 61, 150, 299].into_iter().flat_map(|index| frame(index).pixels).flatten();
         let fnv =
             bytes.fold(0xCBF2_9CE4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3));
-        assert_eq!(fnv, 0xD013_86DA_000A_7B9D, "{fnv:#X}");
+        assert_eq!(fnv, 0x58A7_C6CF_3681_FB9C, "{fnv:#X}");
     }
 
     #[test]
