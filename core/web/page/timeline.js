@@ -8,11 +8,7 @@ import { palette } from "./palette.js";
 const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
 // The number of states that one drawing asks for: more of them, of a long video, are seen in the next drawings.
 const BUDGET = 10_000;
-<<<<<<< HEAD
-const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6;
-=======
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
->>>>>>> page
 // How long the head stays where the user put it, if that frame does not come.
 const PATIENCE_MS = 1000;
 
@@ -77,6 +73,7 @@ export class Timeline {
   #wanted = null; // the frame that the user asked for, until it is shown
   #hasCome = false; // it was shown
   #isDragged = false;
+  #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
   /** `goTo(frame)` is called when the user moves the head. */
@@ -103,12 +100,8 @@ export class Timeline {
       this.#wanted = null;
     }
     const head = this.#wanted ?? frame;
-<<<<<<< HEAD
-    const height = `${MARKS + strips.reduce((sum, { isChosen }) => sum + stripHeight(isChosen) + GAP, 0) + BELOW}px`;
-=======
     const ofStrips = strips.reduce((sum, { isChosen }) => sum + stripHeight(isChosen) + GAP, 0);
     const height = `${Math.max(MARKS + ofStrips + BELOW, LEAST_HEIGHT)}px`;
->>>>>>> page
     if (this.#canvas.style.height !== height) {
       this.#canvas.style.height = height;
     }
@@ -121,8 +114,12 @@ export class Timeline {
 
   #listen() {
     this.#input.addEventListener("input", () => this.#want(Number(this.#input.value)));
-    this.#input.addEventListener("focus", () => this.#later());
-    this.#input.addEventListener("blur", () => this.#later());
+    for (const change of ["focus", "blur", "keydown"]) {
+      this.#input.addEventListener(change, () => {
+        this.#hasKeys = true;
+        this.#later();
+      });
+    }
     this.#box.addEventListener("pointerdown", (event) => {
       if (event.isPrimary && event.button === 0 && this.#shown !== null) {
         this.#box.setPointerCapture(event.pointerId);
@@ -131,6 +128,7 @@ export class Timeline {
         // The browser would take the focus away after this.
         event.preventDefault();
         this.#input.focus({ preventScroll: true });
+        this.#hasKeys = false;
       }
     });
     this.#box.addEventListener("pointermove", (event) => {
@@ -203,7 +201,7 @@ export class Timeline {
     drawFollowed(context, top + 1, width, followed === null ? EDGE : x(followed + 1));
     marks.forEach((mark) => drawMark(context, x(mark.frame + 0.5), mark.kind));
     drawHead(context, x((this.#wanted ?? frame) + 0.5), height);
-    if (this.#input.matches(":focus-visible")) {
+    if (this.#hasKeys && this.#input.matches(":focus")) {
       drawFocus(context, width, height);
     }
     if (this.#left > 0) {

@@ -32,6 +32,7 @@ export class Video {
   #counted = 0; // pictures from the first one on
   #length = null;
   #step = null; // from a picture to the next one, the shortest that was seen
+  #mean = { step: LIKELY_STEP, count: 1 }; // over so many pictures from the first one on
   #last = null; // the picture that was sent last: { number, time }
   #queue = []; // those that wait
   #isSending = false;
@@ -161,7 +162,8 @@ export class Video {
 
   // The mean time from a picture to the next one.
   get #pace() {
-    return this.#counted < 2 ? (this.#step ?? LIKELY_STEP) : (this.#times[this.#counted] - this.#times[1]) / (this.#counted - 1);
+    const { step, count } = this.#mean;
+    return this.#counted <= count ? step : (this.#times[this.#counted] - this.#times[1]) / (this.#counted - 1);
   }
 
   // The first two pictures tell how long one takes.
@@ -180,9 +182,25 @@ export class Video {
       this.#last = { number: 0, time: first.time - 1 };
       first.close();
       const second = await this.#after(first.time);
-      this.#step = second === null ? null : second.time - first.time;
       second?.close();
+      if (second !== null) {
+        this.#step = second.time - first.time;
+        await this.#average(first.time);
+      }
     });
+  }
+
+  // A file may round its times to milliseconds: so the mean step is taken over more and more pictures, as far as the one
+  // before tells how many they are.
+  async #average(start) {
+    this.#mean = { step: this.#step, count: 1 };
+    for (let count = 4; start + count * this.#mean.step < this.#video.duration; count *= 4) {
+      const { step } = this.#mean;
+      const { time, close } = await this.#pictureAt(start + (count + 0.5) * step);
+      close();
+      const passed = Math.round((time - start) / step);
+      this.#mean = { step: (time - start) / passed, count: passed };
+    }
   }
 
   // Does something that seeks, after all that does so. Then the video plays on.
