@@ -233,8 +233,10 @@ export class Video {
 
   // Does something that seeks, after all that does so. Then the video plays on.
   #alone(seek) {
+    const { signal } = this.#stopped;
+    const failed = (error) => signal.aborted || this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
     this.#seeks += 1;
-    this.#turn = this.#turn.then(seek).catch((error) => this.#sink.failed(`${this.name} cannot be played: ${error.message}`));
+    this.#turn = this.#turn.then(seek).catch(failed);
     this.#turn = this.#turn.then(() => {
       this.#seeks -= 1;
       this.#roll();
@@ -364,10 +366,13 @@ export class Video {
     if (this.#ahead.number === this.#counted) {
       this.#length = this.#counted;
     }
+    const { signal } = this.#stopped;
     while (this.#queue.length > 0) {
       await wait(10);
     }
-    this.#sink.ended();
+    if (!signal.aborted) {
+      this.#sink.ended();
+    }
   }
 
   // ---- to the trackers
