@@ -392,7 +392,14 @@ fn messages_are_in_peoples_words() {
     track(&["--resize", "99999x99999"]).refuses(&["--resize 99999x99999: expected a size", "from 1 to 65535"]);
     track(&["--resize", "1/1000"]).refuses(&["--resize 1/1000", "smaller than a pixel: expected larger frames"]);
     track(&["--resize", "1000/1"]).refuses(&["--resize 1000/1 of 160x120: expected at most 65535 pixels on each side"]);
-    host_sim(&["track", "rtsp://camera/1"]).refuses(&["rtsp://camera/1 is an address", "`host-sim track -`"]);
+    for command in ["check", "eval"] {
+        host_sim(&[command, "rtsp://me:secret@camera/1?key=2"]).refuses(&[
+            "rtsp://camera/1 is a live source",
+            "`track`",
+            "expected a recording",
+        ]);
+    }
+    host_sim(&["track", "udp://127.0.0.1:9", "--frames", "..9"]).refuses(&["--frames is for recordings", "Ctrl-C"]);
     #[cfg(unix)]
     host_sim(&["track", "/dev/null", "--init", "0,0,2,2"]).refuses(&["/dev/null is a device", "`host-sim track -`"]);
     host_sim(&["track", "no/such"])

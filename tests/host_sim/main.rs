@@ -10,6 +10,7 @@ mod command_line_input;
 #[cfg(unix)]
 mod endurance;
 mod figures;
+mod live;
 mod page;
 mod pick;
 mod readme_commands;
@@ -20,3 +21,4 @@ mod tables;
 mod target;
 mod targets;
 mod trax;
+mod view;

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Beginnings of lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 9] = [
+const NOT_RUN: [(&str, &str); 11] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
@@ -23,6 +23,8 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("cargo run --release -p host-sim --features", "they need an emulator; tests of their own run them"),
     ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
     ("ffmpeg -v error -f v4l2", "it needs a camera"),
+    ("host-sim track /dev/video0", "it needs a camera"),
+    ("host-sim track rtsp://", "it needs a camera"),
 ];
 
 /// The lines of all blocks ```sh, without their comments.

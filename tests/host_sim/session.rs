@@ -54,9 +54,9 @@ fn without_arguments_a_target_is_followed_and_shown() {
     assert!(run.status.success() && said.contains("smr-demo.html") && said.contains("--init"), "{said}");
     let page = fs::read_to_string(folder.path().join("smr-demo.html")).unwrap();
     assert!(page.contains("<html") && page.contains("robust"));
-    let page = folder.path().join("synthetic.html");
+    let page = folder.path().join("street.html");
     assert!(host_sim(&["demo", "-o", utf8(folder.path())]).out.contains(utf8(&page)) && page.exists());
-    host_sim(&["demo", "-o", utf8(&page.join("below.html"))]).refuses(&["synthetic.html"]);
+    host_sim(&["demo", "-o", utf8(&page.join("below.html"))]).refuses(&["street.html"]);
 }
 
 #[test]
@@ -274,7 +274,7 @@ fn a_video_is_there_whole_or_not_at_all() {
     let said = host_sim(&["track", "synthetic", "--frames", "1..5", "--video", utf8(&pictures), "--rate", "10"]);
     assert_eq!((said.code, said.out.lines().count()), (Some(0), 5), "{}", said.err);
     assert_eq!(fs::read_dir(&pictures).unwrap().count(), 5);
-    host_sim(&["track", "synthetic", "--video", "a.avi"]).refuses(&["a.avi", ".mp4 or .gif"]);
+    host_sim(&["track", "synthetic", "--video", "a.avi"]).refuses(&["a.avi", ".webm or .gif"]);
 
     let cut = folder.path().join("cut.y4m");
     assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&cut), "--frames", "1..4"]).code, Some(0));
@@ -283,6 +283,42 @@ fn a_video_is_there_whole_or_not_at_all() {
     let video = folder.path().join("cut");
     let said = host_sim(&["track", utf8(&cut), "--init", "40,40,40,30", "--video", utf8(&video)]);
     assert_eq!((said.code, said.out.lines().count(), video.exists()), (Some(2), 3, false), "{}", said.err);
+}
+
+#[test]
+fn the_extension_says_what_a_file_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, beginning) in [
+        ("boxes.csv", "frame,time,x,y,"),
+        ("boxes.json", "{\"version\":"),
+        ("boxes.xml", "<?xml version=\"1.0\""),
+        ("boxes.txt", "36,24,60,52\n"),
+    ] {
+        let file = folder.path().join(name);
+        assert_eq!(host_sim(&["track", "synthetic", "--frames", "..2", "-o", utf8(&file)]).code, Some(0));
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with(beginning), "{name}: {text}");
+    }
+    let both = ["track", "synthetic", "-o", "a.mp4", "--video", "b.mp4"];
+    host_sim(&both).refuses(&["--out and --video both name a video"]);
+    host_sim(&["track", "synthetic", "--rate", "10"]).refuses(&["--rate is of a video", "expected --video"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn on_a_terminal_a_film_comes_with_what_happens_instead_of_numbers() {
+    if !crate::missing::has("on_a_terminal_a_film_comes_with_what_happens_instead_of_numbers", "script", &["--version"])
+    {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film");
+    let line = format!("'{PROGRAM}' track synthetic --frames ..20 --video '{}'", film.display());
+    let output = Command::new("script").args(["-qec", &line, "/dev/null"]).stdin(Stdio::null()).output();
+    let said = String::from_utf8_lossy(&output.unwrap().stdout).into_owned();
+    assert!(said.contains("locked at frame 1") && said.contains(&format!("{}: 20 frames", film.display())), "{said}");
+    assert!(said.contains("tracking 20") && said.contains("20 frames, ") && !said.contains("36,24,60,52"), "{said}");
+    assert_eq!(fs::read_dir(&film).unwrap().count(), 20);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn each_of_several_targets_is_followed_as_if_it_were_alone() {
     assert!(of("a")[24]["quality"].is_number() && of("a")[23]["quality"].is_null());
 
     let csv = host_sim(&[&part[..], &["--init", &a, "--init", &b]].concat());
-    assert!(csv.out.starts_with("target,frame,x,y,width,height,state,"), "{}", csv.out);
+    assert!(csv.out.starts_with("target,frame,time,x,y,width,height,state,"), "{}", csv.out);
     assert_eq!(csv.out.lines().count(), 1 + 40 + 31);
 }
 
@@ -46,7 +46,8 @@ fn boxes_that_cannot_be_are_refused() {
     let track = |arguments: &[&str]| host_sim(&[&["track", "synthetic"], arguments].concat());
     track(&["--init", "1,2,30,40", "--init", "5,6,30,40"]).refuses(&["two boxes of one target in frame 1"]);
     track(&["--init", "a=1,2,30,40", "--init", "5,6,30,40"]).refuses(&["each needs a name"]);
-    track(&["--init", "a=1,2,30,40", "--init", "b=5,6,30,40", "--format", "tld"]).refuses(&["--format csv or --json"]);
+    track(&["--init", "a=1,2,30,40", "--init", "b=5,6,30,40", "--format", "tld"])
+        .refuses(&["expected csv, json, mot, coco or cvat"]);
     track(&["--init", "1,2,30,40@5", "--frames", "6.."]).refuses(&["frame 5 is not read", "6 or later"]);
     track(&["--init", "a/b=1,2,30,40"]).refuses(&["--init", "letters, digits"]);
     track(&["--init", "1,2,30,40@x"]).refuses(&["--init", "the number of a frame"]);
@@ -117,6 +118,12 @@ fn a_video_keeps_colors_times_shape_and_sound() {
     let said = host_sim(&["track", utf8(&clip), "--init", "100,60,40,40", "--video", utf8(&boxes)]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let (before, after) = (times(&clip), times(&boxes));
+    let csv = host_sim(&["track", utf8(&clip), "--init", "100,60,40,40", "--frames", "11..", "--format", "csv"]).out;
+    let told = csv.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+    assert!(
+        told.zip(&before[10..]).all(|(told, time)| (told - time).abs() < 1e-5) && csv.lines().count() == 39,
+        "{csv}"
+    );
     assert_eq!((before.len(), after.len(), said.out.lines().count()), (48, 48, 48));
     assert!(before.iter().zip(&after).all(|(before, after)| (before - after).abs() < 1e-4), "{before:?} {after:?}");
     assert_eq!(stream(&boxes, "v", "sample_aspect_ratio,width,height"), "320,180,4:3");

@@ -18,13 +18,18 @@ export function optionsOf(method, settings) {
 /** `targets`: a list of { name, locks }, each lock { number, box }. `source`: what frames come from, { kind, name }. */
 export function commandLine(method, settings, targets, source) {
   const words = Object.entries(optionsOf(method, settings)).map(([name, value]) => `--${name} ${value}`);
-  const inits = targets.flatMap(({ name, locks }) => locks.map((lock) => `--init ${targets.length > 1 ? `${name}=` : ""}${placed(lock)}`));
+  const inits = initsOf(targets);
   if (source.kind === "camera") {
     const first = targets.map(({ name, locks }) => `--init ${targets.length > 1 ? `${name}=` : ""}${placed({ ...locks.at(-1), number: 1 })}`);
     const film = `ffmpeg -v error -f v4l2 -video_size ${source.width}x${source.height} -i /dev/video0 -pix_fmt gray -f yuv4mpegpipe -strict -1 -`;
     return `${film} | ${["host-sim track -", ...first, `--method ${method}`, ...words].join(" ")}`;
   }
   return ["host-sim track", quoted(source.name), ...inits, `--method ${method}`, ...words].join(" ");
+}
+
+/** Where targets are locked, as options. */
+export function initsOf(targets, isNamed = targets.length > 1) {
+  return targets.flatMap(({ name, locks }) => locks.map((lock) => `--init ${isNamed ? `${name}=` : ""}${placed(lock)}`));
 }
 
 function placed({ number, box: { x, y, width, height } }) {

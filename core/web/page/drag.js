@@ -1,17 +1,28 @@
-// Draws a box on the picture: with mouse, pen or finger, or with keys alone.
+// Draws a box on the picture, moves and resizes it: with mouse, pen or finger, or with keys alone.
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 // The number of steps of a key across the picture.
 const STEPS = 64;
+// How near to an edge counts as on it, in pixels of the page. Fingers are wide.
+const REACH = { touch: 26, pen: 16 };
+const MOUSE_REACH = 10;
+// Less is a click.
+const LEAST_DRAG = 3;
 
 export class Drag {
   #canvas;
   #page;
-  #corner = null; // where the pointer went down
+  #from = null; // where the pointer went down
+  #isMoved = false;
+  #grip = null; // what it took hold of
   #box = null; // what is drawn
 
-  /** `page`: { size() of the frame or null, start() the box a key begins with, propose(box or null), lock(box) }. */
+  /**
+   * `page`: { size() of the frame or null, start() the box a key begins with, propose(box or null), lock(box, grip) }.
+   * It may also have: view() the part of the frame that is seen; grip(point, reach) what is there to take hold of, { box,
+   * held } with `held` of `gripOf`, or null; click(point); arrowsStart: false if arrows only move a box that is there.
+   */
   constructor(canvas, page) {
     this.#canvas = canvas;
     this.#page = page;
@@ -22,8 +33,13 @@ export class Drag {
     canvas.addEventListener("keydown", (event) => this.#key(event));
   }
 
+  /** True while a pointer draws. */
+  get isPointing() {
+    return this.#from !== null;
+  }
+
   drop() {
-    this.#corner = null;
+    [this.#from, this.#grip] = [null, null];
     this.#propose(null);
   }
 
@@ -31,24 +47,40 @@ export class Drag {
     if (!event.isPrimary || event.button !== 0 || this.#page.size() === null) {
       return;
     }
-    this.#canvas.setPointerCapture(event.pointerId);
-    this.#corner = this.#place(event);
-    this.#propose(between(this.#corner, this.#corner));
+    // A pointer that is gone already cannot be captured.
+    try {
+      this.#canvas.setPointerCapture(event.pointerId);
+    } catch {}
+    this.#from = this.#place(event);
+    this.#isMoved = false;
+    this.#grip = this.#gripAt(event);
+    this.#propose(this.#dragged(this.#from));
   }
 
   #moved(event) {
-    if (this.#corner !== null && event.isPrimary) {
-      this.#propose(between(this.#corner, this.#place(event)));
+    if (this.#from === null) {
+      this.#canvas.style.cursor = cursorOf(this.#gripAt(event)?.held);
+    } else if (event.isPrimary) {
+      const to = this.#place(event);
+      this.#isMoved ||= Math.hypot(to.x - this.#from.x, to.y - this.#from.y) > LEAST_DRAG * this.#unit();
+      if (this.#isMoved) {
+        this.#propose(this.#dragged(to));
+      }
     }
   }
 
   #up(event) {
-    if (this.#corner === null || !event.isPrimary) {
+    if (this.#from === null || !event.isPrimary) {
       return;
     }
-    const box = between(this.#corner, this.#place(event));
-    this.#corner = null;
-    this.#lock(box);
+    const [from, box] = [this.#from, this.#dragged(this.#place(event))];
+    this.#from = null;
+    if (this.#isMoved || this.#page.click === undefined) {
+      this.#lock(box);
+    } else {
+      this.drop();
+      this.#page.click(from);
+    }
   }
 
   #key(event) {
@@ -56,7 +88,7 @@ export class Drag {
     if (size === null || event.ctrlKey || event.metaKey) {
       return;
     }
-    if (ARROWS[event.key] !== undefined) {
+    if (ARROWS[event.key] !== undefined && (this.#box !== null || this.#page.arrowsStart !== false)) {
       event.preventDefault();
       this.#propose(this.#box === null ? inside(this.#page.start(), size) : changed(this.#box, event, size));
     } else if (event.key === "Enter") {
@@ -68,28 +100,85 @@ export class Drag {
   }
 
   #lock(box) {
-    this.#page.lock(box);
+    const grip = this.#grip;
+    [this.#from, this.#grip] = [null, null];
+    this.#page.lock(box, grip);
     this.#propose(null);
   }
 
   #propose(box) {
     this.#box = box;
-    this.#page.propose(box);
+    this.#page.propose(box, this.#grip);
   }
 
-  // The edge between pixels that is nearest to the pointer.
-  #place({ clientX, clientY }) {
-    const { left, top, width, height } = this.#canvas.getBoundingClientRect();
+  #dragged(to) {
     const size = this.#page.size();
-    return {
-      x: clamp(Math.round(((clientX - left) / width) * size.width), 0, size.width),
-      y: clamp(Math.round(((clientY - top) / height) * size.height), 0, size.height),
-    };
+    return this.#grip === null ? between(this.#from, to, size) : pulled(this.#grip, this.#from, to, size);
+  }
+
+  #gripAt(event) {
+    return this.#page.size() === null ? null : (this.#page.grip?.(this.#place(event), (REACH[event.pointerType] ?? MOUSE_REACH) * this.#unit()) ?? null);
+  }
+
+  #view() {
+    return this.#page.view?.() ?? { x: 0, y: 0, ...this.#page.size() };
+  }
+
+  // Pixels of the frame for one of the page.
+  #unit() {
+    return this.#view().width / this.#canvas.getBoundingClientRect().width;
+  }
+
+  #place({ clientX, clientY }) {
+    const { left, top } = this.#canvas.getBoundingClientRect();
+    const { x, y } = this.#view();
+    return { x: x + (clientX - left) * this.#unit(), y: y + (clientY - top) * this.#unit() };
   }
 }
 
-function between(a, b) {
-  return { x: Math.min(a.x, b.x), y: Math.min(a.y, b.y), width: Math.abs(a.x - b.x), height: Math.abs(a.y - b.y) };
+/** What of a box is at a point: an edge or corner as [-1, 0 or 1 across, the same down], its inside as [0, 0], or null. */
+export function gripOf(box, { x, y }, reach) {
+  const side = (value, from, size) => {
+    // A small box keeps an inside to move it by.
+    const inner = Math.min(reach, size / 4);
+    if (value < from - reach || value > from + size + reach) {
+      return null;
+    }
+    return value < from + inner ? -1 : value > from + size - inner ? 1 : 0;
+  };
+  const found = [side(x, box.x, box.width), side(y, box.y, box.height)];
+  return found.includes(null) ? null : found;
+}
+
+function cursorOf(held) {
+  if (!held) {
+    return "";
+  }
+  const [across, down] = held;
+  if (across === 0 && down === 0) {
+    return "move";
+  }
+  return down === 0 ? "ew-resize" : across === 0 ? "ns-resize" : across === down ? "nwse-resize" : "nesw-resize";
+}
+
+// Each corner is on the edge between pixels that is nearest.
+function between(a, b, size) {
+  const edge = (value, most) => clamp(Math.round(value), 0, most);
+  const [left, right] = [edge(a.x, size.width), edge(b.x, size.width)].sort((one, other) => one - other);
+  const [top, bottom] = [edge(a.y, size.height), edge(b.y, size.height)].sort((one, other) => one - other);
+  return { x: left, y: top, width: right - left, height: bottom - top };
+}
+
+// The box of a grip when what was held at `from` is at `to`.
+function pulled({ box, held: [across, down] }, from, to, size) {
+  const [right, below] = [Math.round(to.x - from.x), Math.round(to.y - from.y)];
+  if (across === 0 && down === 0) {
+    return inside({ ...box, x: box.x + right, y: box.y + below }, size);
+  }
+  const ends = (start, length, side, by) => [start + (side < 0 ? by : 0), start + length + (side > 0 ? by : 0)];
+  const [left, rightmost] = ends(box.x, box.width, across, right);
+  const [top, bottom] = ends(box.y, box.height, down, below);
+  return between({ x: left, y: top }, { x: rightmost, y: bottom }, size);
 }
 
 function changed(box, { key, shiftKey, altKey }, size) {

@@ -7,7 +7,8 @@ import { METHODS, TITLES } from "./methods.js";
 const part = (value, unit) => (value === undefined || value === null ? "–" : (value / unit).toFixed(3));
 const whole = (value) => (value === undefined || value === null ? "–" : String(value));
 const millions = (value) => (value === undefined ? "–" : `${(value / 1e6).toFixed(2)} M`);
-const placed = (box) => (box ? [box.x, box.y, box.width, box.height].map((side) => Math.round(side)).join(", ") : "–");
+/** A box as it is typed. */
+export const placed = (box) => (box ? [box.x, box.y, box.width, box.height].map((side) => Math.round(side)).join(", ") : "–");
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 const ROWS = [
@@ -26,11 +27,14 @@ const ROWS = [
 
 export class Figures {
   #table;
+  #rows;
   #cells = new Map(); // by method and title of the row
   #shown = "";
 
-  constructor(table) {
+  /** `without`: titles of rows that are left out. */
+  constructor(table, without = []) {
     this.#table = table;
+    this.#rows = ROWS.filter(([title]) => !without.includes(title));
   }
 
   draw(target, on) {
@@ -42,7 +46,7 @@ export class Figures {
     for (const method of methods) {
       const now = target?.now[method] ?? {};
       const time = target?.time(method);
-      for (const [title, read] of ROWS) {
+      for (const [title, read] of this.#rows) {
         this.#write(method, title, now.state === undefined ? none(now, title) : read(now, time, method));
       }
     }
@@ -50,7 +54,7 @@ export class Figures {
 
   #make(methods) {
     const heads = methods.map((method) => htmlNode("th", { scope: "col" }, sample(method), TITLES[method]));
-    const lines = ROWS.map(([title]) => {
+    const lines = this.#rows.map(([title]) => {
       const cells = methods.map((method) => {
         const cell = htmlNode("td", {});
         this.#cells.set(`${method} ${title}`, cell);

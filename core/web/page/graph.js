@@ -5,8 +5,9 @@ import { fitted, htmlNode, sample } from "./dom.js";
 import { METHODS, TITLES } from "./methods.js";
 import { palette } from "./palette.js";
 
-const FRAMES = 300;
-const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 18, EDGE = 6;
+/** The number of frames that the curves show. */
+export const FRAMES = 300;
+const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 18, EDGE = 6, NARROW = 500;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
 export class Graph {
@@ -20,10 +21,13 @@ export class Graph {
     ];
   }
 
-  /** `target`: see followed.js, or null. */
-  draw(target, on) {
+  /**
+   * `target`: see followed.js, or null. The curves end with the frame `end`, or with the last answer. `now` is a frame to
+   * mark; `named` what a frame is called.
+   */
+  draw(target, on, { end = null, now = null, named = String } = {}) {
     const histories = METHODS.filter((method) => on[method] && target?.histories[method]).map((method) => [method, target.histories[method]]);
-    const last = Math.max(...histories.map(([, history]) => history.row().number), FRAMES);
+    const last = end ?? Math.max(...histories.map(([, history]) => history.row().number), FRAMES);
     this.#panels.forEach((one, at) => {
       const { width, height } = fitted(one.canvas);
       const context = one.canvas.getContext("2d");
@@ -33,15 +37,18 @@ export class Graph {
       const bottom = height - EDGE - (isLast ? AXIS : 0);
       const x = (number) => LEFT + ((width - LEFT - RIGHT) * (number - (last - FRAMES) - 0.5)) / FRAMES;
       one.draw({ context, x, bottom, right: width - RIGHT, histories, legend: one.legend });
+      if (now !== null) {
+        line(context, [[x(now), EDGE], [x(now), bottom]], { color: palette().ink, width: 1, dash: [] });
+      }
       if (isLast) {
-        drawAxis(context, x, bottom, last);
+        drawAxis(context, x, bottom, { last, width, named });
       }
     });
   }
 }
 
 function panel(place, title, height, draw) {
-  const canvas = htmlNode("canvas", { role: "img", "aria-label": `${title} over the last ${FRAMES} frames` });
+  const canvas = htmlNode("canvas", { role: "img", "aria-label": `${title} over ${FRAMES} frames` });
   canvas.style.height = `${height}px`;
   const legend = htmlNode("span", {});
   place.append(htmlNode("div", { class: "panel" }, htmlNode("div", { class: "name" }, htmlNode("b", {}, title), legend), canvas));
@@ -81,10 +88,12 @@ function drawLines({ context, x, bottom, right, histories, legend }, column, sec
   name(legend, histories, (history) => read(history.row()[column]));
 }
 
-function drawAxis(context, x, bottom, last) {
-  for (let number = Math.ceil((last - FRAMES) / 50) * 50; number <= last; number += 50) {
-    if (number > last - FRAMES) {
-      label(context, String(number), x(number), bottom + 14, "center");
+function drawAxis(context, x, bottom, { last, width, named }) {
+  const step = width < NARROW ? 100 : 50;
+  for (let number = Math.ceil((last - FRAMES) / step) * step; number <= last; number += step) {
+    const half = context.measureText(named(number)).width / 2;
+    if (number > Math.max(last - FRAMES, 0) && x(number) + half <= width) {
+      label(context, named(number), x(number), bottom + 14, "center");
     }
   }
 }

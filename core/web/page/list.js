@@ -1,28 +1,44 @@
-// The list of targets: chooses and removes them.
+// The list of targets: chooses, names and removes them.
 
 import { htmlNode } from "./dom.js";
 
-/** `page`: { targets, chosen, choose(target), remove(target) }. */
-export function drawList(place, { targets, chosen, choose, remove }) {
-  const shown = targets.map(({ id, isFollowed }) => `${id}${isFollowed}`).join() + chosen?.id;
+/**
+ * `page`: { targets, chosen, choose(target), remove(target) }, and rename(target, text) if the user may name them. A
+ * target may have a color.
+ */
+export function drawList(place, { targets, chosen, choose, remove, rename }) {
+  const shown = targets.map(({ id, name, isFollowed }) => `${id}${name}${isFollowed}`).join() + chosen?.id;
   if (place.dataset.shown === shown) {
     return;
   }
   place.dataset.shown = shown;
   const hadFocus = place.contains(document.activeElement);
-  place.replaceChildren(...targets.map((target) => line(target, target === chosen, choose, remove)));
+  place.replaceChildren(...targets.map((target) => line(target, target.id === chosen?.id, { choose, remove, rename })));
   if (hadFocus) {
     place.querySelector("input:checked")?.focus();
   }
 }
 
-function line(target, isChosen, choose, remove) {
+function line(target, isChosen, { choose, remove, rename }) {
   const radio = htmlNode("input", { type: "radio", name: "target", value: target.id });
   radio.checked = isChosen;
+  radio.setAttribute("aria-label", `Target ${target.name}`);
   radio.addEventListener("change", () => choose(target));
   const words = target.isFollowed ? "" : ": drag a box over it";
   const button = htmlNode("button", { type: "button", "aria-label": `Remove target ${target.name}` }, "Remove");
   button.addEventListener("click", () => remove(target));
-  const label = htmlNode("label", {}, radio, `Target ${target.name}${words}`);
-  return htmlNode("li", isChosen ? { class: "chosen" } : {}, label, button);
+  const label = rename === undefined ? [htmlNode("label", {}, radio, `Target ${target.name}${words}`)] : [htmlNode("label", { class: "of" }, radio), nameField(target, rename)];
+  const item = htmlNode("li", isChosen ? { class: "chosen" } : {}, ...label, htmlNode("span", { class: "now" }), button);
+  item.style.setProperty("--of", target.color ?? "transparent");
+  return item;
+}
+
+function nameField(target, rename) {
+  const field = htmlNode("input", { type: "text", maxlength: 40, value: target.name, "aria-label": `Name of ${target.name}` });
+  field.addEventListener("change", () => {
+    // A name that is refused, or none, does not stay there.
+    rename(target, field.value);
+    field.value = target.name;
+  });
+  return field;
 }

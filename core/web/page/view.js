@@ -5,7 +5,8 @@ import { METHODS, TITLES } from "./methods.js";
 import { palette } from "./palette.js";
 
 const WINDOW_DASH = [5, 5];
-const LAST_DASH = [4, 4];
+/** The dashes of a last place. */
+export const LAST_DASH = [4, 4];
 
 /**
  * `picture` of `size` is the frame. `targets`: see followed.js; `chosen` is one of them. `box`: the box that the user
@@ -80,7 +81,7 @@ function drawStates(context, { now }, shown, number, size) {
   write(context, [{ text: String(number), color: "#fff" }, ...words], size / 2, size * 1.3, size);
 }
 
-function write(context, words, x, y, size) {
+export function write(context, words, x, y, size) {
   context.font = `600 ${size}px system-ui, sans-serif`;
   context.lineJoin = "round";
   context.lineWidth = size * 0.22;
@@ -93,7 +94,7 @@ function write(context, words, x, y, size) {
   }
 }
 
-function outline(context, box, { color, line, dash, offset = 0 }) {
+export function outline(context, box, { color, line, dash, offset = 0 }) {
   context.strokeStyle = color;
   context.lineWidth = line;
   context.setLineDash(dash);

@@ -14,11 +14,15 @@ macro_rules! modules {
 }
 
 modules! {
+    "answers.js"
     "command.js"
+    "connection.js"
     "cost.js"
     "dom.js"
     "download.js"
     "drag.js"
+    "edits.js"
+    "embedded.js"
     "events.js"
     "figures.js"
     "graph.js"
@@ -29,6 +33,22 @@ modules! {
     "rows.js"
     "timeline.js"
     "view.js"
+    "window-files.js"
+    "window-pictures.js"
+    "window-stage.js"
+    "window.js"
+}
+
+const WINDOW: &str = include_str!("../../../core/web/page/window.html");
+const STYLES: [&str; 3] = [
+    include_str!("report/base.css"),
+    include_str!("../../../core/web/page/page.css"),
+    include_str!("../../../core/web/page/window.css"),
+];
+
+/// The page of the window, which ends with these elements.
+pub fn window(scripts: &str) -> String {
+    WINDOW.replace("{{style}}", &STYLES.concat()).replace("{{scripts}}", scripts)
 }
 
 /// The text of the module with this file name.

@@ -12,3 +12,4 @@ pub mod front_end;
 #[path = "../../../tests/missing.rs"]
 mod missing;
 pub mod report;
+pub mod window;

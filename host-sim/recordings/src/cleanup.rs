@@ -23,6 +23,25 @@ static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 /// A signal has come: this program removes what is left, and ends.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// The first signal is a wish to stop, and one has come.
+static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// From here on the first signal only asks to stop: [`is_stopped`]. The second one ends this program.
+pub fn stop_first() {
+    STOPS_FIRST.store(true, Ordering::SeqCst);
+}
+
+/// True if a signal has asked to stop.
+pub fn is_stopped() -> bool {
+    STOPPED.load(Ordering::SeqCst)
+}
+
+/// A signal has come. True if it only asks to stop.
+fn asks_to_stop() -> bool {
+    STOPS_FIRST.load(Ordering::SeqCst) && !STOPPED.swap(true, Ordering::SeqCst)
+}
+
 /// Whatever a thread that panicked held is still to be removed.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -166,7 +185,7 @@ pub fn heed_signals() -> io::Result<()> {
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(signal));
     let mut signals = signal_hook::iterator::Signals::new(wanted)?;
     thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
+        if let Some(signal) = signals.forever().find(|_| !asks_to_stop()) {
             end_by(signal);
         }
     });
@@ -176,7 +195,12 @@ pub fn heed_signals() -> io::Result<()> {
 /// The same where there is no other signal than Ctrl-C and its like.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
-    ctrlc::set_handler(|| end_by(2)).map_err(io::Error::other)
+    let heed = || {
+        if !asks_to_stop() {
+            end_by(2);
+        }
+    };
+    ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
 /// As Linux tells; elsewhere nobody says so without unsafe code.

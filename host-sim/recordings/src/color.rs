@@ -1,8 +1,11 @@
 //! The frames of a recording in its own colors and at their own times: what boxes are drawn on. Trackers see gray frames only.
 
+use super::frame_times::frame_times;
+use super::live::LiveFrame;
 use super::resize::resized;
 use super::{ColorFrame, GrayFrame, images, video_color};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 impl From<&GrayFrame> for ColorFrame {
@@ -29,7 +32,7 @@ impl Moment {
 }
 
 /// Where the colors of a recording are.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub enum Colors {
     /// The recording is gray, or can be read only once.
     #[default]
@@ -37,6 +40,73 @@ pub enum Colors {
     /// One picture a frame.
     Pictures(Vec<PathBuf>),
     Video(PathBuf),
+    /// Those of the frame that was read last.
+    Live(Now),
+    /// Drawn by this from their indices, and how many there are.
+    Made(fn(usize) -> ColorFrame, usize),
+}
+
+/// What was read last from a live source.
+#[derive(Clone, Debug, Default)]
+pub struct Now(Arc<Mutex<Last>>);
+
+#[derive(Debug, Default)]
+struct Last {
+    frame: Option<LiveFrame>,
+    dropped: usize,
+    ended: Option<String>,
+}
+
+impl Now {
+    fn last(&self) -> MutexGuard<'_, Last> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn set(&self, frame: Option<LiveFrame>, dropped: usize, ended: Option<String>) {
+        let mut last = self.last();
+        *last = Last { frame: frame.or(last.frame.take()), dropped, ended };
+    }
+
+    /// Its number and its time.
+    fn tick(&self) -> Option<(usize, f64)> {
+        self.last().frame.as_ref().map(|frame| (frame.number, frame.seconds))
+    }
+
+    fn color(&self) -> Option<(ColorFrame, Option<Moment>)> {
+        let last = self.last();
+        let frame = last.frame.as_ref()?;
+        #[allow(clippy::cast_possible_truncation)] // it saturates
+        let time = (frame.seconds * 1e6) as i64;
+        Some((frame.planes.color(), Some(Moment { time, base: (1, 1_000_000), aspect: (1, 1) })))
+    }
+
+    /// How many frames came that nobody took.
+    pub fn dropped(&self) -> usize {
+        self.last().dropped
+    }
+
+    /// Why it has ended, if that is known.
+    pub fn ended(&self) -> Option<String> {
+        self.last().ended.clone()
+    }
+}
+
+/// The numbers of frames in the recording, and the seconds at which they are shown, if they are known.
+pub struct Clock {
+    next: usize,
+    times: Box<dyn Iterator<Item = f64> + Send>,
+    now: Option<Now>,
+}
+
+impl Clock {
+    /// Of the frame that was read last.
+    pub fn tick(&mut self) -> (usize, Option<f64>) {
+        if let Some((number, seconds)) = self.now.as_ref().and_then(Now::tick) {
+            return (number, Some(seconds));
+        }
+        self.next += 1;
+        (self.next - 1, self.times.next())
+    }
 }
 
 impl Colors {
@@ -56,6 +126,30 @@ impl Colors {
         self.frames(first, side, patience).map(|(frame, _)| frame)
     }
 
+    /// Of pictures: what they are called.
+    pub fn picture_names(&self) -> Vec<String> {
+        let Self::Pictures(files) = self else { return Vec::new() };
+        let name = |file: &PathBuf| file.file_name().map(|name| name.to_string_lossy().into_owned());
+        files.iter().filter_map(name).collect()
+    }
+
+    /// How many frames a video has, as far as it says so itself.
+    pub fn length(&self, patience: Duration) -> Option<usize> {
+        Some(frame_times(self.video()?, patience)?.count())
+    }
+
+    /// What is known of a live source.
+    pub fn now(&self) -> Option<Now> {
+        if let Self::Live(now) = self { Some(now.clone()) } else { None }
+    }
+
+    /// To be asked after each frame, from the one with the number `first` on. `is_timed`: the times are wanted, too.
+    pub fn clock(&self, first: usize, is_timed: bool, patience: Duration) -> Clock {
+        let times = self.video().filter(|_| is_timed).and_then(|file| frame_times(file, patience));
+        let times = times.unwrap_or_else(|| Box::new(std::iter::empty()));
+        Clock { next: first, times: Box::new(times.skip(first - 1)), now: self.now() }
+    }
+
     fn frames(self, first: usize, side: u16, patience: Duration) -> Source {
         match self {
             Self::None => Box::new(std::iter::empty()),
@@ -63,7 +157,9 @@ impl Colors {
                 let read = |file: PathBuf| Some((images::read_colors(&file).ok()?, None));
                 Box::new(files.into_iter().skip(first - 1).map_while(read))
             }
+            Self::Made(frame, length) => Box::new((first - 1..length).map(move |index| (frame(index), None))),
             Self::Video(file) => Box::new(video_color::open(&file, first, side, patience).into_iter().flatten()),
+            Self::Live(now) => Box::new(std::iter::from_fn(move || now.color())),
         }
     }
 }

@@ -29,6 +29,11 @@ impl FrameRange {
         self.last
     }
 
+    /// How many frames of a recording with so many belong to it.
+    pub fn length_of(&self, length: usize) -> usize {
+        length.min(self.last.unwrap_or(length)).saturating_sub(self.first - 1)
+    }
+
     /// What of a list with an entry a frame belongs to these frames.
     pub fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
         entries.truncate(self.last.unwrap_or(usize::MAX));
@@ -69,7 +74,7 @@ impl Sequence {
         let truth = self.truth.map(|truth| range.of(truth));
         let init =
             if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
-        let length = self.length.map(|length| length.min(range.last.unwrap_or(length)).saturating_sub(range.first - 1));
+        let length = self.length.map(|length| range.length_of(length));
         let part = part(self.name.clone(), self.frames, range);
         Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
     }

@@ -28,10 +28,11 @@ pub(super) fn pictures(files: &[PathBuf]) -> Vec<PathBuf> {
     pictures
 }
 
-pub(super) fn frames(files: Vec<PathBuf>) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
-    files.into_iter().enumerate().map(|(index, file)| {
-        read(&file).with_context(|| format!("cannot read {} (frame {})", file.display(), index + 1))
-    })
+/// The pictures as frames, the first of them with the number `first`.
+pub(super) fn frames(files: Vec<PathBuf>, first: usize) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
+    (first..)
+        .zip(files)
+        .map(|(number, file)| read(&file).with_context(|| format!("cannot read {} (frame {number})", file.display())))
 }
 
 /// One picture.
@@ -44,13 +45,18 @@ pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes).map(Samples::gray)
 }
 
+/// The same in its own colors.
+pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
+    samples(bytes).map(Samples::colors)
+}
+
 fn read(file: &Path) -> Result<GrayFrame> {
     decode_picture(&input::bytes(file, &input::PICTURE)?)
 }
 
 /// One picture in its own colors.
 pub(super) fn read_colors(file: &Path) -> Result<ColorFrame> {
-    samples(&input::bytes(file, &input::PICTURE)?).map(Samples::colors)
+    decode_colors(&input::bytes(file, &input::PICTURE)?)
 }
 
 fn samples(bytes: &[u8]) -> Result<Samples> {

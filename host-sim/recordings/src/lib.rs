@@ -14,9 +14,11 @@ mod damage;
 pub mod fault;
 mod folders;
 mod frame_range;
+mod frame_times;
 mod images;
 pub mod input;
 mod iou;
+mod live;
 pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
@@ -27,25 +29,33 @@ mod periodic;
 mod pnm;
 pub mod random;
 mod raw;
+mod rays;
 mod resize;
 mod samples;
+mod seekable;
 pub mod slow;
 mod start;
+pub mod street;
 pub mod synthetic;
 mod video;
 mod video_color;
 mod y4m;
 
 pub use boxes::BoundingBox;
-pub use color::{ColorFrames, Colors, Moment};
+pub use color::{Clock, ColorFrames, Colors, Moment, Now};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
-pub use images::{decode_picture, read_picture};
+pub use frame_times::frame_times;
+pub use images::{decode_colors, decode_picture, read_picture};
+pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
+pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
 pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
+pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
+pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fs;
@@ -159,6 +169,8 @@ pub struct OpenOptions {
     pub init: Option<BoundingBox>,
     /// How long ffmpeg may be silent; a minute if it is `None`.
     pub ffmpeg_patience: Option<Duration>,
+    /// A live source is taken, too.
+    pub takes_live: bool,
 }
 
 /// The folder beside a recording with what other trackers answered on it.
@@ -168,7 +180,7 @@ pub const RESULTS: &str = "trackers";
 const INNER: [&str; 2] = ["img", "color"];
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
+/// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
 /// folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
@@ -180,15 +192,15 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
         let frames = damage::frames(frames, name.clone());
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
+    } else if is_live(path) {
+        ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
+        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
+        Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
     } else {
-        ensure!(
-            !path.to_string_lossy().contains("://"),
-            "{} is an address, and host-sim reads files: {LIVE}",
-            path.display()
-        );
+        ensure!(!path.to_string_lossy().starts_with("/dev/video"), "there is no camera {}: {LIVE}", path.display());
         let kind = fs::metadata(path).with_context(|| {
             let known = BUILT_IN.join(", ");
             format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
@@ -201,27 +213,27 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(sequence)
 }
 
-/// What to do with frames that do not lie in a file.
+/// What to do with frames that neither lie in a file nor come from a camera of Linux.
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
 /// Y4M as it comes, for example from a camera: no boxes lie beside it.
 const STANDARD_INPUT: &str = "-";
 
 /// The recordings that need no file.
-pub const BUILT_IN: [&str; 4] = [synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
+pub const BUILT_IN: [&str; 5] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
 
 /// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
-    let made: [fn() -> Sequence; 4] = [synthetic::sequence, periodic::sequence, border::sequence, noise::sequence];
+    let made = [street::sequence, synthetic::sequence, periodic::sequence, border::sequence, noise::sequence];
     BUILT_IN.iter().zip(made).find(|(name, _)| path == Path::new(name)).map(|(_, made)| made())
 }
 
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
 /// folders of their own.
 pub fn is_sequence(path: &Path) -> bool {
-    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() {
+    if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {
@@ -277,7 +289,7 @@ impl Source {
     fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
         let length = files.len();
         let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files), Some(length), at) }
+        Self { colors, ..Self::new(images::frames(files, 1), Some(length), at) }
     }
 }
 

@@ -118,7 +118,7 @@ pub fn silent(patience: Duration) -> io::Error {
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
 }
 
-struct Ffmpeg {
+pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<Said>,
     file: String,
@@ -127,23 +127,27 @@ struct Ffmpeg {
 
 impl Ffmpeg {
     fn start(program: &str, file: &Path, patience: Duration) -> Result<Self> {
-        let mut command = command(program, "level+warning", file);
+        let mut command = command(program, "level+warning", file, &["-threads", "1"]);
         command.args(["-pix_fmt", "gray", "-fps_mode", "passthrough", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
-        let process = match Process::start(&mut command) {
+        Self::run(&mut command, &file.display().to_string(), patience)
+    }
+
+    /// `file`: what is read, as it is called in errors.
+    pub fn run(command: &mut Command, file: &str, patience: Duration) -> Result<Self> {
+        let process = match Process::start(command) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
-                "{} needs ffmpeg to be decoded, and there is none on the PATH: install the package `ffmpeg` (5.1 or later)",
-                file.display()
+                "{file} needs ffmpeg to be decoded, and there is none on the PATH: install the package `ffmpeg` (5.1 or later)"
             ),
             other => other.context("cannot start ffmpeg")?,
         };
         let complaints = process.complaints().expect("standard error is piped");
         let (sender, said) = channel();
-        let name = file.display().to_string();
+        let name = file.to_owned();
         thread::spawn(move || sender.send(Said::read(complaints, &name)));
-        Ok(Self { process, said, file: file.display().to_string(), patience })
+        Ok(Self { process, said, file: file.to_owned(), patience })
     }
 
-    fn output(&mut self) -> Patient {
+    pub fn output(&mut self) -> Patient {
         Patient::new(self.process.output().expect("standard output is piped"), self.patience)
     }
 
@@ -153,6 +157,17 @@ impl Ffmpeg {
             return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
         };
         Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
+    }
+
+    /// What it ended with.
+    pub fn last_words(&mut self) -> Result<String> {
+        self.end().map(|(status, said)| said.or(status))
+    }
+
+    /// The same if it has ended, and not as it should.
+    pub fn failure(&mut self) -> Option<String> {
+        let is_ended = self.process.ended().is_ok_and(|status| status.is_some_and(|status| !status.success()));
+        is_ended.then(|| self.last_words().ok())?
     }
 
     /// ffmpeg conceals what is damaged or missing, goes on, and ends without an error code: what it has complained about is
@@ -178,12 +193,12 @@ pub fn input(file: &Path) -> OsString {
     input
 }
 
-/// An ffmpeg that decodes the file on one thread: with several, what it puts in place of damage is different in every run. What it writes and
-/// says is piped.
-pub(super) fn command(program: &str, level: &str, file: &Path) -> Command {
+/// An ffmpeg that reads the file, with such options. What it writes and says is piped. Whole recordings are decoded on one thread: with several,
+/// what it puts in place of damage is different in every run.
+pub(super) fn command(program: &str, level: &str, file: &Path, options: &[&str]) -> Command {
     let mut command = Command::new(program);
     // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
-    command.args(["-nostdin", "-nostats", "-v", level, "-reinit_filter", "0", "-threads", "1", "-i"]).arg(input(file));
+    command.args(["-nostdin", "-nostats", "-v", level, "-reinit_filter", "0"]).args(options).arg("-i").arg(input(file));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }

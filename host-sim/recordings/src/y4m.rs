@@ -3,10 +3,10 @@
 //! What ffmpeg decodes comes through here as well, see [`super::video`].
 
 use super::damage::Damaged;
-use super::{GrayFrame, MOST_PIXELS, has_extension};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::fs::{File, Metadata};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 /// More than a line can have: the header of the stream, or that of a frame.
@@ -20,6 +20,25 @@ pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     let name = file.display().to_string();
     let data = File::open(file).with_context(|| format!("cannot open {name}"))?;
     Frames::new(BufReader::new(data), name)
+}
+
+/// The times of the frames of a file, in seconds; `None` if its header says no rate.
+pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
+    let mut frames = open(file).ok()?;
+    let (number, seconds) = frames.header.rate?;
+    let end = frames.stream.get_ref().metadata().ok().filter(Metadata::is_file)?.len();
+    let count = std::iter::from_fn(move || frames.skip_frame().filter(|&at| at <= end));
+    Some((0_u32..).zip(count).map(move |(frame, _)| f64::from(frame) * seconds / number))
+}
+
+/// The frames of a file from the one on that is shown at `time`.
+pub(super) fn frames_at(file: &Path, time: f64) -> Option<impl Iterator<Item = GrayFrame> + Send + use<>> {
+    let count = times(file)?.take_while(|&before| before < time - 1e-6).count();
+    let mut frames = open(file).ok()?;
+    for _ in 0..count {
+        frames.skip_frame()?;
+    }
+    Some(frames.map_while(Result::ok))
 }
 
 pub(super) struct Frames<R> {
@@ -37,30 +56,46 @@ impl<R: BufRead> Frames<R> {
         Ok(Self { stream, header, name, number: 0 })
     }
 
-    fn read(&mut self) -> Result<Option<GrayFrame>> {
-        let Header { size: (width, height), frame_bytes } = self.header;
+    /// The next frame with its colors; `None` at the end.
+    pub(super) fn next_planes(&mut self) -> Result<Option<Planes>> {
+        self.number += 1;
+        let read = self.read();
+        let bytes = read.with_context(|| format!("{}, frame {}", self.name, self.number))?;
+        Ok(bytes.map(|bytes| Planes { size: self.header.size, chroma: self.header.chroma, bytes }))
+    }
+
+    /// All planes of a frame.
+    fn read(&mut self) -> Result<Option<Vec<u8>>> {
+        let frame_bytes = self.header.frame_bytes;
         let line = line(&mut self.stream)?;
         if line.is_empty() {
             return Ok(None);
         }
-        let luma = u64::from(width) * u64::from(height);
-        let (mut pixels, mut chroma) = (Vec::new(), 0);
+        let mut pixels = Vec::new();
         if line.ends_with(b"\n") || line.len() as u64 == LINE_BYTES {
             let is_frame = line.starts_with(b"FRAME\n") || line.starts_with(b"FRAME ") && line.ends_with(b"\n");
             ensure!(
                 is_frame,
                 "it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"
             );
-            self.stream.by_ref().take(luma).read_to_end(&mut pixels)?;
-            chroma = io::copy(&mut self.stream.by_ref().take(frame_bytes - luma), &mut io::sink())?;
+            self.stream.by_ref().take(frame_bytes).read_to_end(&mut pixels)?;
         }
-        let read = pixels.len() as u64 + chroma;
+        let read = pixels.len() as u64;
         if read < frame_bytes {
             let (expected, found) = ("FRAME\n".len() as u64 + frame_bytes, line.len() as u64 + read);
             let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
             return Err(Damaged::new(why).into());
         }
-        Ok(Some(GrayFrame { width, height, pixels }))
+        Ok(Some(pixels))
+    }
+}
+
+impl Frames<BufReader<File>> {
+    /// Where the next frame begins; `None` if none begins here.
+    fn skip_frame(&mut self) -> Option<u64> {
+        line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;
+        self.stream.seek_relative(self.header.frame_bytes.try_into().ok()?).ok()?;
+        self.stream.stream_position().ok()
     }
 }
 
@@ -74,17 +109,64 @@ impl<R: BufRead> Iterator for Frames<R> {
     type Item = Result<GrayFrame>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.number += 1;
-        let read = self.read();
-        read.with_context(|| format!("{}, frame {}", self.name, self.number)).transpose()
+        self.next_planes().map(|planes| planes.map(|planes| planes.gray())).transpose()
     }
 }
 
-#[derive(Debug, PartialEq, Eq)]
+/// A frame as it is in the stream: luma, then color.
+#[derive(Clone, Debug)]
+pub struct Planes {
+    pub size: (u16, u16),
+    chroma: Chroma,
+    bytes: Vec<u8>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Chroma {
+    /// So many pixels, across and down, have one color; 0 of gray frames.
+    across: usize,
+    down: usize,
+    /// Levels from 0 to 255, not from 16 on.
+    is_full: bool,
+}
+
+impl Planes {
+    pub fn gray(&self) -> GrayFrame {
+        let (width, height) = self.size;
+        let luma = usize::from(width) * usize::from(height);
+        GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
+    }
+
+    /// In red, green and blue, by the matrix of BT.601: the stream does not say which.
+    pub fn color(&self) -> ColorFrame {
+        let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
+        let Chroma { across, down, is_full } = self.chroma;
+        let (luma, chroma) = self.bytes.split_at(width * height);
+        let (blue, red) = chroma.split_at(chroma.len() / 2);
+        let (black, of_luma, of_chroma) = if is_full { (0.0, 1.0, 1.0) } else { (16.0, 255.0 / 219.0, 255.0 / 224.0) };
+        let pixel = |at: usize| {
+            let gray = (f32::from(luma[at]) - black) * of_luma;
+            let difference = |plane: &[u8]| {
+                let at = at / width / down.max(1) * width.div_ceil(across.max(1)) + at % width / across.max(1);
+                plane.get(at).map_or(0.0, |&level| (f32::from(level) - 128.0) * of_chroma)
+            };
+            let (blue, red) = (difference(blue), difference(red));
+            let rgb = [gray + 1.402 * red, gray - 0.344_136 * blue - 0.714_136 * red, gray + 1.772 * blue];
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+            rgb.map(|level| level.round() as u8)
+        };
+        ColorFrame { width: self.size.0, height: self.size.1, pixels: (0..luma.len()).map(pixel).collect() }
+    }
+}
+
+#[derive(Debug, PartialEq)]
 struct Header {
     size: (u16, u16),
     /// Bytes of all planes of a frame.
     frame_bytes: u64,
+    chroma: Chroma,
+    /// So many frames in so many seconds.
+    rate: Option<(f64, f64)>,
 }
 
 impl Header {
@@ -98,13 +180,15 @@ impl Header {
             String::from_utf8_lossy(fields.context("expected a line that begins with YUV4MPEG2")?).into_owned();
         let field = |letter| fields.split(' ').rev().find_map(|field| field.strip_prefix(letter));
         let size = (side('W', field('W'))?, side('H', field('H'))?);
-        let frame_bytes = frame_bytes(size, field('C').unwrap_or("420"))?;
+        let (across, down) = chroma(field('C').unwrap_or("420"))?;
+        let chroma = Chroma { across, down, is_full: fields.contains("XCOLORRANGE=FULL") };
+        let frame_bytes = frame_bytes(size, chroma);
         let (width, height) = size;
         ensure!(
             frame_bytes <= MOST_PIXELS,
             "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
         );
-        // The rate and the shape of a pixel are not used, but tell whether this is such a header.
+        // They tell whether this is such a header.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
         let ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
@@ -112,7 +196,14 @@ impl Header {
             ratios.into_iter().all(is_ratio),
             "its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it"
         );
-        Ok(Self { size, frame_bytes })
+        let rate = field('F').and_then(|rate| rate.split_once(':'));
+        let rate = rate.and_then(|(frames, seconds)| Some((frames.parse().ok()?, seconds.parse().ok()?)));
+        Ok(Self {
+            size,
+            frame_bytes,
+            chroma,
+            rate: rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0),
+        })
     }
 }
 
@@ -122,16 +213,21 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-fn frame_bytes((width, height): (u16, u16), colour: &str) -> Result<u64> {
+fn frame_bytes((width, height): (u16, u16), chroma: Chroma) -> u64 {
     let (width, height) = (u64::from(width), u64::from(height));
-    let chroma = match colour {
-        "mono" => 0,
-        "420" | "420jpeg" | "420paldv" | "420mpeg2" => width.div_ceil(2) * height.div_ceil(2),
-        "422" => width.div_ceil(2) * height,
-        "444" => width * height,
+    let plane = |across: usize, down: usize| width.div_ceil(across as u64) * height.div_ceil(down as u64);
+    width * height + if chroma.across == 0 { 0 } else { 2 * plane(chroma.across, chroma.down) }
+}
+
+/// How many pixels, across and down, have one color.
+fn chroma(colour: &str) -> Result<(usize, usize)> {
+    Ok(match colour {
+        "mono" => (0, 0),
+        "420" | "420jpeg" | "420paldv" | "420mpeg2" => (2, 2),
+        "422" => (2, 1),
+        "444" => (1, 1),
         _ => bail!("{}", unsupported(colour)),
-    };
-    Ok(width * height + 2 * chroma)
+    })
 }
 
 fn unsupported(colour: &str) -> String {

@@ -1,11 +1,11 @@
 //! The command line, one file a command. Each file holds the command's arguments and what it does with them. Programs of the tests are
 //! made of the same options ([`program`]).
 
-mod answer_line;
 mod check;
 mod convert;
 mod demo;
 mod eval;
+mod events;
 mod exit_code;
 mod figures;
 mod frame;
@@ -29,6 +29,7 @@ mod track;
 pub mod tracker_options;
 mod trax;
 mod video;
+mod view;
 
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -46,14 +47,15 @@ use std::process::ExitCode;
 /// Replays recordings through smr-core: tracks, checks, measures, shows.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), `-` (Y4M from standard input), or a built-in recording: `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
+/// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
 ///
 /// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.
 ///
 /// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
 ///
-/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal.
+/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal, but 0 if
+/// a signal ends a live source.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
@@ -66,6 +68,14 @@ enum Command {
     /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
     #[command(after_help = "Example:\n  host-sim demo -o page.html")]
     Demo(demo::Demo),
+    /// Open a recording in the browser: drag a box, see it followed, go to any frame, correct it, and take the result away
+    ///
+    /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video is there within
+    /// half a second. host-sim serves until it is ended (Ctrl+C).
+    #[command(after_help = "Examples:
+  host-sim view clip.mp4
+  host-sim view sequences/car --no-open")]
+    View(view::View),
     /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
     #[command(after_help = "Examples:
   host-sim frame clip.mp4 -o pick.html
@@ -73,8 +83,9 @@ enum Command {
     Frame(frame::Frame),
     /// Print the target's box in every frame
     #[command(after_help = "Examples:
-  host-sim track clip.mp4 --init 142,125,90,39 --method robust --video boxes.mp4
+  host-sim track clip.mp4 --init 142,125,90,39 --method robust -o boxes.mp4
   host-sim track sequences/car --frames 20..80 --resize 1/2 --format csv --out boxes.csv
+  host-sim track rtsp://camera.local/stream --init 280,200,80,80 -o boxes.csv
   ffmpeg -v error -f v4l2 -i /dev/video0 -pix_fmt gray -f yuv4mpegpipe -strict -1 - | host-sim track - --init 280,200,80,80")]
     Track(track::Track),
     /// Compare smr-core with the float reference, score by score
@@ -154,6 +165,7 @@ macro_rules! each {
     ($of:expr, $command:ident => $do:expr) => {
         match $of {
             Command::Demo($command) => $do,
+            Command::View($command) => $do,
             Command::Frame($command) => $do,
             Command::Track($command) => $do,
             Command::Check($command) => $do,

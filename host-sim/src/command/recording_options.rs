@@ -4,7 +4,9 @@ use super::number::whole;
 use super::tracker_options::Pair;
 use anyhow::{Result, bail, ensure};
 use clap::Args;
-use smr_recordings::{self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, recordings};
+use smr_recordings::{
+    self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
+};
 use std::num::NonZeroU16;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -85,12 +87,13 @@ impl RecordingOptions {
             one,
             "--init: several targets and boxes in later frames are for `track` and `report`: expected one box X,Y,W,H"
         );
-        self.open_all(path).map(|(sequence, _)| sequence)
+        self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
     /// Opens the recording at `path`, for a command that follows all targets that are given, or else the one beside the recording.
-    pub fn open_with_targets(&self, path: &Path) -> Result<(Sequence, Vec<Target>)> {
-        let (sequence, targets) = self.open_all(path)?;
+    /// `takes_live`: or the live source there.
+    pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
+        let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
             let mut boxes =
                 targets.iter().flat_map(|target| &target.starts).map(|(_, bbox)| bbox).chain(&sequence.init);
@@ -109,12 +112,17 @@ impl RecordingOptions {
     }
 
     /// The recording, and the targets that are given.
-    fn open_all(&self, path: &Path) -> Result<(Sequence, Vec<Target>)> {
+    fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
             init: None,
             ffmpeg_patience: Some(self.ffmpeg_patience()),
+            takes_live,
         };
+        ensure!(
+            !takes_live || !is_live(path) || self.frames.is_none(),
+            "--frames is for recordings: a live source is followed until Ctrl-C"
+        );
         let mut sequence = smr_recordings::open(path, &options)?;
         if let Some(part) = self.frames {
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {

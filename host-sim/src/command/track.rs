@@ -1,7 +1,7 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
-use super::answer_line::{Answer, Format, Printer};
-use super::paths::Places;
+use super::events::Events;
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::video::{Film, Shown};
@@ -10,26 +10,29 @@ use anyhow::{Context, Result, bail, ensure};
 use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
-use smr_pages::export::{Plan, Rate};
+use smr_pages::export::boxes::{About, Answer, Format, Printer};
+use smr_pages::export::{FILM_ENDINGS, Plan, Rate};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{GrayFrame, Sequence};
-use std::io::{IsTerminal, Write, stdout};
-use std::ops::RangeInclusive;
+use smr_recordings::{GrayFrame, Now, Sequence, cleanup};
+use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
-    /// The recording; `-` is Y4M from standard input, answered as it comes
+    /// The recording; `-` is Y4M from standard input, answered as it comes. Or a live source: an address that ffmpeg takes (rtsp://...), or /dev/video0
+    /// of Linux. Ctrl-C ends it
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
     /// How the target is followed
     #[arg(long, value_enum, default_value = "robust")]
     method: MethodKind,
-    /// The format of a line [default: tld; of several targets csv]
+    /// What is printed of each frame [default: tld; of several targets csv]
+    ///
+    /// Of several targets: csv, json, mot, coco or cvat. coco and cvat are whole when the last frame has been followed.
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Print one JSON object for each frame instead
+    /// Print one JSON object for each frame: --format json
     ///
     /// Each has version, method, options (those that were given), target (if it has a name), frame (as the recording counts it), state, box (whole pixels), fine (with fractions), confidence, ratio,
     /// runner_up_ratio, alpha, scale, found_again, work and quality. What the method does not know is null; so are both boxes while the target
@@ -37,10 +40,13 @@ pub struct Track {
     #[arg(long, conflicts_with = "format")]
     json: bool,
     /// Write to this file instead of standard output; after an error there is no file
+    ///
+    /// The extension says the format, if --format does not: .csv, .json or .xml (cvat). The name of a video is that of --video: -o boxes.mp4.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Also draw the boxes over the frames: .mp4 or .gif (both need ffmpeg), or a new folder for PNG pictures
+    /// Also draw the boxes over the frames: .mp4, .mov, .mkv, .webm or .gif (they need ffmpeg), or a new folder for PNG pictures
     ///
+    /// On a terminal host-sim then says when a target is lost and found instead of a line for each frame.
     /// In the colors of the recording, and of a video at its times and with its sound. The box is green while the target is tracking,
     /// amber when it is uncertain or leaving, and red, at its last place, when it is lost. Of several targets each has its color and its
     /// name, and dashes while it is not tracking. Ground truth is white. The text has the number of the frame, the state, and the
@@ -48,7 +54,7 @@ pub struct Track {
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     /// Frames per second of the video, without sound [default: as in the recording, else 25]
-    #[arg(long, value_name = "25|29.97|30000/1001", requires = "video")]
+    #[arg(long, value_name = "25|29.97|30000/1001")]
     rate: Option<Rate>,
     #[command(flatten)]
     recording: RecordingOptions,
@@ -56,64 +62,106 @@ pub struct Track {
     tracker: TrackerOptions,
 }
 
+const FILM: Taken = Taken { endings: &FILM_ENDINGS, folder: true };
+
 /// What is said of targets of poor quality.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
     pub fn places(&self) -> Places<'_> {
-        Places::of([&self.sequence]).writes("--out", self.out.as_ref()).writes("--video", self.video.as_ref())
+        let (boxes, films) = self.outputs();
+        let places = Places::of([&self.sequence]).writes("--out", boxes);
+        films.into_iter().fold(places, |places, (option, film)| places.writes_as(option, Some(film), FILM))
+    }
+
+    /// Where boxes go, and where films.
+    fn outputs(&self) -> (Option<&PathBuf>, Vec<(&'static str, &PathBuf)>) {
+        let is_film = |out: &&PathBuf| {
+            out.extension().is_some_and(|ending| FILM.endings.iter().any(|film| ending.eq_ignore_ascii_case(film)))
+        };
+        let film = self.out.as_ref().filter(is_film).map(|out| ("--out", out));
+        let films = film.into_iter().chain(self.video.as_ref().map(|film| ("--video", film))).collect();
+        (self.out.as_ref().filter(|out| !is_film(out)), films)
     }
 
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
-        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence)?;
+        let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
-        let printer = Printer {
-            format: self.format(targets.len())?,
+        let format = self.format(targets.len())?;
+        let about = About {
+            name: sequence.name.clone(),
             origin: variant.origin(),
-            is_named: targets.iter().any(|target| target.name.is_some()),
+            targets: targets.iter().map(|target| target.name.clone()).collect(),
+            pictures: sequence.colors.picture_names(),
         };
-        let mut lines = Lines::create(self.out.as_deref(), self.video.is_some())?;
-        let film = self.film(&mut sequence)?;
-        lines.write(&printer.head())?;
-        // Lines on the same terminal show how far it is.
-        let shown = self.out.is_some() || !stdout().is_terminal();
-        let bar = if shown { progress::bar(&sequence.name, sequence.length) } else { ProgressBar::hidden() };
-        let mut pass = Pass { name: sequence.name, targets, printer, lines, film, bar };
-        let numbered = (sequence.first..).zip(sequence.frames);
-        let mut last = 0;
-        for (number, frame) in numbered {
-            pass.frame(number, &frame?)?;
-            last = number;
+        let printer = Printer::new(format, about);
+        let (boxes, films) = self.outputs();
+        let film = match films[..] {
+            [] if self.rate.is_some() => bail!("--rate is of a video, and none is written: expected --video, too"),
+            [] => None,
+            [(_, film)] => Some(film),
+            _ => bail!("--out and --video both name a video: expected one of them"),
+        };
+        // A film is there to be looked at: numbers on the same terminal would hide what happens.
+        let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
+        let mut lines = match events {
+            Some(_) => Lines::Unread,
+            None => Lines::create(boxes.map(PathBuf::as_path), film.is_some())?,
+        };
+        let (patience, is_timed) = (self.recording.ffmpeg_patience(), format.has_times() || events.is_some());
+        let mut clock = sequence.colors.clock(sequence.first, is_timed, patience);
+        let live = sequence.colors.now();
+        if live.is_some() {
+            // Ctrl-C is how it ends.
+            cleanup::stop_first();
         }
-        pass.finish(sequence.first..=last)?;
+        let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
+        let (name, film) = (film.cloned(), film.map(|out| self.film(out, &mut sequence)).transpose()?);
+        lines.write(&printer.head())?;
+        let film = name.zip(film);
+        let last = sequence.first - 1;
+        let mut pass =
+            Pass { name: sequence.name, targets, printer, lines, events, film, bar, live, drops: false, last };
+        for frame in sequence.frames {
+            let (number, time) = clock.tick();
+            pass.frame(number, time, &frame?)?;
+        }
+        pass.finish(sequence.first)?;
         Ok(Outcome::Holds)
     }
 
-    /// `None`: JSON.
     /// Errors: The format has no place for the names of several targets.
-    fn format(&self, targets: usize) -> Result<Option<Format>> {
-        let several = targets > 1;
-        let format = match self.format {
-            _ if self.json => return Ok(None),
-            None if several => Format::Csv,
-            format => format.unwrap_or(Format::Tld),
-        };
+    fn format(&self, targets: usize) -> Result<Format> {
+        let usual = if targets > 1 { Format::Csv } else { Format::Tld };
+        let of_file =
+            self.out.as_ref().and_then(|out| Format::of_file(out)).filter(|of| targets <= 1 || of.has_names());
+        let format = if self.json { Format::Json } else { self.format.or(of_file).unwrap_or(usual) };
         ensure!(
-            !several || format == Format::Csv,
-            "--format {}: its lines have no names, and there are {targets} targets: expected --format csv or --json",
+            targets <= 1 || format.has_names(),
+            "--format {}: its lines have no names, and there are {targets} targets: expected csv, json, mot, coco or cvat",
             choice_name(&format)
         );
-        Ok(Some(format))
+        Ok(format)
     }
 
-    fn film(&self, sequence: &mut Sequence) -> Result<Option<Film>> {
-        let Some(out) = &self.video else { return Ok(None) };
+    /// `is_shown`: no lines on the same terminal show how far it is.
+    fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> ProgressBar {
+        if !is_shown || !stderr().is_terminal() {
+            return ProgressBar::hidden();
+        }
+        let whole = || sequence.colors.length(self.recording.ffmpeg_patience());
+        let part = |length| self.recording.frames.map_or(length, |part| part.length_of(length));
+        let name = film.map_or_else(|| sequence.name.clone(), |film| film.display().to_string());
+        progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
+    }
+
+    fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
         let (patience, first) = (self.recording.ffmpeg_patience(), sequence.first);
         let colors = std::mem::take(&mut sequence.colors);
         let plan = Plan { rate: self.rate, sound: colors.video().map(Path::to_owned), first, patience };
         let truth = sequence.truth.take().unwrap_or_default();
-        Film::create(out, plan, colors.open(first, patience), truth).map(Some)
+        Film::create(out, plan, colors.open(first, patience), truth)
     }
 }
 
@@ -124,43 +172,98 @@ struct Pass {
     targets: Vec<Follower>,
     printer: Printer,
     lines: Lines,
-    film: Option<Film>,
+    /// Instead of lines.
+    events: Option<Events>,
+    /// And its name.
+    film: Option<(PathBuf, Film)>,
     bar: ProgressBar,
+    live: Option<Now>,
+    /// Whether frames have been dropped.
+    drops: bool,
+    /// The number of the last frame.
+    last: usize,
 }
 
 impl Pass {
-    fn frame(&mut self, number: usize, frame: &GrayFrame) -> Result<()> {
-        let (mut shown, mut poor) = (Vec::new(), Vec::new());
-        for target in &mut self.targets {
-            let locks = target.next_start() == Some(number);
+    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame) -> Result<()> {
+        if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
+            self.drops = true;
+            self.warn("frames are dropped: they come faster than the target is followed (--resize 1/2 helps)");
+        }
+        let (mut shown, mut poor, mut happened) = (Vec::new(), Vec::new(), Vec::new());
+        for (at, target) in self.targets.iter_mut().enumerate() {
+            let locks = target.next_start().is_some_and(|start| start <= number);
             let report = target.step(number, frame).with_context(|| self.name.clone())?;
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
                 poor.push(target.name.as_deref());
             }
             let name = target.name.as_deref();
-            let answer = Answer { target: name, frame: number, report: report.as_ref(), quality };
+            let size = (frame.width, frame.height);
+            let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
             self.lines.write(&self.printer.line(&answer)?)?;
+            let told = self.events.as_mut().zip(report.as_ref());
+            if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report)) {
+                happened.push(name.map_or_else(|| event.clone(), |name| format!("{name}: {event}")));
+            }
             shown.push(Shown { name, report });
         }
-        self.film.as_mut().map_or(Ok(()), |film| film.frame(frame, number, &shown))?;
+        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, number, &shown))?;
+        for line in happened {
+            self.bar.suspend(|| print(|out| writeln!(out, "{line}")))?;
+        }
         if let Some(warning) = warning(&poor) {
-            self.bar.suspend(|| complain(&format!("warning: {}: {warning}", self.name)));
+            self.warn(&warning);
         }
         self.bar.inc(1);
+        self.last = number;
         Ok(())
     }
 
+    fn warn(&self, what: &str) {
+        self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
+    }
+
+    /// What became of each target, if events are told.
+    fn end(&self) -> String {
+        let Some(events) = &self.events else { return String::new() };
+        let line = |(at, target): (usize, &Follower)| {
+            let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+            format!("{name}{}\n", events.sum(at))
+        };
+        self.targets.iter().enumerate().map(line).collect()
+    }
+
+    /// What was not followed is never hidden.
+    fn say_end(&self, live: &Now) {
+        if let Some(reason) = live.ended() {
+            self.warn(&format!("it has ended: {reason}"));
+        }
+        let (name, dropped) = (&self.name, live.dropped());
+        let came = self.bar.position() + dropped as u64;
+        complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
+    }
+
     /// Errors: A box lies in none of the frames that were read.
-    fn finish(mut self, frames: RangeInclusive<usize>) -> Result<()> {
+    fn finish(mut self, first: usize) -> Result<()> {
         self.bar.finish_and_clear();
-        for target in &mut self.targets {
-            if let Some(frame) = target.next_start() {
-                let (first, last) = frames.into_inner();
-                bail!("{}{}: there is no frame {frame} (--init): expected {first} to {last}", self.name, named(target));
+        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, named(target))));
+        if let Some(live) = &self.live {
+            self.say_end(live);
+        } else if let Some((frame, name)) = missing {
+            bail!("{}{name}: there is no frame {frame} (--init): expected {first} to {}", self.name, self.last);
+        }
+        self.lines.write(&self.printer.foot()?)?;
+        let (end, frames) = (self.end(), self.bar.position());
+        if let Some((name, film)) = self.film {
+            film.finish()?;
+            let written = format!("{}: {frames} frames", name.display());
+            match self.events {
+                Some(_) => print(|out| write!(out, "{written}\n{end}"))?,
+                None if !self.bar.is_hidden() => complain(&written),
+                None => {}
             }
         }
-        self.film.map_or(Ok(()), Film::finish)?;
         self.lines.finish()
     }
 }

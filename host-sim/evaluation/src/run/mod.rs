@@ -39,7 +39,7 @@ impl Follower {
 }
 
 impl<M: Method + ?Sized> Follower<M> {
-    /// `method` will be locked on each of `starts` in the frame of its number.
+    /// `method` will be locked on each of `starts` in the frame of its number, or in the next one that comes.
     pub fn new(method: Box<M>, starts: Vec<(usize, Rect)>) -> Self {
         Self { name: None, method, starts: starts.into_iter().peekable(), begun: false }
     }
@@ -47,7 +47,7 @@ impl<M: Method + ?Sized> Follower<M> {
     /// What is known of the target in the frame of this number; `None` before its first box.
     /// Errors: The tracker's, with the number of the frame.
     pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
-        let report = match self.starts.next_if(|(at, _)| *at == number) {
+        let report = match self.starts.next_if(|(at, _)| *at <= number) {
             Some((_, start)) => {
                 self.begun = true;
                 lock(self.method.as_mut(), &frame.frame(), start).map(|()| Some(Report::locked(start)))

@@ -19,7 +19,32 @@ use std::{fs, thread};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Mp4,
+    Mov,
+    Mkv,
+    Webm,
     Gif,
+}
+
+impl Kind {
+    pub fn of(extension: &str) -> Option<Self> {
+        let kinds = [Self::Mp4, Self::Mov, Self::Mkv, Self::Webm, Self::Gif];
+        super::video::ENDINGS.iter().zip(kinds).find(|(ending, _)| **ending == extension).map(|(_, kind)| kind)
+    }
+
+    /// The codecs and the container. What is not said is ffmpeg's usual codec of the container.
+    const fn options(self) -> &'static [&'static str] {
+        match self {
+            // Players want the index at the beginning of the file.
+            Self::Mp4 => &["-c:a", "aac", "-movflags", "+faststart", "-f", "mp4"],
+            Self::Mov => &["-c:a", "aac", "-movflags", "+faststart", "-f", "mov"],
+            Self::Mkv => &["-c:a", "aac", "-f", "matroska"],
+            // As quick as that of the others.
+            Self::Webm => {
+                &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"]
+            }
+            Self::Gif => &["-f", "gif"],
+        }
+    }
 }
 
 pub(super) struct Encoded {
@@ -94,24 +119,22 @@ impl Ffmpeg {
         if let Some((recording, start)) = sound {
             command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
             // Silence behind the sound, so that -shortest cuts the sound and never the picture.
-            command.args(["-map", "0:v", "-map", "1:a:0?", "-c:a", "aac", "-af", "apad", "-shortest"]);
+            command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
         }
         command.args(["-fps_mode", "passthrough"]);
-        match kind {
-            Kind::Mp4 => {
-                // Players want color at half the size, BT.709, and the index at the beginning of the file.
-                let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
-                let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
-                command.args(["-vf", &filter, "-pix_fmt", "yuv420p", "-movflags", "+faststart"]);
-                command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
-                command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1), "-f", "mp4"]);
-            }
+        if kind == Kind::Gif {
             // Each frame has the 256 colors that suit it.
-            Kind::Gif => {
-                let palette = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none";
-                command.args(["-vf", palette, "-f", "gif"]);
-            }
+            let palette = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none";
+            command.args(["-vf", palette]);
+        } else {
+            // Players want color at half the size, and BT.709.
+            let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+            let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
+            command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
+            command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
+            command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]);
         }
+        command.args(kind.options());
         command.arg("-y").arg(file);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let process = match Process::start(&mut command) {

@@ -1,4 +1,4 @@
-//! Frames that were drawn on, as something to watch: an MP4 or GIF file (through ffmpeg), or a folder of PNG pictures.
+//! Frames that were drawn on, as something to watch: a video or a GIF file (through ffmpeg), or a folder of PNG pictures.
 
 use super::ffmpeg::{Encoded, Kind};
 use super::frame_times::{Rate, Timeline};
@@ -9,6 +9,9 @@ use smr_recordings::Moment;
 use smr_recordings::output::{Folder, Output};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// The extensions of films that are files.
+pub const ENDINGS: [&str; 5] = ["mp4", "mov", "mkv", "webm", "gif"];
 
 /// A film under way. Until [`Film::finish`] nothing has its name.
 pub struct Film {
@@ -37,17 +40,20 @@ pub struct Plan {
 }
 
 impl Film {
-    /// Begins the film `out`: .mp4, .gif, or a new folder for pictures.
+    /// Begins the film `out`: a file with one of [`ENDINGS`], or a new folder for pictures.
     /// Errors: It cannot be written there, or its extension is that of another kind of video.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let Plan { rate, sound, first, patience } = plan;
-        let way = match extension.as_str() {
-            "mp4" => Way::Encoded(Encoded::new(Kind::Mp4, Output::create(out)?, sound, patience)),
-            "gif" => Way::Encoded(Encoded::new(Kind::Gif, Output::create(out)?, None, patience)),
-            "" => Way::Pictures(Folder::create(out)?),
-            _ => {
-                bail!("{}: expected a video that ends in .mp4 or .gif, or a folder without an extension", out.display())
+        let way = match Kind::of(&extension) {
+            Some(kind) => {
+                let sound = sound.filter(|_| kind != Kind::Gif);
+                Way::Encoded(Encoded::new(kind, Output::create(out)?, sound, patience))
+            }
+            None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
+            None => {
+                let endings = ENDINGS.join(", .");
+                bail!("{}: expected a video that ends in .{endings}, or a folder without an extension", out.display())
             }
         };
         Ok(Self { name: out.to_owned(), way, timeline: Timeline::new(rate), number: first })
@@ -131,9 +137,10 @@ mod tests {
         if !crate::missing::has_ffmpeg("a_video_is_decoded_again") {
             return;
         }
-        // MP4 has no odd sides.
-        for (name, size) in [("film.mp4", (62, 44)), ("film.gif", (61, 43))] {
-            let out = above.path().join(name);
+        // Color at half the size has no odd sides.
+        for name in ENDINGS.map(|ending| format!("film.{ending}")) {
+            let size = if name.ends_with("gif") { (61, 43) } else { (62, 44) };
+            let out = above.path().join(&name);
             filmed(&out);
             let sequence = smr_recordings::open(&out, &smr_recordings::OpenOptions::default()).unwrap();
             let sizes: Vec<_> = sequence.frames.map(Result::unwrap).map(|frame| (frame.width, frame.height)).collect();
@@ -167,9 +174,9 @@ mod tests {
         film.frame(&frames().next().unwrap(), None).unwrap();
         drop(film);
         let error = Film::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
-        assert!(
-            error.ends_with("film.avi: expected a video that ends in .mp4 or .gif, or a folder without an extension")
-        );
+        assert!(error.ends_with(
+            "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, .gif, or a folder without an extension"
+        ));
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 0);
     }
 }

@@ -1,17 +1,10 @@
-//! The page on which boxes are dragged over a recording: `pick.html` filled in, with frames and the command lines to copy.
+//! The page on which boxes are dragged over a recording: that of the window, with the frames in it and nothing that follows.
 
 use crate::encode::{self, base64};
-use anyhow::{Context, Result, bail, ensure};
-use minijinja::{Environment, context};
+use crate::front_end;
+use anyhow::{Result, bail, ensure};
 use serde_json::json;
 use smr_recordings::{BoundingBox, ColorFrame};
-
-const TEMPLATES: [(&str, &str); 4] = [
-    ("pick.html", include_str!("pick.html")),
-    ("base.css", include_str!("base.css")),
-    ("pick.css", include_str!("pick.css")),
-    ("pick.js", include_str!("pick.js")),
-];
 
 /// The longest side of a frame in the page, but for the one that is shown first.
 pub const SIDE: u16 = 960;
@@ -83,7 +76,7 @@ pub fn pick(
     };
     loop {
         let pictures = kept.with(&shown);
-        let page = choosing.page(&pictures, size, last, kept.every, least)?;
+        let page = choosing.page(&pictures, size, last, kept.every, least);
         if page.len() <= budget {
             return Ok(Picked { page, size, last, pictures: pictures.len() });
         }
@@ -133,40 +126,42 @@ impl Choosing {
         last: usize,
         every: usize,
         least: (u16, u16),
-    ) -> Result<String> {
-        let target = self.target.and_then(|target| target.to_rect());
-        let command = |verb: &str, after: &str| {
-            let after = [self.options.as_str(), after].join(" ");
-            [format!("host-sim {verb} {}", self.recording), after.trim().to_owned()]
-        };
-        let [again, rest] = command("frame", &format!("-o {}", self.file));
+    ) -> String {
+        let Self { name, first, shown, options, recording, file, .. } = self;
+        let words = [recording, options].map(String::as_str).join(" ").trim_end().to_owned();
+        let mut commands = json!({ "track": "--video out.mp4", "report": "-o report.html" });
+        // The window shows all of a recording.
+        if options.is_empty() {
+            commands["view"] = "".into();
+        }
+        let mut about = format!("{width}x{height} pixels, frames {first} to {last}.");
+        if every > 1 {
+            let again = format!("host-sim frame {recording} NUMBER {options}").trim_end().to_owned();
+            about += &format!(" To keep the page small, one of {every} frames is here. For a frame that is missing: {again} -o {file}");
+        }
+        let target = self.target.and_then(|target| target.to_rect()).map(|rect| {
+            json!({ "id": 1, "name": "", "locks": [{ "frame": shown, "box": [rect.x, rect.y, rect.width, rect.height] }] })
+        });
         let data = json!({
+            "name": name,
+            "about": about,
             "width": width,
             "height": height,
+            "first": first,
             "last": last,
-            "shown": self.shown,
+            "shown": shown,
+            "version": env!("CARGO_PKG_VERSION"),
+            "words": words,
+            "commands": commands,
             "least": least,
-            "box": target.map(|rect| json!({ "x": rect.x, "y": rect.y, "w": rect.width, "h": rect.height })),
-            "track": command("track", "--video out.mp4"),
-            "report": command("report", "-o report.html"),
+            "targets": Vec::from_iter(target),
             "frames": pictures.iter().map(|(number, jpeg)| json!([number, base64(jpeg)])).collect::<Vec<_>>(),
         });
-        let page = context! {
-            name => self.name.as_str(),
-            width => width,
-            height => height,
-            first => self.first,
-            last => last,
-            every => every,
-            again => format!("{again} NUMBER {rest}"),
-            version => env!("CARGO_PKG_VERSION"),
-            data => data.to_string().replace('<', "\\u003c"),
-        };
-        let mut templates = Environment::new();
-        for (name, text) in TEMPLATES {
-            templates.add_template(name, text)?;
-        }
-        templates.get_template("pick.html")?.render(page).context("the page cannot be filled in")
+        let data = data.to_string().replace('<', "\\u003c");
+        front_end::window(&format!(
+            "<script type=\"application/json\" id=\"data\">{data}</script>\n{}\n<script type=\"module\">import \"smr/window.js\";</script>",
+            front_end::import_map()
+        ))
     }
 }
 
@@ -209,27 +204,31 @@ mod tests {
         let choosing = Choosing { target: "36,20.4,10,30".parse().ok(), ..choosing(20, 20) };
         let (Picked { page, size, last, pictures }, data) = made(&choosing, 41, BUDGET).unwrap();
         assert_eq!((size, last, pictures), ((160, 120), 60, 41));
-        assert!(page.contains("<h1>&lt;b&gt;name</h1>") && page.contains("frames 20 to 60"));
-        assert_eq!(page.matches("http").count(), page.matches("http://www.w3.org/2000/svg").count());
-        assert_eq!(page.matches("href=\"").count() + page.matches(" src=\"").count() + page.matches("url(").count(), 0);
+        assert_eq!(data["about"], "160x120 pixels, frames 20 to 60.");
+        assert!(data["name"] == "<b>name" && !page.contains("<b>name"), "a name is no part of the page");
+        let page = page.replace("<link rel=\"icon\" href=\"data:,\">", "");
+        let loads = ["http", "href=\"", " src=\"", "url("];
+        assert!(loads.iter().all(|one| !page.contains(one)));
         assert_eq!(numbers(&data), (20..=60).collect::<Vec<_>>());
-        assert_eq!(data["box"], json!({ "x": 36, "y": 20, "w": 10, "h": 30 }));
+        assert_eq!(data["targets"], json!([{ "id": 1, "name": "", "locks": [{ "frame": 20, "box": [36, 20, 10, 30] }] }]));
         assert_eq!(data["least"], json!([2, 3]));
-        assert_eq!(data["track"], json!(["host-sim track 'my clip.mp4'", "--frames 20..60 --video out.mp4"]));
-        assert_eq!(data["report"], json!(["host-sim report 'my clip.mp4'", "--frames 20..60 -o report.html"]));
-        assert!(!page.contains("To keep the page small"));
+        assert_eq!(data["words"], "'my clip.mp4' --frames 20..60");
+        assert_eq!(data["commands"], json!({ "track": "--video out.mp4", "report": "-o report.html" }));
+        let (_, whole) = made(&Choosing { options: String::new(), ..choosing }, 41, BUDGET).unwrap();
+        assert_eq!((&whole["words"], &whole["commands"]["view"]), (&"'my clip.mp4'".into(), &"".into()));
     }
 
     #[test]
     fn a_budget_thins_the_frames_evenly_and_keeps_the_one_that_is_shown() {
-        let all = made(&choosing(1, 6), 40, BUDGET).unwrap();
-        let budget = all.0.page.len() / 2;
+        let (all, data) = made(&choosing(1, 6), 40, BUDGET).unwrap();
+        let bytes = data["frames"].to_string().len();
+        let budget = all.page.len() - bytes * 2 / 3;
         let (picked, data) = made(&choosing(1, 6), 40, budget).unwrap();
         assert!(picked.page.len() <= budget);
         assert_eq!(numbers(&data), [1, 5, 6, 9, 13, 17, 21, 25, 29, 33, 37]);
-        assert!(picked.page.contains("one of 4 frames is here"));
-        let again = "host-sim frame &#x27;my clip.mp4&#x27; NUMBER --frames 20..60 -o pick.html";
-        assert!(picked.page.contains(again));
+        let about = data["about"].as_str().unwrap();
+        assert!(about.contains("one of 4 frames is here"));
+        assert!(about.ends_with("host-sim frame 'my clip.mp4' NUMBER --frames 20..60 -o pick.html"), "{about}");
         let error = made(&choosing(1, 6), 40, 1000).err().unwrap().to_string();
         assert!(error.contains("expected --budget 1 or more"), "{error}");
     }

@@ -36,7 +36,7 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<Value> {
         number => still.index + film.first,
         state => if begun(&0) { name_of(moment.first().state) } else { NOT_BEGUN },
         method => film.methods[0].name.as_str(),
-        picture => encode::data_uri("image/jpeg", &encode::jpeg(&still.frame, encode::GOOD)?),
+        picture => encode::data_uri("image/jpeg", &encode::color_jpeg(&still.colors, encode::GOOD)?),
         width => still.frame.width,
         height => still.frame.height,
         margin => film.margin(),

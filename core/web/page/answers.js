@@ -1,0 +1,158 @@
+// The answers for each target by the number of the frame, for as many frames as there are.
+
+const STATES = ["tracking", "leaving", "uncertain", "lost"];
+// Whole numbers stand for 1.0 in the trackers; figures.js and graph.js take those.
+const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1 };
+const COLUMNS = Object.keys(UNITS);
+const LEAST = 1024;
+
+export class Answers {
+  #targets = new Map(); // the rows by id
+
+  /** Takes rows [id, frame, state, x, y, ...] as host-sim sends them. A later one for the same frame replaces it. */
+  take(rows) {
+    for (const [id, number, state, ...values] of rows) {
+      if (!this.#targets.has(id)) {
+        this.#targets.set(id, new Rows(number));
+      }
+      this.#targets.get(id).write(number, STATES.indexOf(state), values);
+    }
+  }
+
+  /** Forgets rows: [id, first frame, last frame] each. */
+  clear(parts) {
+    for (const [id, first, last] of parts) {
+      this.#targets.get(id)?.clear(first, last);
+    }
+  }
+
+  /** Forgets all targets but these. */
+  keep(ids) {
+    for (const id of [...this.#targets.keys()].filter((id) => !ids.includes(id))) {
+      this.#targets.delete(id);
+    }
+  }
+
+  /** Forgets the frames before this one, now or later. */
+  forget(before) {
+    this.#targets.forEach((rows) => rows.forget(before));
+  }
+
+  /** A number that changes with the answers of a target. */
+  version(id) {
+    return this.#targets.get(id)?.version ?? 0;
+  }
+
+  state(id, number) {
+    return STATES[this.#targets.get(id)?.state(number)];
+  }
+
+  /** { number, state, box, confidence, ... }; undefined if there is no answer. Missing values are null. */
+  at(id, number) {
+    return this.#targets.get(id)?.row(number);
+  }
+
+  /** { number, state } of all answers in the order of frames. */
+  *states(id) {
+    const rows = this.#targets.get(id);
+    for (let number = rows?.first ?? 1; number <= (rows?.last ?? 0); number++) {
+      const state = rows.state(number);
+      if (state !== undefined) {
+        yield { number, state: STATES[state] };
+      }
+    }
+  }
+
+  /** The answers from one frame to another as graph.js takes them, with the values of the frame `now` to name. */
+  around(id, first, last, now) {
+    const rows = this.#targets.get(id);
+    const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);
+    const read = { number: (number) => number, state: (number) => rows.state(number) };
+    return {
+      last: (name) => numbers.map(read[name] ?? ((number) => rows.value(name, number))),
+      row: () => ({ confidence: NaN, ratio: NaN, ...none(rows?.row(now)) }),
+    };
+  }
+}
+
+// Without what is null.
+const none = (row) => Object.fromEntries(Object.entries(row ?? {}).filter(([, value]) => value !== null));
+
+// The rows of one target from the frame `first` on, in columns that grow.
+class Rows {
+  version = 0;
+  first;
+  last = 0;
+  #states = new Uint8Array(LEAST); // 0: no answer, else the state + 1
+  #columns = Object.fromEntries(COLUMNS.map((name) => [name, new Float32Array(LEAST)]));
+
+  constructor(first) {
+    this.first = first;
+  }
+
+  state(number) {
+    const state = this.#states[number - this.first];
+    return state > 0 ? state - 1 : undefined;
+  }
+
+  value(name, number) {
+    return this.#columns[name]?.[number - this.first] ?? NaN;
+  }
+
+  row(number) {
+    const state = this.state(number);
+    if (state === undefined) {
+      return undefined;
+    }
+    const { x, y, width, height, ...figures } = Object.fromEntries(COLUMNS.map((name) => [name, this.value(name, number)]));
+    const known = Object.entries(figures).map(([name, value]) => [name, Number.isNaN(value) ? null : value]);
+    return { number, state: STATES[state], box: { x, y, width, height }, ...Object.fromEntries(known) };
+  }
+
+  write(number, state, values) {
+    this.#reach(number);
+    const at = number - this.first;
+    this.#states[at] = state + 1;
+    COLUMNS.forEach((name, column) => {
+      this.#columns[name][at] = (values[column] ?? NaN) * UNITS[name];
+    });
+    this.last = Math.max(this.last, number);
+    this.version += 1;
+  }
+
+  clear(first, last) {
+    this.#states.fill(0, Math.max(first - this.first, 0), Math.max(last - this.first + 1, 0));
+    this.version += 1;
+  }
+
+  // Moves rows only when many are to be forgotten.
+  forget(before) {
+    if (before - this.first > LEAST) {
+      this.#move(before, this.#states.length);
+    }
+  }
+
+  #reach(number) {
+    if (number < this.first) {
+      this.#move(number, this.#states.length + this.first - number);
+    } else if (number - this.first >= this.#states.length) {
+      this.#move(this.first, 2 * (number - this.first));
+    }
+  }
+
+  // Makes all columns begin with the frame `first` and have this length.
+  #move(first, length) {
+    const moved = (old) => {
+      const made = new old.constructor(length);
+      const from = Math.max(first - this.first, 0);
+      made.set(old.subarray(from, from + length), Math.max(this.first - first, 0));
+      return made;
+    };
+    this.#states = moved(this.#states);
+    COLUMNS.forEach((name) => {
+      this.#columns[name] = moved(this.#columns[name]);
+    });
+    this.first = first;
+    this.version += 1;
+  }
+}

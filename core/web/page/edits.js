@@ -1,0 +1,129 @@
+// The targets as the user wants them: their names, and the boxes that they are locked on. Each change can be undone.
+
+const COLORS = ["#ff6ec7", "#4aa8ff", "#ffb02e", "#3ddc84", "#c58bff", "#ff5a4f", "#35d6e6", "#d6e35a"];
+const MOST_UNDONE = 500;
+
+/** What a shell and host-sim take as a name without quotes. */
+export const plainName = (name) => name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
+
+/** The name of a target; those without one are called by their number. */
+export const nameOf = ({ id, name }) => name || `target${id}`;
+
+/** The lock of a target in a frame, if there is one. */
+export const lockIn = (target, number) => target?.locks.find((lock) => lock.number === number);
+
+/** A target as host-sim tells it: { id, name, locks: [{ frame, box: [x, y, width, height] }] }. */
+export function targetOf({ id, name, locks }) {
+  return { id, name, locks: locks.map(({ frame, box: [x, y, width, height] }) => ({ number: frame, box: { x, y, width, height } })) };
+}
+
+/** A target as it is told to host-sim. */
+export function toldOf(target) {
+  const { id, locks } = target;
+  return { id, name: nameOf(target), locks: locks.map(({ number, box: { x, y, width, height } }) => ({ frame: number, box: [x, y, width, height] })) };
+}
+
+export class Edits {
+  /** { id, name, color, locks: [{ number, box }] }, locks in the order of frames. They are replaced, never changed. */
+  targets = [];
+  #chosen = null; // an id; null: the next box is a new target
+  #ids = 0;
+  #past = [];
+  #future = [];
+
+  /** The target that the next box is for; null if it is for a new one. */
+  get chosen() {
+    return this.targets.find(({ id }) => id === this.#chosen) ?? null;
+  }
+
+  get canUndo() {
+    return this.#past.length > 0;
+  }
+
+  get canRedo() {
+    return this.#future.length > 0;
+  }
+
+  choose(target) {
+    this.#chosen = target?.id ?? null;
+  }
+
+  /** Takes targets that were made elsewhere, { id, name, locks }: that cannot be undone here. */
+  load(targets) {
+    [this.#past, this.#future] = [[], []];
+    this.targets = targets.map((target) => ({ ...target, name: ["target", `target${target.id}`].includes(target.name) ? "" : target.name, color: colorOf(target.id) }));
+    this.#ids = Math.max(this.#ids, ...targets.map(({ id }) => id));
+    this.#chosen ??= this.targets[0]?.id ?? null;
+  }
+
+  /** Locks a target on `box` in a frame, also again; without a target, a new one. */
+  lock(number, box, target = this.chosen) {
+    const { id, name, color, locks } = target ?? this.#made();
+    const others = locks.filter((lock) => lock.number !== number);
+    const locked = { id, name, color, locks: [...others, { number, box }].sort((one, other) => one.number - other.number) };
+    this.#chosen = id;
+    this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)));
+  }
+
+  /** Removes the lock of a target in a frame, and with its only lock the target. */
+  unlock(target, number) {
+    const locks = target.locks.filter((lock) => lock.number !== number);
+    locks.length === 0 ? this.remove(target) : this.#replace(this.targets.map((one) => (one.id === target.id ? { ...one, locks } : one)));
+  }
+
+  remove({ id }) {
+    this.#replace(this.targets.filter((one) => one.id !== id));
+    if (this.#chosen === id) {
+      this.#chosen = this.targets.at(-1)?.id ?? null;
+    }
+  }
+
+  /** Returns why the name cannot be had, in one line; null if it is given. */
+  rename({ id }, text) {
+    const name = plainName(text);
+    if (this.targets.some((one) => one.id !== id && nameOf(one) === nameOf({ id, name }))) {
+      return `Another target is called ${nameOf({ id, name })}: give this one another name.`;
+    }
+    this.#replace(this.targets.map((one) => (one.id === id ? { ...one, name } : one)));
+    return null;
+  }
+
+  undo() {
+    this.#move(this.#past, this.#future);
+  }
+
+  redo() {
+    this.#move(this.#future, this.#past);
+  }
+
+  /** Takes back a change that was refused. `targets` are those after the change. */
+  takeBack(targets) {
+    if (this.targets === targets && this.canUndo) {
+      this.targets = this.#past.pop();
+    }
+  }
+
+  #made() {
+    do {
+      this.#ids += 1;
+    } while (this.targets.some((one) => nameOf(one) === `target${this.#ids}`));
+    return { id: this.#ids, name: "", color: colorOf(this.#ids), locks: [] };
+  }
+
+  #replace(targets) {
+    this.#past.push(this.targets);
+    this.#past = this.#past.slice(-MOST_UNDONE);
+    this.#future = [];
+    this.targets = targets;
+  }
+
+  #move(from, to) {
+    if (from.length > 0) {
+      to.push(this.targets);
+      this.targets = from.pop();
+      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
+    }
+  }
+}
+
+const colorOf = (id) => COLORS[(id - 1) % COLORS.length];

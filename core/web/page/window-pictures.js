@@ -1,0 +1,71 @@
+// The pictures of frames: loads those that are wanted, a few at a time, and keeps the last ones.
+
+const MOST_UNDER_WAY = 2;
+const MOST_BYTES = 96 << 20;
+
+export class Pictures {
+  #load;
+  #came;
+  #failed;
+  #kept = new Map(); // by number, the one that came first at first
+  #bytes = 0;
+  #wanted = [];
+  #underWay = new Set();
+
+  /** `load(number)` gives a bitmap or an image; `came(number)` and `failed(number, error)` are told. */
+  constructor(load, came, failed) {
+    [this.#load, this.#came, this.#failed] = [load, came, failed];
+  }
+
+  /** Loads these frames, in this order, and none of those that were wanted before. */
+  want(numbers) {
+    this.#wanted = numbers;
+    this.#next();
+  }
+
+  /** The picture of a frame, if it is here. */
+  get(number) {
+    return this.#kept.get(number);
+  }
+
+  #next() {
+    while (this.#underWay.size < MOST_UNDER_WAY) {
+      const number = this.#wanted.find((one) => !this.#kept.has(one) && !this.#underWay.has(one));
+      if (number === undefined) {
+        return;
+      }
+      this.#fetch(number);
+    }
+  }
+
+  async #fetch(number) {
+    this.#underWay.add(number);
+    try {
+      this.#keep(number, await this.#load(number));
+      this.#came(number);
+    } catch (error) {
+      this.#wanted = this.#wanted.filter((one) => one !== number);
+      this.#failed(number, error);
+    } finally {
+      this.#underWay.delete(number);
+      this.#next();
+    }
+  }
+
+  #keep(number, picture) {
+    this.#kept.set(number, picture);
+    this.#bytes += bytesOf(picture);
+    for (const [other, old] of this.#kept) {
+      if (this.#bytes <= MOST_BYTES) {
+        return;
+      }
+      if (other !== number && !this.#wanted.includes(other)) {
+        this.#kept.delete(other);
+        old.close?.();
+        this.#bytes -= bytesOf(old);
+      }
+    }
+  }
+}
+
+const bytesOf = ({ width, height }) => 4 * width * height;

@@ -1,0 +1,598 @@
+// The window: shows frames of host-sim with the boxes of the targets, and takes what the user draws on them. Behind it is
+// `host-sim view`, or, on the page of `host-sim frame`, frames in the page itself.
+
+import { Answers } from "./answers.js";
+import { Connection } from "./connection.js";
+import { byId, htmlNode, inView } from "./dom.js";
+import { Drag, gripOf } from "./drag.js";
+import { Edits, lockIn, nameOf } from "./edits.js";
+import { Embedded } from "./embedded.js";
+import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
+import { Figures } from "./figures.js";
+import { FRAMES, Graph } from "./graph.js";
+import { drawList } from "./list.js";
+import { METHODS, TITLES } from "./methods.js";
+import { Timeline } from "./timeline.js";
+import { drawCommands, drawFiles, drawMade } from "./window-files.js";
+import { Pictures } from "./window-pictures.js";
+import { drawWindow } from "./window-stage.js";
+
+const READINGS_MS = 80;
+const EVENTS_MS = 400;
+const AHEAD = 12; // pictures that are loaded before they are played
+const USUAL_RATE = 25; // frames a second, where the source does not say
+const NEW_COLOR = "#fff";
+const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
+
+const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
+const connection = byId("data") === null ? new Connection() : new Embedded();
+const edits = new Edits();
+const answers = new Answers();
+const pictures = new Pictures((number) => connection.picture(number), came, (number, error) => number === frame && say(error.message));
+const view = { x: 0, y: 0, zoom: 1 };
+const happened = new Map(); // events by the id of a target
+let source; // see PROTOCOL of `host-sim view`
+let kind; // recording, live or embedded
+let [first, last] = [1, 1];
+let frame = null; // the number of the frame that is wanted
+let shown = null; // of the frame that is on the screen
+let followed = null; // the last frame that all targets have answers for
+let news = {};
+let proposed = null; // a box that is being drawn
+let pulled = null; // what it is pulled by
+let playing = null; // since when, and from which frame
+let sending = Promise.resolve();
+let hasEnded = false;
+let [drawing, reading] = [null, null];
+let timeline, graph, figures, drag, seesCurves;
+
+function say(text) {
+  byId("said").textContent = text;
+  byId("said").hidden = text === "";
+}
+
+// ---- frames
+
+const size = () => (shown === null ? null : { width: source.width, height: source.height });
+const timeOf = (number) => source.times?.[number - source.first] ?? (source.rate ? (number - source.first) / source.rate : null);
+
+function goTo(number) {
+  frame = connection.step(clamp(number, first, last), 0);
+  const ahead = Array.from({ length: playing === null ? 1 : AHEAD }, (_, by) => connection.step(frame, by + 1)).filter((one) => one <= last);
+  pictures.want([...new Set([frame, ...ahead, ...(shown === null ? [] : [shown])])]);
+  if (pictures.get(frame) !== undefined) {
+    show(frame);
+  }
+}
+
+// While the user drags the slider, a picture on the way is better than an old one.
+function came(number) {
+  if (number === frame || shown === null || Math.abs(number - frame) < Math.abs(shown - frame)) {
+    show(number);
+  }
+}
+
+// The picture waits while a box is drawn on it.
+function show(number) {
+  if (proposed === null) {
+    shown = number;
+    draw();
+  }
+}
+
+/** The user goes somewhere: a live picture does not go on by itself then. */
+function visit(number) {
+  play(false);
+  goTo(number);
+  writeAddress();
+}
+
+function visitEvent(way) {
+  const frames = allEvents().map((event) => event.frame);
+  const next = way > 0 ? frames.find((one) => one > frame) : frames.findLast((one) => one < frame);
+  if (next !== undefined) {
+    visit(next);
+  }
+}
+
+function play(on) {
+  if (kind === "live") {
+    byId("newest").checked = on;
+  } else if (on && playing === null && kind === "recording") {
+    playing = restarted(frame >= last ? first : frame);
+    goTo(playing.frame);
+    requestAnimationFrame(tick);
+  } else if (!on) {
+    playing = null;
+  }
+  draw();
+}
+
+const restarted = (from) => ({ since: performance.now(), frame: from });
+const duration = (from, to) => (timeOf(to) === null ? (to - from) / USUAL_RATE : timeOf(to) - timeOf(from));
+
+// Shows each frame when its time has come. If its picture has not, it plays more slowly: no frame is left out for that.
+function tick(now) {
+  if (playing === null) {
+    return;
+  }
+  requestAnimationFrame(tick);
+  const isDue = () => now >= playing.since + (1000 * duration(playing.frame, frame + 1)) / Number(byId("speed").value);
+  while (proposed === null && frame < last && isDue() && pictures.get(frame + 1) !== undefined) {
+    goTo(frame + 1);
+  }
+  if (proposed !== null || (frame < last && isDue())) {
+    playing = restarted(frame);
+  } else if (frame >= last) {
+    play(false);
+  }
+}
+
+// ---- what the user draws
+
+// Where the target is, or the middle.
+function startBox() {
+  const { width, height } = source;
+  const box = boxOf(edits.chosen)?.box ?? { x: width * 0.375, y: height * 0.375, width: width / 4, height: height / 4 };
+  return whole(box);
+}
+
+function whole({ x, y, width, height }) {
+  return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
+}
+
+// At least as large as a tracker takes, and inside.
+function fitted(box) {
+  const [leastWidth, leastHeight] = source.least ?? [1, 1];
+  const [width, height] = [Math.max(box.width, leastWidth), Math.max(box.height, leastHeight)];
+  return { x: clamp(box.x, 0, Math.max(source.width - width, 0)), y: clamp(box.y, 0, Math.max(source.height - height, 0)), width, height };
+}
+
+function lock(box, grip) {
+  if (box.width * box.height === 0) {
+    say("The box has no pixels: drag from one corner to the other.");
+    return;
+  }
+  say("");
+  edits.lock(shown, fitted(box), grip === null ? edits.chosen : targetOf(grip.id));
+  changed();
+  if (grip === null && kind === "recording" && byId("plays").checked) {
+    // The box is not proposed any more when the frame goes on.
+    queueMicrotask(() => play(true));
+  }
+}
+
+const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
+
+// Only boxes that were drawn are moved: over one that a tracker found, a better one can be drawn.
+function gripAt(point, reach) {
+  const chosen = edits.chosen;
+  for (const target of [...(chosen === null ? [] : [chosen]), ...edits.targets]) {
+    const box = lockIn(target, shown)?.box;
+    const held = box && gripOf(box, point, target === chosen ? reach : 0);
+    if (held) {
+      return { box, held, id: target.id };
+    }
+  }
+  return null;
+}
+
+function clicked(point) {
+  const target = edits.targets.find((one) => boxOf(one) !== null && gripOf(boxOf(one).box, point, 0) !== null);
+  if (target !== undefined) {
+    choose(target);
+  }
+}
+
+function choose(target) {
+  edits.choose(target);
+  draw();
+}
+
+// Each change is sent as all that is wanted now. What host-sim refuses is taken back.
+async function changed() {
+  const { targets } = edits;
+  answers.keep(targets.map(({ id }) => id));
+  draw();
+  if (!connection.follows) {
+    return;
+  }
+  sending = sending.catch(() => {}).then(() => connection.targets(targets));
+  try {
+    await sending;
+  } catch (error) {
+    edits.takeBack(targets);
+    say(error.message);
+    draw();
+  }
+}
+
+function rename(target, text) {
+  const refused = edits.rename(target, text);
+  refused === null ? changed() : say(refused);
+}
+
+function unlock() {
+  if (lockIn(edits.chosen, shown) !== undefined) {
+    edits.unlock(edits.chosen, shown);
+    changed();
+  }
+}
+
+function undo(isRedo) {
+  if (isRedo ? edits.canRedo : edits.canUndo) {
+    isRedo ? edits.redo() : edits.undo();
+    changed();
+  }
+}
+
+// ---- what host-sim tells
+
+function heard(told) {
+  news = { ...told, live: told.live ?? news.live };
+  answers.clear(told.clear ?? []);
+  answers.take(told.rows);
+  followed = told.followed > 0 ? source.first + told.followed - 1 : null;
+  Object.assign(source, { frames: told.frames ?? source.frames, times: told.times ?? source.times });
+  if (told.targets !== undefined) {
+    edits.load(told.targets);
+  }
+  if (told.said !== undefined) {
+    say(told.said);
+  }
+  if (told.export !== undefined) {
+    drawMade(byId("made"), told.export);
+  }
+  measure();
+  draw();
+}
+
+// From where to where frames can be reached.
+function measure() {
+  if (kind !== "live") {
+    [first, last] = [source.first, source.last ?? (source.frames === null ? Math.max(followed ?? 0, frame ?? 0, source.first) : source.first + source.frames - 1)];
+  } else if (news.live) {
+    [first, last] = [news.live.oldest, news.live.newest];
+    answers.forget(first);
+    if (byId("newest").checked) {
+      goTo(last);
+    }
+  }
+}
+
+function gone() {
+  hasEnded = true;
+  play(false);
+  say("host-sim has ended: what was drawn is in the command line below. Start it again to go on.");
+  draw();
+}
+
+// ---- what is drawn
+
+// The box of a target in the frame that is shown: its lock, else its answer. Without a tracker, that of another frame.
+function boxOf(target) {
+  const answer = target && answers.at(target.id, shown);
+  const box = target && (lockIn(target, shown)?.box ?? answer?.box);
+  if (box) {
+    return { box, state: answer?.state ?? "tracking" };
+  }
+  if (!target || connection.follows) {
+    return null;
+  }
+  const near = target.locks.findLast(({ number }) => number <= shown) ?? target.locks[0];
+  return { box: near.box, state: `frame ${near.number}`, isLast: true };
+}
+
+function drawn(target) {
+  const found = boxOf(target);
+  const isChosen = target === edits.chosen;
+  // The box that is pulled is drawn where it is pulled to.
+  if (found === null || (proposed !== null && pulled?.id === target.id)) {
+    return [];
+  }
+  const { box, state, isLast = state === "lost" } = found;
+  const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
+  return [{ box, color: target.color, words, isChosen, isLast, hasHandles: isChosen && lockIn(target, shown) !== undefined }];
+}
+
+const seen = () => ({ x: view.x, y: view.y, width: source.width / view.zoom, height: source.height / view.zoom });
+
+function moveView(x, y) {
+  const { width, height } = seen();
+  [view.x, view.y] = [clamp(x, 0, source.width - width), clamp(y, 0, source.height - height)];
+}
+
+function centre({ x, y, width, height }) {
+  moveView(x + width / 2 - seen().width / 2, y + height / 2 - seen().height / 2);
+}
+
+// What is followed or moved by keys stays in view.
+function follow() {
+  const box = proposed ?? boxOf(edits.chosen)?.box;
+  if (view.zoom > 1 && box && !drag.isPointing) {
+    const { x, y, width, height } = seen();
+    const [across, down] = [box.x + box.width / 2, box.y + box.height / 2];
+    if (across < x || across > x + width || down < y || down > y + height) {
+      centre(box);
+    }
+  }
+}
+
+// Draws once for each picture of the screen, however much has changed. What is read is drawn less often.
+function draw() {
+  follow();
+  drawing ??= requestAnimationFrame(() => {
+    drawing = null;
+    if (pictures.get(shown) !== undefined) {
+      const inOrder = [...edits.targets].sort((one, other) => (one === edits.chosen) - (other === edits.chosen));
+      const color = (pulled === null ? edits.chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
+      drawWindow(byId("stage"), { picture: pictures.get(shown), size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
+    }
+  });
+  reading ??= setTimeout(() => {
+    reading = null;
+    drawReadings();
+  }, READINGS_MS);
+}
+
+// The events of a target. Of an hour they take a while, so they are not found anew for each answer.
+function events(target) {
+  const { id, locks } = target;
+  const version = answers.version(id);
+  const known = happened.get(id);
+  if (known !== undefined && known.version === version && known.locks === locks) {
+    return known.events;
+  }
+  if (known !== undefined && known.locks === locks && performance.now() - known.at < EVENTS_MS) {
+    setTimeout(draw, EVENTS_MS);
+    return known.events;
+  }
+  const found = { version, locks, events: eventsOf(answers.states(id), locks), at: performance.now() };
+  happened.set(id, found);
+  return found.events;
+}
+
+function allEvents() {
+  const isNamed = edits.targets.length > 1;
+  const all = edits.targets.flatMap((target) => events(target).map((event) => (isNamed ? { ...event, name: nameOf(target) } : event)));
+  return all.sort((one, other) => one.frame - other.frame);
+}
+
+function drawReadings() {
+  const { chosen } = edits;
+  drawTargets(chosen);
+  timeline.draw({
+    first, last, frame: shown ?? first, followed, timeOf,
+    strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
+    marks: chosen === null ? [] : events(chosen),
+  });
+  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
+  drawChosen(chosen);
+  drawControls(chosen);
+  drawCommands(byId("commands"), verbs(), source, edits.targets);
+}
+
+function drawTargets(chosen) {
+  const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
+  drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
+  edits.targets.forEach((target, at) => {
+    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "not followed here") : "");
+  });
+}
+
+// Of the tracker that follows, what app.js shows of both.
+function drawChosen(chosen) {
+  if (!connection.follows) {
+    return;
+  }
+  const on = Object.fromEntries(METHODS.map((method) => [method, method === source.method]));
+  const now = chosen === null ? undefined : answers.at(chosen.id, shown);
+  figures.draw({ now: { [source.method]: now ?? {} }, time: () => NaN }, on);
+  if (seesCurves() && shown !== null) {
+    const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
+    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end, shown);
+    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named: (number) => (timeOf(number) === null ? String(number) : clock(timeOf(number))) });
+  }
+}
+
+function drawControls(chosen) {
+  const isPlaying = kind === "live" ? byId("newest").checked : playing !== null;
+  write(byId("play"), isPlaying ? "❚❚" : "▶");
+  byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
+  const isHere = lockIn(chosen, shown) !== undefined;
+  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, add: chosen === null, stop: hasEnded };
+  Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
+  write(byId("place"), shown === null ? "" : placed(shown));
+  const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
+  write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
+  byId("lost").hidden = lost === undefined;
+  write(byId("load"), load());
+  byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
+}
+
+function placed(number) {
+  const of = kind === "live" || source.frames === null ? "" : ` of ${source.last ?? last}`;
+  return `frame ${number}${of}${timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`}`;
+}
+
+function said(chosen) {
+  const found = boxOf(chosen);
+  if (found === null) {
+    return edits.targets.length === 0 ? "no box yet" : "no box here";
+  }
+  const { x, y, width, height } = whole(found.box);
+  return `${nameOf(chosen)} ${found.state}: left ${x}, top ${y}, ${width} x ${height} pixels`;
+}
+
+function load() {
+  const { progress, live } = news;
+  const dropped = live && `${live.dropped === 0 ? "No frame was dropped" : `${live.dropped} frames were dropped: this machine was behind`}. The picture is ${Math.round(live.latency_ms)} ms old.`;
+  const following = progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
+  const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
+  return [dropped, following, hint].filter(Boolean).join(" ");
+}
+
+function write(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
+}
+
+const verbs = () => source.commands ?? { track: "", report: "-o report.html" };
+
+// ---- the address, which leads to a frame
+
+let writing = null;
+// Browsers refuse an address that changes too often.
+function writeAddress() {
+  writing ??= setTimeout(() => {
+    writing = null;
+    history.replaceState(null, "", `#frame=${frame}`);
+  }, 400);
+}
+
+// The frame that the address names; null if it names none.
+function addressed() {
+  const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+  return wanted > 0 ? wanted : null;
+}
+
+// ---- actions of the user
+
+const KEYS = {
+  ArrowLeft: ({ shiftKey }) => visit(connection.step(frame, shiftKey ? -10 : -1)),
+  ArrowRight: ({ shiftKey }) => visit(connection.step(frame, shiftKey ? 10 : 1)),
+  Home: () => visit(first),
+  End: () => visit(last),
+  "[": () => visitEvent(-1),
+  "]": () => visitEvent(1),
+  " ": () => play(kind === "live" ? !byId("newest").checked : playing === null),
+  Delete: unlock,
+  Backspace: unlock,
+};
+
+function pressed(event) {
+  const { key, target, ctrlKey, metaKey, altKey, shiftKey } = event;
+  const isTyping = target.matches("input[type=text], select, textarea");
+  // Radio buttons have arrows of their own, buttons and links the space.
+  const isOwn = key === " " ? target.matches("button, a, summary, input:not([type=range])") : target.matches("input[type=radio]");
+  if (event.defaultPrevented || isTyping || altKey) {
+    return;
+  }
+  if (ctrlKey || metaKey) {
+    const isRedo = key.toLowerCase() === "y" || shiftKey;
+    if (["z", "y"].includes(key.toLowerCase())) {
+      event.preventDefault();
+      undo(isRedo);
+    }
+  } else if (KEYS[key] !== undefined && !isOwn) {
+    event.preventDefault();
+    KEYS[key](event);
+  }
+}
+
+function listen() {
+  document.addEventListener("keydown", pressed);
+  byId("back").addEventListener("click", () => visit(connection.step(frame, -1)));
+  byId("on").addEventListener("click", () => visit(connection.step(frame, 1)));
+  byId("play").addEventListener("click", () => KEYS[" "]());
+  byId("newest").addEventListener("change", measure);
+  byId("speed").addEventListener("change", () => (playing = playing && restarted(frame)));
+  byId("zoom").addEventListener("change", zoom);
+  byId("stop").addEventListener("click", () => trying(connection.stop()));
+  byId("undo").addEventListener("click", () => undo(false));
+  byId("redo").addEventListener("click", () => undo(true));
+  byId("unlock").addEventListener("click", unlock);
+  byId("add").addEventListener("click", () => {
+    choose(null);
+    byId("stage").focus({ preventScroll: true });
+  });
+  byId("method").addEventListener("change", useMethod);
+  byId("firmware").addEventListener("toggle", async () => {
+    byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(connection.firmware()) : "";
+  });
+  byId("stage").addEventListener("wheel", (event) => {
+    if (view.zoom > 1) {
+      event.preventDefault();
+      const part = seen().width / byId("stage").clientWidth;
+      moveView(view.x + event.deltaX * part, view.y + event.deltaY * part);
+      draw();
+    }
+  });
+  addEventListener("hashchange", () => goTo(addressed() ?? frame));
+  new ResizeObserver(draw).observe(byId("stage"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+}
+
+function zoom() {
+  view.zoom = Number(byId("zoom").value);
+  centre(boxOf(edits.chosen)?.box ?? { x: 0, y: 0, width: source.width, height: source.height });
+  draw();
+}
+
+function useMethod() {
+  [source.method, source.options] = [byId("method").value, {}];
+  trying(connection.method(source.method, source.options));
+  draw();
+}
+
+async function trying(promise) {
+  try {
+    return await promise;
+  } catch (error) {
+    say(error.message);
+    return "";
+  }
+}
+
+async function make(what, options) {
+  byId("made").hidden = false;
+  byId("made").textContent = "The file is being made.";
+  if ((await trying(connection.make(what, options))) === "") {
+    byId("made").hidden = true;
+  }
+}
+
+function prepare() {
+  kind = connection.follows ? (source.live ? "live" : "recording") : "embedded";
+  document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = !node.dataset.in.split(" ").includes(kind)));
+  byId("play").hidden = kind === "embedded";
+  document.title = source.name;
+  byId("name").textContent = source.name;
+  byId("about").textContent = source.about ?? `${source.width}x${source.height} pixels.`;
+  byId("version").textContent = `host-sim ${source.version}`;
+  byId("stage").style.setProperty("--ratio", source.width / source.height);
+  timeline = new Timeline(byId("timeline"), { goTo: visit });
+  drag = new Drag(byId("stage"), {
+    size, start: startBox, view: seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
+    propose: (box, grip) => {
+      [proposed, pulled] = [box, grip];
+      draw();
+    },
+  });
+  edits.load(source.targets);
+  if (connection.follows) {
+    byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
+    byId("method").value = source.method;
+    graph = new Graph(byId("curves"));
+    figures = new Figures(byId("figures"), NOT_THERE);
+    seesCurves = inView(byId("curves"), draw);
+    drawFiles(byId("files"), source, make);
+  }
+}
+
+async function start() {
+  source = await connection.open();
+  prepare();
+  listen();
+  measure();
+  goTo(addressed() ?? source.shown ?? first);
+  if (connection.follows) {
+    await connection.listen(heard, gone);
+  }
+}
+
+start().catch((error) => {
+  document.body.classList.add("failed");
+  say(error.message);
+});

@@ -1,0 +1,120 @@
+// The parts of the window that need no browser: targets that are edited, answers of many frames, command lines.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Answers } from "../page/answers.js";
+import { gripOf } from "../page/drag.js";
+import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
+
+const BOX = { x: 1, y: 2, width: 30, height: 40 };
+const MOVED = { ...BOX, x: 5 };
+const numbers = ({ targets }) => targets.map(({ locks }) => locks.map(({ number }) => number));
+
+test("a box is a new target, a later one a correction, and each step is undone and done again", () => {
+  const edits = new Edits();
+  edits.lock(10, BOX);
+  edits.lock(40, BOX);
+  edits.lock(5, BOX);
+  assert.deepEqual(numbers(edits), [[5, 10, 40]]);
+  edits.lock(10, MOVED);
+  assert.deepEqual([numbers(edits), lockIn(edits.chosen, 10).box], [[[5, 10, 40]], MOVED]);
+  edits.undo();
+  assert.deepEqual(lockIn(edits.chosen, 10).box, BOX);
+  for (let count = 0; count < 3; count++) {
+    edits.undo();
+  }
+  assert.deepEqual([edits.targets, edits.chosen, edits.canUndo], [[], null, false]);
+  edits.undo();
+  edits.redo();
+  edits.redo();
+  assert.deepEqual(numbers(edits), [[10, 40]]);
+  edits.lock(7, BOX);
+  assert.equal(edits.canRedo, false, "after a new change there is nothing to do again");
+});
+
+test("the last box of a target takes the target with it, and its number is not used again", () => {
+  const edits = new Edits();
+  edits.lock(1, BOX);
+  edits.choose(null);
+  edits.lock(1, BOX);
+  assert.deepEqual([edits.targets.map(nameOf), nameOf(edits.chosen)], [["target1", "target2"], "target2"]);
+  assert.notEqual(edits.targets[0].color, edits.targets[1].color);
+  edits.unlock(edits.chosen, 1);
+  assert.deepEqual([edits.targets.length, nameOf(edits.chosen)], [1, "target1"]);
+  edits.choose(null);
+  edits.lock(3, BOX);
+  assert.equal(edits.chosen.id, 3);
+});
+
+test("names are what a shell takes, and none is given twice", () => {
+  assert.deepEqual(["red car's", "--x", " Bär ", "./"].map(plainName), ["red_car_s", "x", "Bär", "_"]);
+  const edits = new Edits();
+  edits.lock(1, BOX);
+  assert.equal(edits.rename(edits.chosen, "target2"), null);
+  edits.choose(null);
+  edits.lock(1, BOX);
+  assert.equal(nameOf(edits.chosen), "target3", "target2 is taken");
+  assert.match(edits.rename(edits.chosen, "target2"), /Another target is called target2/);
+  assert.deepEqual(edits.targets.map(nameOf), ["target2", "target3"]);
+});
+
+test("a change that is refused is taken back, unless there is a later one", () => {
+  const edits = new Edits();
+  edits.lock(1, BOX);
+  const refused = edits.targets;
+  edits.lock(2, BOX);
+  edits.takeBack(refused);
+  assert.deepEqual(numbers(edits), [[1, 2]]);
+  edits.takeBack(edits.targets);
+  assert.deepEqual([numbers(edits), edits.canRedo], [[[1]], false]);
+});
+
+test("targets of another page are taken as they are", () => {
+  const edits = new Edits();
+  edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }, { id: 7, name: "target7", locks: [{ number: 2, box: BOX }] }]);
+  assert.deepEqual([edits.canUndo, edits.chosen.id, edits.targets.map(({ name }) => name)], [false, 4, ["car", ""]]);
+  edits.choose(null);
+  edits.lock(1, BOX);
+  assert.equal(edits.chosen.id, 8);
+});
+
+const row = (id, number, state, confidence = 0.5) => [id, number, state, 1.25, 2, 30, 40, confidence, null, 0.25, 1, 12];
+
+test("answers are found by frame, replaced, cleared and forgotten", () => {
+  const answers = new Answers();
+  answers.take([row(1, 2000, "lost"), row(1, 5, "tracking", null), row(2, 9, "leaving")]);
+  assert.deepEqual([answers.state(1, 5), answers.state(1, 2000), answers.state(1, 6), answers.state(3, 5)], ["tracking", "lost", undefined, undefined]);
+  assert.deepEqual(answers.at(1, 5), {
+    number: 5, state: "tracking", box: { x: 1.25, y: 2, width: 30, height: 40 }, confidence: null, alpha: null, ratio: 65535 / 4, scale: 65536, work: 12,
+  });
+  const before = answers.version(1);
+  answers.take([row(1, 5, "uncertain")]);
+  assert.equal(answers.state(1, 5), "uncertain");
+  assert.ok(answers.version(1) > before);
+  answers.clear([[1, 6, 3000], [2, 1, 8], [9, 1, 2]]);
+  assert.deepEqual([answers.at(1, 2000), answers.state(1, 5), answers.state(2, 9)], [undefined, "uncertain", "leaving"]);
+  answers.take([row(1, 2000, "lost")]);
+  answers.forget(1990);
+  assert.deepEqual([[...answers.states(1)], answers.state(1, 5)], [[{ number: 2000, state: "lost" }], undefined]);
+  answers.take([row(2, 2001, "tracking")]);
+  answers.keep([2]);
+  assert.deepEqual([[...answers.states(1)], [...answers.states(2)].length], [[], 1]);
+});
+
+test("an hour of answers is kept, and its part is given to the curves", () => {
+  const answers = new Answers();
+  const all = 60 * 60 * 60;
+  answers.take(Array.from({ length: all }, (_, at) => row(1, at + 1, at === 99 ? "lost" : "tracking")));
+  assert.equal([...answers.states(1)].length, all);
+  const { last, row: named } = answers.around(1, 99, 102, 100);
+  assert.deepEqual([last("number"), last("state"), last("ratio")[0]], [[99, 100, 101, 102], [0, 3, 0, 0], 65535 / 4]);
+  assert.ok(last("runnerUpRatio").every(Number.isNaN));
+  assert.deepEqual([named().state, named().number], ["lost", 100]);
+  assert.deepEqual(answers.around(2, 1, 3, 2).last("number"), []);
+});
+
+test("a box is held by its edges, its corners and its inside, and a small one has an inside, too", () => {
+  const at = (x, y, box = { x: 10, y: 10, width: 40, height: 40 }) => gripOf(box, { x, y }, 5);
+  assert.deepEqual([at(7, 30), at(52, 48), at(30, 30), at(30, 12)], [[-1, 0], [1, 1], [0, 0], [0, -1]]);
+  assert.deepEqual([at(4, 30), at(14, 14, { x: 10, y: 10, width: 8, height: 8 })], [null, [0, 0]]);
+});

@@ -1,0 +1,404 @@
+//! What trackers answer, in the formats of host-sim, of toolkits and of tools for annotation.
+//!
+//! A text is [`Printer::head`], a [`Printer::line`] for each target in each frame, and [`Printer::foot`].
+
+mod coco;
+mod cvat;
+
+use anyhow::Result;
+use clap::ValueEnum;
+use serde::Serialize;
+use smr_core::{Quality, Rect};
+use smr_evaluation::{Evidence, Origin, Report, name_of};
+use smr_recordings::BoundingBox;
+use smr_recordings::boxes::Form;
+use std::path::Path;
+
+/// What a text holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// x1,y1,x2,y2; NaN,NaN,NaN,NaN if the target is lost, or in frames before its box
+    Tld,
+    /// x,y,width,height, the first pixel being 1; NaN,NaN,NaN,NaN if it is lost
+    Otb,
+    /// x,y,width,height; 0 if it is lost
+    Vot,
+    /// x,y,width,height; 0,0,0,0 if it is lost
+    Got10k,
+    /// MOTChallenge: frame,number of the target,x,y,width,height,confidence,-1,-1,-1, the first pixel being 1; no line if it is lost
+    Mot,
+    /// Names in the first line, then frame, time in seconds, box, state and the figures behind it; empty where there are none. With names of targets the
+    /// first column is the target. Frames before its box have no line
+    Csv,
+    /// One object for each frame, as --json
+    Json,
+    /// COCO, one JSON object: images, annotations (with score and track_id), categories
+    Coco,
+    /// CVAT XML 1.1 for video: a track for each target, with a key frame in each frame, and outside where it is lost
+    Cvat,
+}
+
+impl Format {
+    /// True if it says which target a box is of.
+    pub const fn has_names(self) -> bool {
+        matches!(self, Self::Csv | Self::Json | Self::Mot | Self::Coco | Self::Cvat)
+    }
+
+    /// That of a file of this name, if the extension tells.
+    pub fn of_file(file: &Path) -> Option<Self> {
+        match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "json" | "jsonl" => Some(Self::Json),
+            "xml" => Some(Self::Cvat),
+            _ => None,
+        }
+    }
+
+    /// True if times of frames are in it.
+    pub const fn has_times(self) -> bool {
+        matches!(self, Self::Csv | Self::Json)
+    }
+}
+
+/// What is known before the first frame.
+pub struct About {
+    /// Of the recording.
+    pub name: String,
+    pub origin: Origin,
+    /// Of each target; `None` if it is the only one, and was given none.
+    pub targets: Vec<Option<String>>,
+    /// The names of the pictures, the first of which is frame 1; empty of other recordings.
+    pub pictures: Vec<String>,
+}
+
+impl About {
+    /// The target's name, also where it has none.
+    fn label(&self, target: usize) -> &str {
+        self.targets.get(target).and_then(Option::as_deref).unwrap_or("target")
+    }
+}
+
+pub struct Answer<'a> {
+    /// Its place in [`About::targets`].
+    pub target: usize,
+    /// As the recording counts it.
+    pub frame: usize,
+    /// When it is shown, in seconds, if that is known.
+    pub time: Option<f64>,
+    /// Of the frame.
+    pub size: (u16, u16),
+    /// `None` before the target's first box.
+    pub report: Option<&'a Report>,
+    /// In a frame that the target was locked on.
+    pub quality: Option<Quality>,
+}
+
+pub struct Printer {
+    format: Format,
+    about: About,
+    coco: coco::Images,
+    cvat: cvat::Tracks,
+}
+
+impl Printer {
+    pub fn new(format: Format, about: About) -> Self {
+        let cvat = cvat::Tracks::new(about.targets.len());
+        Self { format, about, coco: coco::Images::default(), cvat }
+    }
+
+    /// What stands before the first line.
+    pub fn head(&self) -> String {
+        match self.format {
+            Format::Csv => format!("{}{CSV_NAMES}", if self.is_named() { "target," } else { "" }),
+            Format::Coco => coco::head(&self.about),
+            _ => String::new(),
+        }
+    }
+
+    /// Lines of CSV begin with the target's name.
+    fn is_named(&self) -> bool {
+        self.about.targets.iter().any(Option::is_some)
+    }
+
+    /// What is printed of an answer; nothing where the format has no line.
+    pub fn line(&mut self, answer: &Answer<'_>) -> Result<String> {
+        let form = match self.format {
+            Format::Tld => Form::Tld,
+            Format::Otb => Form::Otb,
+            Format::Vot => Form::Vot,
+            Format::Got10k if answer.report.is_none_or(|report| report.target.is_none()) => {
+                return Ok("0,0,0,0\n".to_owned());
+            }
+            Format::Got10k => Form::Vot,
+            Format::Mot => return Ok(mot(answer)),
+            Format::Csv => return Ok(self.csv(answer)),
+            Format::Json => return self.json(answer),
+            Format::Coco => return self.coco.annotation(answer),
+            Format::Cvat => {
+                self.cvat.add(answer);
+                return Ok(String::new());
+            }
+        };
+        Ok(form.line(answer.report.and_then(|report| report.target).as_ref()) + "\n")
+    }
+
+    /// What stands behind the last line.
+    pub fn foot(&self) -> Result<String> {
+        match self.format {
+            Format::Coco => self.coco.foot(&self.about),
+            Format::Cvat => Ok(self.cvat.text(&self.about)),
+            _ => Ok(String::new()),
+        }
+    }
+
+    fn csv(&self, answer: &Answer<'_>) -> String {
+        let name = if self.is_named() { format!("{},", self.about.label(answer.target)) } else { String::new() };
+        answer.report.map_or(String::new(), |report| format!("{name}{}\n", csv_line(answer.frame, answer.time, report)))
+    }
+
+    fn json(&self, answer: &Answer<'_>) -> Result<String> {
+        let &Answer { target, frame, time, report: Some(report), quality, .. } = answer else {
+            return Ok(String::new());
+        };
+        let evidence = report.evidence.as_ref();
+        let line = serde_json::to_string(&JsonLine {
+            origin: &self.about.origin,
+            target: self.about.targets[target].as_deref(),
+            frame,
+            time: time.map(rounded),
+            state: name_of(report.state),
+            bbox: report.bbox.map(Whole::from),
+            fine: report.target,
+            confidence: evidence.map(|evidence| rounded(evidence.confidence)),
+            ratio: evidence.map(|evidence| rounded(evidence.ratio)),
+            runner_up_ratio: evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
+            alpha: evidence.and_then(|evidence| evidence.alpha),
+            scale: evidence.map(|evidence| rounded(evidence.scale)),
+            found_again: evidence.map(|evidence| evidence.found_again),
+            work: report.work,
+            quality: quality.map(|quality| rounded(f64::from(quality.value()) / f64::from(u16::MAX))),
+        })?;
+        Ok(line + "\n")
+    }
+}
+
+const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+
+/// One frame as JSON. The boxes are null when the target is lost; what the method does not know is null, too.
+#[derive(Serialize)]
+struct JsonLine<'a> {
+    #[serde(flatten)]
+    origin: &'a Origin,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    target: Option<&'a str>,
+    /// As the recording counts it: the first is 1.
+    frame: usize,
+    /// In seconds.
+    time: Option<f64>,
+    state: &'static str,
+    /// In whole pixels.
+    #[serde(rename = "box")]
+    bbox: Option<Whole>,
+    /// In pixels and fractions of them.
+    fine: Option<BoundingBox>,
+    confidence: Option<f64>,
+    ratio: Option<f64>,
+    runner_up_ratio: Option<f64>,
+    alpha: Option<u16>,
+    scale: Option<f64>,
+    found_again: Option<bool>,
+    work: Option<u32>,
+    /// Of the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
+    quality: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Whole {
+    x: i32,
+    y: i32,
+    width: u16,
+    height: u16,
+}
+
+impl From<Rect> for Whole {
+    fn from(Rect { x, y, width, height }: Rect) -> Self {
+        Self { x, y, width, height }
+    }
+}
+
+/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, Data Format), and what is not known is -1.
+fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
+    let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
+    else {
+        return String::new();
+    };
+    let (number, confidence) = (target + 1, score(report));
+    format!("{frame},{number},{},{},{width},{height},{confidence},-1,-1,-1\n", x + 1.0, y + 1.0)
+}
+
+/// The confidence; a box that was given is certain.
+fn score(report: &Report) -> f64 {
+    report.confidence().map_or(1.0, rounded)
+}
+
+fn csv_line(frame: usize, time: Option<f64>, report: &Report) -> String {
+    let field = |value: Option<String>| value.unwrap_or_default();
+    let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
+    let evidence = report.evidence.as_ref();
+    let figure =
+        |figure: fn(&Evidence) -> Option<f64>| field(evidence.and_then(figure).map(|value| rounded(value).to_string()));
+    [
+        frame.to_string(),
+        field(time.map(|time| rounded(time).to_string())),
+        target.unwrap_or_else(|| ",,,".to_owned()),
+        name_of(report.state).to_owned(),
+        figure(|evidence| Some(evidence.confidence)),
+        figure(|evidence| Some(evidence.ratio)),
+        figure(|evidence| evidence.runner_up_ratio),
+        figure(|evidence| evidence.alpha.map(f64::from)),
+        figure(|evidence| Some(evidence.scale)),
+        field(report.work.map(|work| work.to_string())),
+    ]
+    .join(",")
+}
+
+/// To six digits: microseconds, and more than the 1/65535 that a ratio is made of needs.
+fn rounded(ratio: f64) -> f64 {
+    (ratio * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_core::{State, paper};
+    use smr_evaluation::{Configs, MethodKind, Variant};
+
+    fn printer(format: Format, method: MethodKind, targets: &[Option<&str>]) -> Printer {
+        let origin = Variant::new(method, &Configs::from(paper::Config::paper())).origin();
+        let targets = targets.iter().map(|name| name.map(str::to_owned)).collect();
+        Printer::new(format, About { name: "a & b".to_owned(), origin, targets, pictures: Vec::new() })
+    }
+
+    fn answer(target: usize, frame: usize, report: Option<&Report>) -> Answer<'_> {
+        Answer { target, frame, time: None, size: (320, 240), report, quality: None }
+    }
+
+    fn line(format: Format, method: MethodKind, report: &Report) -> String {
+        printer(format, method, &[None]).line(&answer(0, 7, Some(report))).unwrap()
+    }
+
+    /// What stands first in every line.
+    fn head(method: &str) -> String {
+        format!(
+            r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#,
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+
+    #[test]
+    fn a_found_target() {
+        let bbox = Rect::new(-2, 5, 10, 20);
+        let report = Report { state: State::Leaving, ..Report::locked(bbox) };
+        let text = |format| line(format, MethodKind::Sad, &report);
+        assert_eq!(text(Format::Tld), "-2,5,8,25\n");
+        assert_eq!(text(Format::Otb), "-1,6,10,20\n");
+        assert_eq!(text(Format::Vot), "-2,5,10,20\n");
+        let csv = text(Format::Csv);
+        assert_eq!(
+            (csv.as_str(), csv.matches(',').count()),
+            ("7,,-2,5,10,20,leaving,,,,,,\n", CSV_NAMES.matches(',').count())
+        );
+        let expected = r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"#;
+        let fine = r#""fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
+        let nothing = r#""confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"#;
+        let end = "\"found_again\":null,\"work\":null,\"quality\":null}\n";
+        assert_eq!(line(Format::Json, MethodKind::Sad, &report), [&head("sad"), expected, fine, nothing, end].concat());
+    }
+
+    #[test]
+    fn a_lost_target() {
+        let evidence = Evidence {
+            confidence: 0.0,
+            ratio: 2.0 / 3.0,
+            runner_up_ratio: Some(0.5),
+            alpha: Some(13),
+            scale: 1.0,
+            found_again: false,
+        };
+        let (state, evidence) = (State::Lost, Some(evidence));
+        let report = Report { target: None, bbox: None, state, evidence, work: Some(9) };
+        let text = |format| line(format, MethodKind::Smr, &report);
+        assert_eq!((text(Format::Got10k), text(Format::Mot)), ("0,0,0,0\n".to_owned(), String::new()));
+        assert_eq!(text(Format::Tld), "NaN,NaN,NaN,NaN\n");
+        assert_eq!(text(Format::Vot), "0\n");
+        assert_eq!(text(Format::Csv), "7,,,,,,lost,0,0.666667,0.5,13,1,9\n");
+        let expected = r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"#;
+        let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null}"#;
+        assert_eq!(line(Format::Json, MethodKind::Smr, &report), [&head("smr"), expected, rest, "\n"].concat());
+    }
+
+    #[test]
+    fn lines_of_several_targets_have_names() {
+        let report = Report::locked(Rect::new(1, 2, 3, 4));
+        let named = |format| printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
+        let of = Answer { time: Some(4.8), ..answer(1, 120, Some(&report)) };
+        assert_eq!(named(Format::Csv).head(), format!("target,{CSV_NAMES}"));
+        assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,\n");
+        assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
+        assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
+    }
+
+    #[test]
+    fn before_the_first_box_only_forms_with_a_line_a_frame_have_one() {
+        let of = |format| printer(format, MethodKind::Robust, &[None]).line(&answer(0, 1, None)).unwrap();
+        assert_eq!((of(Format::Tld), of(Format::Got10k)), ("NaN,NaN,NaN,NaN\n".to_owned(), "0,0,0,0\n".to_owned()));
+        for format in [Format::Csv, Format::Json, Format::Mot, Format::Coco, Format::Cvat] {
+            assert_eq!(of(format), "");
+        }
+    }
+
+    /// Three frames: `man` is there in the first and the last, `car` from the second on.
+    fn text(format: Format) -> String {
+        let mut printer = printer(format, MethodKind::Robust, &[Some("man"), Some("car")]);
+        let seen = Report::locked(Rect::new(1, 2, 30, 40));
+        let lost = Report { target: None, bbox: None, state: State::Lost, ..seen };
+        let mut text = printer.head();
+        for (frame, man, car) in [(1, seen, None), (2, lost, Some(&seen)), (3, seen, Some(&seen))] {
+            text += &printer.line(&answer(0, frame, Some(&man))).unwrap();
+            text += &printer.line(&answer(1, frame, car)).unwrap();
+        }
+        text + &printer.foot().unwrap()
+    }
+
+    #[test]
+    fn coco_is_one_object_with_ids_that_fit() {
+        let coco: serde_json::Value = serde_json::from_str(&text(Format::Coco)).unwrap();
+        assert_eq!(coco["categories"][1], serde_json::json!({"id": 2, "name": "car", "supercategory": ""}));
+        let image = serde_json::json!({"id": 3, "file_name": "frame_000002.png", "width": 320, "height": 240});
+        assert_eq!((coco["images"].as_array().unwrap().len(), &coco["images"][2]), (3, &image));
+        let of = |key: &str| -> Vec<u64> {
+            coco["annotations"].as_array().unwrap().iter().map(|annotation| annotation[key].as_u64().unwrap()).collect()
+        };
+        assert_eq!((of("id"), of("image_id")), (vec![1, 2, 3, 4], vec![1, 2, 3, 3]));
+        assert_eq!((of("category_id"), of("iscrowd")), (vec![1, 2, 1, 2], vec![0; 4]));
+        let last = &coco["annotations"][3];
+        assert_eq!(
+            (&last["bbox"], &last["area"]),
+            (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0))
+        );
+    }
+
+    #[test]
+    fn cvat_has_a_track_for_each_target_that_is_outside_while_it_is_lost() {
+        let cvat = text(Format::Cvat);
+        assert!(cvat.contains("<name>a &amp; b</name>") && cvat.contains("<size>3</size>"), "{cvat}");
+        let (man, car) = cvat.split_once(r#"<track id="1" label="car""#).unwrap();
+        let frames = |track: &str, outside: u8| {
+            let boxes = track.lines().filter(|line| line.contains(&format!(r#"outside="{outside}""#)));
+            boxes.map(|line| line.split('"').nth(1).unwrap().parse().unwrap()).collect::<Vec<u32>>()
+        };
+        assert_eq!((frames(man, 0), frames(man, 1)), (vec![0, 2], vec![1]), "{cvat}");
+        assert_eq!((frames(car, 0), frames(car, 1)), (vec![1, 2], vec![]), "{cvat}");
+        assert!(car.contains(r#"xtl="1.00" ytl="2.00" xbr="31.00" ybr="42.00""#), "{cvat}");
+    }
+}

@@ -1,0 +1,86 @@
+//! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0, and a box
+//! goes from its left and upper to its right and lower edge.
+
+use super::{About, Answer};
+use smr_recordings::BoundingBox;
+use std::fmt::Write;
+
+/// The boxes of each target.
+pub(super) struct Tracks {
+    tracks: Vec<Track>,
+    size: (u16, u16),
+    frames: usize,
+}
+
+#[derive(Clone, Default)]
+struct Track {
+    boxes: String,
+    /// Where it was seen last.
+    last: Option<BoundingBox>,
+    is_outside: bool,
+}
+
+impl Tracks {
+    pub fn new(targets: usize) -> Self {
+        Self { tracks: vec![Track::default(); targets], size: (0, 0), frames: 0 }
+    }
+
+    pub fn add(&mut self, answer: &Answer<'_>) {
+        (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
+        let Some(report) = answer.report else { return };
+        let track = &mut self.tracks[answer.target];
+        // Outside once: it stays so until the next box.
+        let is_outside = report.target.is_none();
+        let Some(seen) = report.target.or(track.last.filter(|_| !track.is_outside)) else { return };
+        (track.last, track.is_outside) = (Some(seen), is_outside);
+        let BoundingBox { x, y, width, height } = seen;
+        let (right, bottom) = (x + width, y + height);
+        let (frame, outside) = (answer.frame - 1, u8::from(is_outside));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            track.boxes,
+            r#"    <box frame="{frame}" keyframe="1" outside="{outside}" occluded="0" xtl="{x:.2}" ytl="{y:.2}" xbr="{right:.2}" ybr="{bottom:.2}" z_order="0"></box>"#
+        );
+    }
+
+    pub fn text(&self, about: &About) -> String {
+        let ((width, height), frames, name) = (self.size, self.frames, escaped(&about.name));
+        let labels: String = (0..self.tracks.len())
+            .map(|target| {
+                format!(
+                    "        <label><name>{}</name><attributes></attributes></label>\n",
+                    escaped(about.label(target))
+                )
+            })
+            .collect();
+        let mut text = format!(
+            r#"<?xml version="1.0" encoding="utf-8"?>
+<annotations>
+  <version>1.1</version>
+  <meta>
+    <task>
+      <name>{name}</name>
+      <size>{frames}</size>
+      <mode>interpolation</mode>
+      <start_frame>0</start_frame>
+      <stop_frame>{}</stop_frame>
+      <labels>
+{labels}      </labels>
+      <original_size><width>{width}</width><height>{height}</height></original_size>
+    </task>
+  </meta>
+"#,
+            frames.saturating_sub(1)
+        );
+        for (target, track) in self.tracks.iter().enumerate() {
+            let label = escaped(about.label(target));
+            text +=
+                &format!("  <track id=\"{target}\" label=\"{label}\" source=\"auto\">\n{}  </track>\n", track.boxes);
+        }
+        text + "</annotations>\n"
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,316 @@
+//! A camera as the source of a window: frames come when they come, and the last minutes are kept.
+//!
+//! Trackers get the newest frame. If they are busy when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a
+//! frame of the last seconds is followed from there on, through every frame, until it has caught up.
+
+use super::{Known, LiveState, Numbered, Source};
+use crate::encode;
+use anyhow::{Result, anyhow, bail};
+use smr_recordings::{ColorFrame, GrayFrame, Live, LiveFrame, messages};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The most bytes of gray frames: seven seconds of 640x480 at 30 frames a second.
+const MOST_GRAY: usize = 64 << 20;
+/// The most bytes of pictures: some minutes.
+const MOST_PICTURES: usize = 160 << 20;
+
+/// A frame that has come.
+struct Seen {
+    gray: GrayFrame,
+    /// Since the first one.
+    seconds: f64,
+    color: Color,
+}
+
+/// Makes the frame in color.
+type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
+
+type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
+
+/// The frames of `live`, and why it has ended.
+fn seen(mut live: Live) -> impl Iterator<Item = Result<Seen>> {
+    std::iter::from_fn(move || {
+        let Some(LiveFrame { seconds, planes, .. }) = live.next() else {
+            return live.ended.take().map(|said| Err(anyhow!(said)));
+        };
+        Some(Ok(Seen { gray: planes.gray(), seconds, color: Box::new(move || planes.color()) }))
+    })
+}
+
+/// A camera, read by a thread of its own.
+pub struct Camera(Arc<Shared>);
+
+struct Shared {
+    kept: Mutex<Kept>,
+    came: Condvar,
+}
+
+struct Kept {
+    /// Each with its time in seconds, and when it came.
+    gray: VecDeque<(Arc<GrayFrame>, f64, Instant)>,
+    gray_bytes: usize,
+    pictures: BTreeMap<usize, Arc<Vec<u8>>>,
+    picture_bytes: usize,
+    /// The number of the newest frame.
+    newest: usize,
+    dropped: usize,
+    latency_ms: f64,
+    begin: Instant,
+    /// It ended, with this error if it was not asked to.
+    ended: Option<String>,
+    stopped: bool,
+}
+
+impl Kept {
+    /// The number of the oldest gray frame that is kept.
+    fn oldest_gray(&self) -> usize {
+        self.newest + 1 - self.gray.len()
+    }
+
+    fn add(&mut self, gray: GrayFrame, seconds: f64) {
+        self.newest += 1;
+        self.gray_bytes += gray.pixels.len();
+        self.gray.push_back((Arc::new(gray), seconds, Instant::now()));
+        while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
+            self.gray_bytes -= self.gray.pop_front().map_or(0, |(gray, ..)| gray.pixels.len());
+        }
+    }
+
+    fn add_picture(&mut self, number: usize, picture: Vec<u8>) {
+        self.picture_bytes += picture.len();
+        self.pictures.insert(number, Arc::new(picture));
+        while self.picture_bytes > MOST_PICTURES && self.pictures.len() > 1 {
+            self.picture_bytes -= self.pictures.pop_first().map_or(0, |(_, picture)| picture.len());
+        }
+    }
+}
+
+impl Shared {
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
+        let mut said = None;
+        for frame in frames {
+            match frame {
+                Ok(Seen { gray, seconds, color }) => {
+                    let mut kept = self.kept();
+                    if kept.stopped {
+                        break;
+                    }
+                    kept.add(gray, seconds);
+                    let number = kept.newest;
+                    drop(kept);
+                    self.came.notify_all();
+                    // A picture that comes while another one is encoded is left out.
+                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, color)) {
+                        break;
+                    }
+                }
+                Err(error) => said = Some(messages::of(&error)),
+            }
+        }
+        self.kept().ended = Some(said.unwrap_or_else(|| "the source has ended".to_owned()));
+        self.came.notify_all();
+    }
+
+    fn encode(&self, pictures: &Receiver<(usize, Color)>) {
+        for (number, color) in pictures {
+            let small = encode::within(&color(), super::pictures::SIDE);
+            if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
+                self.kept().add_picture(number, picture);
+            }
+        }
+    }
+
+    /// Waits for the frame that trackers get next. `None` when there will be none.
+    fn next(&self, reader: &mut Reader) -> Option<Result<(usize, Option<f64>, GrayFrame)>> {
+        let mut kept = self.kept();
+        if let Some(arrived) = reader.arrived {
+            kept.latency_ms = 0.9 * kept.latency_ms + 0.1 * arrived.elapsed().as_secs_f64() * 1e3;
+        }
+        loop {
+            if kept.stopped {
+                return None;
+            }
+            if reader.next <= kept.newest {
+                break;
+            }
+            reader.has_caught_up = true;
+            if let Some(said) = &kept.ended {
+                let said = said.clone();
+                return reader.tell_end().then(|| Err(anyhow!("{said}")));
+            }
+            kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let earliest = if reader.has_caught_up { kept.newest } else { kept.oldest_gray() };
+        let number = reader.next.max(earliest);
+        kept.dropped += number - reader.next;
+        let (gray, seconds, arrived) = &kept.gray[number - kept.oldest_gray()];
+        (reader.next, reader.arrived) = (number + 1, Some(*arrived));
+        Some(Ok((number, Some(*seconds), GrayFrame::clone(gray))))
+    }
+}
+
+/// One pass of the trackers.
+struct Reader {
+    next: usize,
+    /// From then on only the newest frame counts.
+    has_caught_up: bool,
+    /// When the frame came that was answered last.
+    arrived: Option<Instant>,
+    has_told: bool,
+}
+
+impl Reader {
+    /// True the first time.
+    const fn tell_end(&mut self) -> bool {
+        !std::mem::replace(&mut self.has_told, true)
+    }
+}
+
+impl Camera {
+    /// Reads `live` from now on.
+    pub fn new(live: Live) -> Self {
+        Self::of(Box::new(seen(live)))
+    }
+
+    fn of(frames: Frames) -> Self {
+        let kept = Kept {
+            gray: VecDeque::new(),
+            gray_bytes: 0,
+            pictures: BTreeMap::new(),
+            picture_bytes: 0,
+            newest: 0,
+            dropped: 0,
+            latency_ms: 0.0,
+            begin: Instant::now(),
+            ended: None,
+            stopped: false,
+        };
+        let shared = Arc::new(Shared { kept: Mutex::new(kept), came: Condvar::new() });
+        let (sender, pictures) = sync_channel(1);
+        let (reader, encoder) = (Arc::clone(&shared), Arc::clone(&shared));
+        thread::spawn(move || reader.read(frames, &sender));
+        thread::spawn(move || encoder.encode(&pictures));
+        Self(shared)
+    }
+}
+
+impl Source for Camera {
+    fn known(&self) -> Known {
+        Known { frames: Some(self.0.kept().newest), times: Vec::new() }
+    }
+
+    fn gray_from(&self, number: usize) -> Result<Numbered> {
+        let kept = self.0.kept();
+        let oldest = kept.oldest_gray();
+        if number < oldest {
+            bail!("trackers can go back to frame {oldest} only: lock in a newer frame");
+        }
+        drop(kept);
+        let shared = Arc::clone(&self.0);
+        let mut reader = Reader { next: number, has_caught_up: false, arrived: None, has_told: false };
+        Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
+    }
+
+    /// Of a frame without a picture, the picture before it.
+    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
+        let kept = self.0.kept();
+        let nearest = kept.pictures.range(..=number).next_back();
+        nearest.filter(|_| number <= kept.newest).map(|(_, picture)| Arc::clone(picture))
+    }
+
+    fn live(&self) -> Option<LiveState> {
+        let kept = self.0.kept();
+        let seconds = kept.begin.elapsed().as_secs_f64();
+        #[allow(clippy::cast_precision_loss)] // far below 2^52
+        let rate = kept.newest as f64 / seconds.max(0.001);
+        Some(LiveState {
+            oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
+            newest: kept.newest,
+            dropped: kept.dropped,
+            latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
+            rate: (rate * 100.0).round() / 100.0,
+            has_ended: kept.ended.is_some() || kept.stopped,
+        })
+    }
+
+    fn stop(&self) {
+        self.0.kept().stopped = true;
+        self.0.came.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    fn frame(level: u8) -> Seen {
+        let gray = GrayFrame { width: 8, height: 8, pixels: vec![level; 64] };
+        let color = ColorFrame::from(&gray);
+        Seen { gray, seconds: f64::from(level), color: Box::new(|| color) }
+    }
+
+    fn wait_for(camera: &Camera, newest: usize) {
+        let begin = Instant::now();
+        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.is_empty() {
+            assert!(begin.elapsed() < Duration::from_secs(20));
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    #[test]
+    fn trackers_get_the_newest_frame_and_what_they_miss_is_counted() {
+        let (sender, frames) = channel();
+        let camera = Camera::of(Box::new(frames.into_iter()));
+        (1..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
+        wait_for(&camera, 3);
+        let mut seen = camera.gray_from(2).unwrap();
+        let mut next =
+            || seen.next().unwrap().map(|(number, seconds, gray)| (number, gray.pixels[0], seconds.unwrap()));
+        // A lock in an older frame is followed through all frames.
+        assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
+        sender.send(Ok(frame(4))).unwrap();
+        wait_for(&camera, 4);
+        assert_eq!(next().unwrap(), (4, 4, 4.0));
+        // It has caught up now, or does so with the next one.
+        let late = thread::spawn(move || {
+            thread::sleep(Duration::from_millis(50));
+            sender.send(Ok(frame(5))).unwrap();
+            sender
+        });
+        assert_eq!(next().unwrap(), (5, 5, 5.0));
+        let sender = late.join().unwrap();
+        (6..=9).for_each(|level| sender.send(Ok(frame(level))).unwrap());
+        wait_for(&camera, 9);
+        assert_eq!(next().unwrap(), (9, 9, 9.0));
+        assert_eq!(camera.live().unwrap().dropped, 3);
+        drop(sender);
+        assert_eq!(next().unwrap_err().to_string(), "the source has ended");
+        assert!(seen.next().is_none() && camera.live().unwrap().has_ended);
+        assert!(camera.picture(9).is_some() && camera.picture(10).is_none());
+    }
+
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let (sender, frames) = channel::<Result<_>>();
+        let camera = Camera::of(Box::new(frames.into_iter()));
+        let mut kept = camera.0.kept();
+        for number in 1..=20 {
+            kept.add(GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
+            kept.add_picture(number, vec![0; 20 << 20]);
+        }
+        assert_eq!((kept.gray.len(), kept.pictures.len()), (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
+        drop(kept);
+        let error = camera.gray_from(3).err().unwrap().to_string();
+        assert_eq!(error, "trackers can go back to frame 13 only: lock in a newer frame");
+        drop(sender);
+    }
+}

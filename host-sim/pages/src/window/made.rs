@@ -1,0 +1,127 @@
+//! What is made for the user to take away: host-sim itself makes it, by the command line that the page shows.
+
+use anyhow::{Context, Result, ensure};
+use serde::Serialize;
+use smr_recordings::cleanup::Process;
+use smr_recordings::messages;
+use smr_recordings::output::Exchange;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// A file to be made by a program.
+pub struct Job {
+    /// What the file is called when it is saved: letters, digits and `-_.` only.
+    pub name: String,
+    /// The words of the command line behind `host-sim`, given the file to write.
+    pub words: Box<dyn FnOnce(&Path) -> Vec<OsString> + Send>,
+    /// How many lines the program prints until it is done; 0 if it prints none.
+    pub lines: usize,
+}
+
+/// How far a file is.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Progress {
+    id: u32,
+    /// From 0 to 1; `None` where it is not known.
+    done: Option<f64>,
+    /// The name of the file, when it is there.
+    file: Option<String>,
+    error: Option<String>,
+}
+
+/// The most that is made at a time.
+const MOST: usize = 2;
+
+/// The files of a window. They are removed when the program ends.
+pub struct Made {
+    folder: Exchange,
+    progress: Mutex<BTreeMap<u32, Progress>>,
+}
+
+impl Made {
+    /// Errors: There is no place for temporary files.
+    pub fn new() -> Result<Self> {
+        Ok(Self { folder: Exchange::create()?, progress: Mutex::default() })
+    }
+
+    fn progress(&self) -> MutexGuard<'_, BTreeMap<u32, Progress>> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn of(&self, id: u32) -> Option<Progress> {
+        self.progress().get(&id).cloned()
+    }
+
+    /// The file, and what it is called.
+    pub(super) fn file(&self, id: u32) -> Option<(PathBuf, String)> {
+        let name = self.of(id)?.file?;
+        Some((self.place(id, &name), name))
+    }
+
+    /// The ending of the file tells what is written.
+    fn place(&self, id: u32, name: &str) -> PathBuf {
+        self.folder.path().join(format!("{id}-{name}"))
+    }
+
+    /// Begins to make a file. `tell` is called with its number when it got on.
+    /// Errors: Too much is being made already, or the program does not start.
+    pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
+        let Job { name, words, lines } = job;
+        let mut all = self.progress();
+        let running = all.values().filter(|one| one.file.is_none() && one.error.is_none()).count();
+        ensure!(running < MOST, "{running} files are being made already: wait until one is done");
+        let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
+        let place = self.place(id, &name);
+        let program = std::env::current_exe().context("cannot find host-sim itself")?;
+        let mut command = Command::new(program);
+        command.args(words(&place)).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let process = Process::start(&mut command).context("cannot start host-sim")?;
+        all.insert(id, Progress { id, done: (lines > 0).then_some(0.0), file: None, error: None });
+        drop(all);
+        let made = Arc::clone(self);
+        thread::spawn(move || {
+            let ended = made.watch(&process, id, lines, &tell);
+            if let Some(progress) = made.progress().get_mut(&id) {
+                match ended {
+                    Ok(()) => (progress.done, progress.file) = (Some(1.0), Some(name)),
+                    Err(error) => progress.error = Some(messages::of(&error)),
+                }
+            }
+            tell(id);
+        });
+        Ok(id)
+    }
+
+    /// Counts the lines that are printed until the program ends.
+    /// Errors: What it complains about, if it fails.
+    fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
+        let said = process.said();
+        let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);
+        for (count, _) in printed.enumerate() {
+            // A hundred steps are enough to look at.
+            if lines > 0 && count.is_multiple_of(lines.div_ceil(100)) {
+                #[allow(clippy::cast_precision_loss)] // far below 2^52
+                let done = (count as f64 / lines as f64).min(0.99);
+                if let Some(progress) = self.progress().get_mut(&id) {
+                    progress.done = Some(done);
+                }
+                tell(id);
+            }
+        }
+        let status = process.wait_while(|_| true)?.context("host-sim does not end")?;
+        let said = said.recv().unwrap_or_default();
+        ensure!(status.success(), "{}", said.trim().trim_start_matches("error: "));
+        Ok(())
+    }
+}
+
+/// A file that was made, as bytes.
+pub(super) fn bytes(file: &Path) -> Result<Vec<u8>> {
+    fs::read(file).with_context(|| format!("cannot read {}", file.display()))
+}

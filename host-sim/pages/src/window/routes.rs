@@ -1,0 +1,280 @@
+//! What is behind each address of the window: the page, its modules, frames, news, and what the user wishes.
+
+use super::following::{self, Followed, Row, Target};
+use super::made::{self, Job, Made};
+use super::news::Item;
+use super::server::{Reply, Request, Server};
+use super::{Known, Source};
+use crate::front_end;
+use anyhow::{Context, Result, anyhow, bail};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+use smr_evaluation::{Report, Variant, name_of};
+use smr_recordings::{BoundingBox, messages};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// How long a page waits for news before it asks again.
+const PATIENCE: Duration = Duration::from_secs(15);
+/// News are gathered for so long, so that a page is not told of each frame alone.
+const GATHERING: Duration = Duration::from_millis(40);
+
+/// What the command line does for a window.
+pub trait Wish: Send + Sync {
+    /// The trackers of a method with these options.
+    /// Errors: What the command line says of them.
+    fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
+
+    /// The boxes as a file: its name and its bytes.
+    fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)>;
+
+    /// What makes a video with boxes (`mp4`, ...), or the report (`html`).
+    fn made(&self, ending: &str, followed: &Followed) -> Result<Job>;
+
+    /// Settings for firmware, as text.
+    fn firmware(&self, variant: &Variant) -> String;
+}
+
+/// A window and what it shows.
+pub struct Window {
+    pub name: String,
+    /// Of the frames.
+    pub size: (u16, u16),
+    /// The source and its options, as they are typed.
+    pub words: String,
+    /// The formats of boxes and of videos.
+    pub formats: Vec<&'static str>,
+    pub films: Vec<&'static str>,
+    pub source: Arc<dyn Source>,
+    pub followed: Arc<Followed>,
+    pub made: Arc<Made>,
+    pub wish: Box<dyn Wish>,
+}
+
+#[derive(Deserialize)]
+struct Wanted {
+    method: String,
+    #[serde(default)]
+    options: Map<String, Value>,
+}
+
+impl Window {
+    /// Follows and answers the page until the program ends.
+    /// Errors: The server's.
+    pub fn serve(self, server: Server) -> Result<()> {
+        following::start(&self.followed, &self.source);
+        self.watch_source();
+        server.run(move |request| self.answered(&request))
+    }
+
+    /// Tells the page when more of the source is known.
+    fn watch_source(&self) {
+        let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
+        thread::spawn(move || {
+            let mut told = Known::default();
+            loop {
+                thread::sleep(Duration::from_millis(250));
+                let known = source.known();
+                if known != told || source.live().is_some() {
+                    followed.tell(Item::Frames);
+                    told = known;
+                }
+            }
+        });
+    }
+
+    fn answered(&self, request: &Request) -> Reply {
+        self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
+    }
+
+    fn routed(&self, Request { posts, path, query, body }: &Request) -> Result<Reply> {
+        let (first, rest) = path.split_once('/').unwrap_or((path, ""));
+        Ok(match (posts, first, rest) {
+            (false, "", "") => {
+                let script = "<script type=\"module\" src=\"page/window.js\"></script>";
+                Reply::new("text/html; charset=utf-8", front_end::window(script))
+            }
+            (false, "page", name) => match front_end::module(name) {
+                Some(text) => Reply::new("text/javascript; charset=utf-8", text),
+                None => Reply::error(404, "there is no such module"),
+            },
+            (false, "source", "") => json_reply(&self.told_source()),
+            (false, "news", "") => json_reply(&self.news(number(query, "since")?)),
+            (false, "frames", name) => self.picture(name),
+            (false, "boxes", "") => {
+                let format = value(query, "format").context("expected ?format=")?;
+                let (name, bytes) = self.wish.boxes(format, &self.followed, &self.known())?;
+                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
+            }
+            (false, "made", id) => {
+                let file = self.made.file(id.parse().context("expected a number")?);
+                let (place, name) = file.context("there is no such file, or it is not ready")?;
+                Reply { file: Some(name), ..Reply::new("application/octet-stream", made::bytes(&place)?) }
+            }
+            (false, "firmware", "") => {
+                Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
+            }
+            (true, "targets", "") => {
+                let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
+                self.check_live(&targets)?;
+                self.followed.set_targets(targets, self.known().frames)?;
+                json_reply(&json!({}))
+            }
+            (true, "method", "") => {
+                let Wanted { method, options } = serde_json::from_slice(body).context("this is no method")?;
+                self.followed.set_variant(self.wish.variant(&method, &options)?);
+                json_reply(&json!({}))
+            }
+            (true, "film", "") => {
+                let wanted: Value = serde_json::from_slice(body).context("expected { as }")?;
+                let ending = wanted["as"].as_str().context("expected { as }")?;
+                if !self.films.contains(&ending) {
+                    bail!("no video can be made as {ending:?}: expected one of {}", self.films.join(", "));
+                }
+                self.make(ending)?
+            }
+            (true, "report", "") => self.make("html")?,
+            (true, "stop", "") => {
+                self.source.stop();
+                self.followed.stop();
+                json_reply(&json!({}))
+            }
+            _ => Reply::error(404, "there is nothing here"),
+        })
+    }
+
+    fn known(&self) -> Known {
+        self.followed.known(self.source.as_ref())
+    }
+
+    /// Errors: A new lock in a frame that a camera's source does not keep any more.
+    fn check_live(&self, targets: &[Target]) -> Result<()> {
+        let Some(live) = self.source.live() else { return Ok(()) };
+        let before = self.followed.targets();
+        let is_new = |id, lock| !before.iter().any(|target| target.id == id && target.locks.contains(lock));
+        let locks = targets.iter().flat_map(|target| target.locks.iter().map(move |lock| (target.id, lock)));
+        match locks.filter(|(id, lock)| is_new(*id, lock)).map(|(_, lock)| lock.frame).min() {
+            Some(frame) => self
+                .source
+                .gray_from(frame)
+                .map(|_| ())
+                .map_err(|error| anyhow!("frame {frame} of {}: {error:#}", live.newest)),
+            None => Ok(()),
+        }
+    }
+
+    fn told_source(&self) -> Value {
+        let Known { frames, times } = self.known();
+        let variant = self.followed.variant();
+        let origin = serde_json::to_value(variant.origin()).unwrap_or_default();
+        json!({
+            "name": self.name,
+            "live": self.source.live().is_some(),
+            "rate": self.source.live().map(|live| live.rate),
+            "width": self.size.0,
+            "height": self.size.1,
+            "frames": frames,
+            "times": (!times.is_empty()).then_some(times),
+            "version": env!("CARGO_PKG_VERSION"),
+            "methods": ["robust", "smr"],
+            "method": variant.kind.name(),
+            "options": origin["options"],
+            "words": self.words,
+            "targets": self.followed.targets(),
+            "formats": self.formats,
+            "films": self.films,
+        })
+    }
+
+    fn news(&self, since: u64) -> Value {
+        let (mut items, mut position, mut rows) = self.followed.heard(since, PATIENCE);
+        if !items.is_empty() && items.len() < 100 {
+            thread::sleep(GATHERING);
+            (items, position, rows) = self.followed.heard(since, Duration::ZERO);
+        }
+        let (followed, at) = self.followed.reached();
+        let mut news = json!({
+            "position": position,
+            "rows": rows.iter().map(told_row).collect::<Vec<_>>(),
+            "followed": followed,
+            "progress": at.map(|(frame, rate)| json!({ "frame": frame, "rate": rate })),
+        });
+        let clear = |item: &Item| match *item {
+            // 2^53 and more are no whole numbers in JavaScript.
+            Item::Clear { target, from, to } => Some(json!([target, from, to.min(u32::MAX as usize)])),
+            _ => None,
+        };
+        let cleared: Vec<Value> = items.iter().filter_map(clear).collect();
+        if !cleared.is_empty() {
+            news["clear"] = cleared.into();
+        }
+        if items.contains(&Item::Frames) {
+            let Known { frames, times } = self.known();
+            news["frames"] = json!(frames);
+            if self.source.live().is_none() {
+                news["times"] = json!((!times.is_empty()).then_some(times));
+            }
+            news["live"] = json!(self.source.live());
+        }
+        for item in &items {
+            match item {
+                Item::Said(said) => news["said"] = json!(said),
+                Item::Made(id) => news["export"] = json!(self.made.of(*id)),
+                _ => {}
+            }
+        }
+        news
+    }
+
+    fn picture(&self, name: &str) -> Reply {
+        let number = name.strip_suffix(".jpg").and_then(|number| number.parse().ok());
+        match number.filter(|&number: &usize| number > 0).and_then(|number| self.source.picture(number)) {
+            Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
+            None => Reply::error(404, "there is no such frame, or it is not kept any more"),
+        }
+    }
+
+    fn make(&self, ending: &str) -> Result<Reply> {
+        let job = self.wish.made(ending, &self.followed)?;
+        let followed = Arc::clone(&self.followed);
+        let id = self.made.begin(job, move |id| followed.tell(Item::Made(id)))?;
+        Ok(json_reply(&json!({ "id": id })))
+    }
+}
+
+fn json_reply(value: &Value) -> Reply {
+    Reply::new("application/json", value.to_string())
+}
+
+/// A value of the query `a=1&b=2`.
+fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
+    query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
+}
+
+fn number(query: &str, name: &str) -> Result<u64> {
+    let text = value(query, name).with_context(|| format!("expected ?{name}=NUMBER"))?;
+    text.parse().with_context(|| format!("{name}={text}: expected a number"))
+}
+
+/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`
+fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row)) -> Value {
+    let Report { state, evidence, work, .. } = report;
+    let BoundingBox { x, y, width, height } = shown;
+    let figure = |value: f64| (value * 1e6).round() / 1e6;
+    json!([
+        target,
+        frame,
+        name_of(state),
+        x,
+        y,
+        width,
+        height,
+        evidence.map(|evidence| figure(evidence.confidence)),
+        evidence.and_then(|evidence| evidence.alpha),
+        evidence.map(|evidence| figure(evidence.ratio)),
+        evidence.map(|evidence| figure(evidence.scale)),
+        work,
+        time.map(figure),
+    ])
+}

@@ -1,0 +1,281 @@
+//! A server for one user on this machine: HTTP on the loopback address, for whoever has the token.
+//!
+//! Any web page that the user has open can send requests to a port of this machine. So a request is answered only if
+//!
+//! - its path begins with the token, 128 random bits that only the address printed by host-sim has;
+//! - its `Host` is this server (a page of another name that resolves to 127.0.0.1 has another);
+//! - its `Origin`, if it has one, is this server.
+//!
+//! Everything else gets an empty 403. Connections are limited in number, headers and bodies in size and time.
+
+use anyhow::{Context, Result};
+use http_body_util::{BodyExt, Full, Limited};
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{HOST, HeaderName, HeaderValue, ORIGIN};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper::{Method, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::convert::Infallible;
+use std::net::{Ipv4Addr, TcpListener};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// The most connections at a time: a browser opens six for a page. Those beyond are closed at once.
+const MOST_CONNECTIONS: usize = 256;
+/// How long a connection may take to send a header or a body.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// The most bytes of a body: a list of targets with thousands of corrections.
+const MOST_BYTES: usize = 1 << 20;
+
+/// What every reply says to the browser: nothing of it is kept, shown inside another page, or read by one.
+const HEADERS: [(&str, &str); 6] = [
+    ("cache-control", "no-store"),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cross-origin-opener-policy", "same-origin"),
+    (
+        "content-security-policy",
+        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; \
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+];
+
+/// What is asked for.
+pub(super) struct Request {
+    pub posts: bool,
+    /// Behind the token, without the slash: `frames/7.jpg`. Empty for the page.
+    pub path: String,
+    pub query: String,
+    pub body: Vec<u8>,
+}
+
+/// What is answered.
+pub(super) struct Reply {
+    pub status: u16,
+    /// The media type.
+    pub kind: &'static str,
+    pub body: Vec<u8>,
+    /// The name under which a browser saves it.
+    pub file: Option<String>,
+}
+
+impl Reply {
+    pub fn new(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
+        Self { status: 200, kind, body: body.into(), file: None }
+    }
+
+    /// An error in one line.
+    pub fn error(status: u16, said: &str) -> Self {
+        Self { status, ..Self::new("text/plain; charset=utf-8", said) }
+    }
+}
+
+/// Where the server listens. Dropped, it is not reached any more.
+pub struct Server {
+    listener: TcpListener,
+    port: u16,
+    token: String,
+}
+
+impl Server {
+    /// Takes a free port of the loopback address.
+    pub fn bind() -> Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("cannot listen on 127.0.0.1")?;
+        listener.set_nonblocking(true)?;
+        let port = listener.local_addr()?.port();
+        let mut token = [0; 16];
+        getrandom::fill(&mut token).map_err(|error| anyhow::anyhow!("the system gives no random numbers: {error}"))?;
+        Ok(Self { listener, port, token: token.iter().map(|byte| format!("{byte:02x}")).collect() })
+    }
+
+    /// The address of the page.
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}/{}/", self.port, self.token)
+    }
+
+    /// Answers requests until the program ends. `answer` runs on a thread of its own and may wait.
+    pub(super) fn run(self, answer: impl Fn(Request) -> Reply + Send + Sync + 'static) -> Result<()> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let door = Arc::new(Door { port: self.port, token: self.token, answer: Box::new(answer) });
+        runtime.block_on(async {
+            let listener = tokio::net::TcpListener::from_std(self.listener)?;
+            let open = Arc::new(AtomicUsize::new(0));
+            loop {
+                let Ok((stream, _)) = listener.accept().await else {
+                    // No file descriptor is free: some will be.
+                    tokio::time::sleep(Duration::from_millis(50)).await;
+                    continue;
+                };
+                if open.fetch_add(1, Ordering::SeqCst) >= MOST_CONNECTIONS {
+                    open.fetch_sub(1, Ordering::SeqCst);
+                    continue;
+                }
+                let (door, open) = (Arc::clone(&door), Arc::clone(&open));
+                tokio::spawn(async move {
+                    let service = service_fn(|request| {
+                        let door = Arc::clone(&door);
+                        async move { Ok::<_, Infallible>(door.answered(request).await) }
+                    });
+                    let mut server = http1::Builder::new();
+                    server.timer(TokioTimer::new()).header_read_timeout(PATIENCE).max_buf_size(1 << 16);
+                    // That a browser goes away is no error.
+                    let _ = server.serve_connection(TokioIo::new(stream), service).await;
+                    open.fetch_sub(1, Ordering::SeqCst);
+                });
+            }
+        })
+    }
+}
+
+type Answer = Box<dyn Fn(Request) -> Reply + Send + Sync>;
+
+/// Lets in those who have the token and come from this server's own page.
+struct Door {
+    port: u16,
+    token: String,
+    answer: Answer,
+}
+
+impl Door {
+    async fn answered(self: Arc<Self>, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
+        let Some(path) = self.entered(&request) else { return reply(Reply::error(403, "")) };
+        let posts = match *request.method() {
+            Method::GET => false,
+            Method::POST => true,
+            _ => return reply(Reply::error(405, "expected GET or POST")),
+        };
+        let query = request.uri().query().unwrap_or("").to_owned();
+        let read = Limited::new(request.into_body(), MOST_BYTES).collect();
+        let body = match tokio::time::timeout(PATIENCE, read).await {
+            Ok(Ok(body)) => body.to_bytes().to_vec(),
+            Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 1 MiB")),
+            Err(_) => return reply(Reply::error(408, "the request does not end")),
+        };
+        let request = Request { posts, path, query, body };
+        let done = tokio::task::spawn_blocking(move || (self.answer)(request)).await;
+        reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
+    }
+
+    /// The path behind the token; `None` of a request that is not let in.
+    fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
+        let path = request.uri().path().strip_prefix('/')?.strip_prefix(self.token.as_str())?.strip_prefix('/')?;
+        let header = |name| request.headers().get_all(name).iter().map(HeaderValue::as_bytes).collect::<Vec<_>>();
+        let names = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
+        let hosts = header(HOST);
+        let is_here = |host: &[u8]| names.iter().any(|name| name.as_bytes() == host);
+        let is_own = |origin: &&[u8]| origin.strip_prefix(b"http://").is_some_and(is_here);
+        (hosts.len() == 1 && is_here(hosts[0]) && header(ORIGIN).iter().all(is_own)).then(|| path.to_owned())
+    }
+}
+
+fn reply(Reply { status, kind, body, file }: Reply) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::from(body));
+    *response.status_mut() = StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+    let headers = response.headers_mut();
+    headers.insert("content-type", HeaderValue::from_static(kind));
+    for (name, value) in HEADERS {
+        headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
+    }
+    // Names are made of letters that need no quoting: see `Made::name`.
+    let disposition = file.and_then(|name| HeaderValue::from_str(&format!("attachment; filename=\"{name}\"")).ok());
+    if let Some(disposition) = disposition {
+        headers.insert("content-disposition", disposition);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Write};
+    use std::net::{SocketAddr, TcpStream};
+    use std::thread;
+
+    /// A server that answers with the path, and what it is reached by.
+    fn served() -> (SocketAddr, String) {
+        let server = Server::bind().unwrap();
+        let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());
+        thread::spawn(|| {
+            server.run(|request| Reply::new("text/plain", format!("[{}]{}", request.path, request.body.len())))
+        });
+        place
+    }
+
+    fn asked(address: SocketAddr, text: &str) -> String {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream.write_all(text.as_bytes()).unwrap();
+        let mut said = Vec::new();
+        // A server that has heard enough may close before all is read.
+        let _ = stream.read_to_end(&mut said);
+        String::from_utf8_lossy(&said).into_owned()
+    }
+
+    #[test]
+    fn who_has_no_token_or_comes_from_elsewhere_gets_nothing() {
+        let (address, token) = served();
+        let port = address.port();
+        let here = format!("127.0.0.1:{port}");
+        let get = |path: &str, host: &str, more: &str| {
+            asked(address, &format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}Connection: close\r\n\r\n"))
+        };
+        let good = format!("/{token}/frames/7.jpg");
+        let fine = get(&good, &here, "");
+        assert!(fine.starts_with("HTTP/1.1 200") && fine.ends_with("[frames/7.jpg]0"), "{fine}");
+        assert!(fine.contains("frame-ancestors 'none'") && fine.contains("cross-origin-resource-policy: same-origin"));
+        assert!(
+            get(&good, &format!("localhost:{port}"), &format!("Origin: http://{here}\r\n")).starts_with("HTTP/1.1 200")
+        );
+        let wrong = format!("/{}/frames/7.jpg", "0".repeat(32));
+        for (path, host, more) in [
+            (wrong.as_str(), here.as_str(), ""),
+            ("/", &here, ""),
+            ("/../../etc/passwd", &here, ""),
+            (&good[..20], &here, ""),
+            (&good, "evil.example", ""),
+            (&good, &format!("evil.example:{port}"), ""),
+            (&good, "127.0.0.1", ""),
+            (&good, &here, "Host: evil.example\r\n"),
+            (&good, &here, "Origin: http://evil.example\r\n"),
+            (&good, &here, "Origin: null\r\n"),
+            (&good, &here, &format!("Origin: https://{here}\r\n")),
+        ] {
+            let said = get(path, host, more);
+            let refused = said.starts_with("HTTP/1.1 403") || said.starts_with("HTTP/1.1 400");
+            assert!(refused && !said.contains("[frames"), "{path} {host} {more}: {said}");
+        }
+    }
+
+    #[test]
+    fn what_is_too_long_or_no_request_is_refused() {
+        let (address, token) = served();
+        let head =
+            format!("POST /{token}/targets HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n", address.port());
+        let body = |length: usize| format!("{head}Content-Length: {length}\r\n\r\n{}", "x".repeat(length));
+        assert!(asked(address, &body(MOST_BYTES)).ends_with(&format!("[targets]{MOST_BYTES}")));
+        assert!(asked(address, &body(MOST_BYTES + 1)).starts_with("HTTP/1.1 413"));
+        assert!(
+            asked(address, &head.replace("POST", "DELETE").replace("\r\nConn", "\r\n\r\nConn"))
+                .starts_with("HTTP/1.1 405")
+        );
+        assert!(asked(address, &format!("GET /{} HTTP/1.1\r\n\r\n", "x".repeat(1 << 17))).starts_with("HTTP/1.1 4"));
+        assert!(asked(address, "\0\x01\x02\r\n\r\n").starts_with("HTTP/1.1 400"));
+    }
+
+    #[test]
+    fn a_thousand_connections_do_not_keep_the_page_out_for_long() {
+        let (address, token) = served();
+        let idle: Vec<_> = (0..1000).filter_map(|_| TcpStream::connect(address).ok()).collect();
+        assert!(idle.len() > 500, "{}", idle.len());
+        let get = format!("GET /{token}/ HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", address.port());
+        // The idle ones are closed when their time for a header is over.
+        let begin = std::time::Instant::now();
+        while !asked(address, &get).starts_with("HTTP/1.1 200") {
+            assert!(begin.elapsed() < 3 * PATIENCE, "the page is kept out");
+            thread::sleep(Duration::from_millis(100));
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! What happens to targets, in words: when each is locked, corrected, lost and found.
+
+use smr_core::State;
+use smr_evaluation::{Report, name_of};
+
+/// What has been seen of each target.
+pub struct Events(Vec<Seen>);
+
+#[derive(Clone, Default)]
+struct Seen {
+    last: Option<State>,
+    /// How many frames it was in each of [`STATES`].
+    frames: [usize; STATES.len()],
+}
+
+const STATES: [State; 4] = [State::Tracking, State::Leaving, State::Uncertain, State::Lost];
+
+impl Events {
+    pub fn new(targets: usize) -> Self {
+        Self(vec![Seen::default(); targets])
+    }
+
+    /// What this answer is for the target at this place, if it is more than the one before: `lost at 0:12.4 (frame 311)`.
+    pub fn of(
+        &mut self,
+        target: usize,
+        locks: bool,
+        frame: usize,
+        time: Option<f64>,
+        report: &Report,
+    ) -> Option<String> {
+        let seen = &mut self.0[target];
+        let before = seen.last.replace(report.state);
+        for (count, state) in seen.frames.iter_mut().zip(STATES) {
+            *count += usize::from(report.state == state);
+        }
+        let what = match (before, report.state) {
+            (None, _) => "locked",
+            _ if locks => "corrected",
+            (Some(before), State::Lost) if before != State::Lost => "lost",
+            (Some(State::Lost), state) if state != State::Lost => "found",
+            _ => return None,
+        };
+        Some(format!("{what} at {}", place(frame, time)))
+    }
+
+    /// In how many frames a target was in which state.
+    pub fn sum(&self, target: usize) -> String {
+        let counts = self.0[target].frames.iter().zip(STATES).filter(|(count, _)| **count > 0);
+        counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// `0:12.4 (frame 311)`; without a time the frame alone.
+fn place(frame: usize, time: Option<f64>) -> String {
+    time.map_or_else(|| format!("frame {frame}"), |time| format!("{} (frame {frame})", clock(time)))
+}
+
+/// Minutes and seconds, with hours if there are any: `1:02:03.4`.
+fn clock(seconds: f64) -> String {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+    let tenths = (seconds * 10.0).round() as u64;
+    let (hours, minutes) = (tenths / 36_000, tenths / 600 % 60);
+    let rest = format!("{}.{}", tenths / 10 % 60, tenths % 10);
+    if hours > 0 { format!("{hours}:{minutes:02}:{rest:0>4}") } else { format!("{minutes}:{rest:0>4}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use smr_core::Rect;
+
+    #[test]
+    fn times_as_on_a_clock() {
+        assert_eq!([0.04, 12.35, 59.96, 3723.4].map(clock), ["0:00.0", "0:12.4", "1:00.0", "1:02:03.4"]);
+    }
+
+    #[test]
+    fn only_changes_are_told() {
+        let mut events = Events::new(1);
+        let seen = Report::locked(Rect::new(1, 2, 3, 4));
+        let lost = Report { target: None, bbox: None, state: State::Lost, ..seen };
+        let answers = [(true, seen), (false, seen), (false, lost), (false, lost), (false, seen), (true, seen)];
+        let told: Vec<String> = (1..)
+            .zip(answers)
+            .filter_map(|(frame, (locks, report))| events.of(0, locks, frame, Some(frame as f64), &report))
+            .collect();
+        let expected = ["locked at 0:01.0 (frame 1)", "lost at 0:03.0 (frame 3)", "found at 0:05.0 (frame 5)"];
+        assert_eq!(told, [&expected[..], &["corrected at 0:06.0 (frame 6)"]].concat());
+        assert_eq!(events.sum(0), "tracking 4, lost 2");
+    }
+}

@@ -1,0 +1,323 @@
+//! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
+
+use super::number::whole;
+use super::tracker_options::{Pair, TrackerOptions};
+use super::{Outcome, say};
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Parser, ValueEnum};
+use serde_json::{Map, Value};
+use smr_core::{Robust, robust};
+use smr_evaluation::{MethodKind, Variant};
+use smr_pages::export::boxes::{About, Answer, Format, Printer};
+use smr_pages::window::{Camera, Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
+use smr_recordings::output::complain;
+use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Seekable, Start, is_live, is_seekable};
+use std::ffi::OsString;
+use std::io::Write;
+use std::num::NonZeroU16;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+#[derive(Debug, clap::Args)]
+pub struct View {
+    /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
+    #[arg(value_name = "SEQ")]
+    source: PathBuf,
+    /// How targets are followed
+    #[arg(long, value_enum, default_value = "robust")]
+    method: MethodKind,
+    /// Print the address and leave the browser alone
+    #[arg(long)]
+    no_open: bool,
+    /// Print the address as a JSON object
+    #[arg(long)]
+    json: bool,
+    /// Boxes to begin with, as `track` takes them [default: the one beside the recording]
+    #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
+    init: Vec<Start>,
+    /// The size of the frames of raw dumps
+    #[arg(long, value_name = "WxH")]
+    size: Option<Pair>,
+    /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
+    #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
+    ffmpeg_timeout: Option<NonZeroU16>,
+    #[command(flatten)]
+    tracker: TrackerOptions,
+}
+
+/// What is shown.
+struct Opened {
+    name: String,
+    source: Arc<dyn Source>,
+    /// The names of the pictures, if it has any.
+    pictures: Vec<String>,
+    /// The box beside the recording.
+    beside: Option<smr_core::Rect>,
+}
+
+/// The formats of boxes that the page offers.
+const FORMATS: [&str; 9] = ["csv", "json", "tld", "otb", "vot", "got10k", "mot", "coco", "cvat"];
+const FILMS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
+
+impl View {
+    pub fn run(self) -> Result<Outcome> {
+        let variant = self.tracker.variant(self.method)?;
+        let Opened { name, source, pictures, beside } = self.open()?;
+        let targets = self.targets(beside)?;
+        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
+        let is_live = source.live().is_some();
+        let server = Server::bind()?;
+        let address = server.address();
+        let words = self.words();
+        let size = (first.width, first.height);
+        let window = Window {
+            name: name.clone(),
+            size,
+            words: shlex::try_join(words.iter().map(String::as_str))?,
+            formats: FORMATS.to_vec(),
+            films: if !is_live && has_ffmpeg() { FILMS.to_vec() } else { Vec::new() },
+            source,
+            followed: Arc::new(Followed::new(variant, targets)),
+            made: Arc::new(Made::new()?),
+            wish: Box::new(Desk { words, name, size, pictures, is_live }),
+        };
+        say(|out| match self.json {
+            true => writeln!(out, "{}", serde_json::json!({ "address": address })),
+            false => writeln!(out, "{address}\nCtrl+C ends it."),
+        })?;
+        if !self.no_open
+            && let Err(error) = open::that_detached(&address)
+        {
+            complain(&format!("note: no browser could be opened ({error}): open the address yourself"));
+        }
+        window.serve(server)?;
+        Ok(Outcome::Holds)
+    }
+
+    fn open(&self) -> Result<Opened> {
+        let path = &self.source;
+        let patience = self.ffmpeg_timeout.map(|seconds| Duration::from_secs(seconds.get().into()));
+        let is_stdin = path == Path::new("-");
+        if is_stdin || is_live(path) {
+            let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
+            let name = live.name.clone();
+            return Ok(Opened { name, source: Arc::new(Camera::new(live)), pictures: Vec::new(), beside: None });
+        }
+        ensure!(
+            is_seekable(path) || !path.exists(),
+            "{}: it can be read only once: expected a file, a folder or a camera",
+            path.display()
+        );
+        let size = self.size.map(|Pair(width, height)| (width, height));
+        let options = OpenOptions { size, ffmpeg_patience: patience, ..OpenOptions::default() };
+        let (recording, sequence) = Seekable::open(path, &options)?;
+        let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
+        let pictures = sequence.colors.picture_names();
+        Ok(Opened { name: sequence.name, source: Arc::new(Recorded::new(recording)), pictures, beside })
+    }
+
+    /// The targets that are given, or else the one beside the recording.
+    fn targets(&self, beside: Option<smr_core::Rect>) -> Result<Vec<Target>> {
+        let given = smr_recordings::Target::all(&self.init, 1)?;
+        let lock = |frame, rect: smr_core::Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
+        let target = |(id, target): (u32, smr_recordings::Target)| {
+            let locks = target.rects()?.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
+            Ok(Target { id, name: target.name.unwrap_or_else(|| "target".to_owned()), locks })
+        };
+        if given.is_empty() {
+            let beside = beside.map(|rect| Target { id: 1, name: "target".to_owned(), locks: vec![lock(1, rect)] });
+            return Ok(beside.into_iter().collect());
+        }
+        (1..).zip(given).map(target).collect()
+    }
+
+    /// The source and its options, as they are typed.
+    fn words(&self) -> Vec<String> {
+        let size = self.size.map(|size| ["--size".to_owned(), size.to_string()]);
+        let timeout = self.ffmpeg_timeout.map(|seconds| ["--ffmpeg-timeout".to_owned(), seconds.to_string()]);
+        let path = self.source.to_string_lossy().into_owned();
+        std::iter::once(path).chain(size.into_iter().chain(timeout).flatten()).collect()
+    }
+}
+
+fn has_ffmpeg() -> bool {
+    let quiet = std::process::Stdio::null;
+    let mut ffmpeg = std::process::Command::new("ffmpeg");
+    ffmpeg.arg("-version").stdin(quiet()).stdout(quiet()).stderr(quiet()).status().is_ok()
+}
+
+/// What this program does for the window.
+struct Desk {
+    words: Vec<String>,
+    name: String,
+    /// Of a frame.
+    size: (u16, u16),
+    pictures: Vec<String>,
+    is_live: bool,
+}
+
+/// The options of a method, as the page sends them.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[arg(long, value_enum)]
+    method: MethodKind,
+    #[command(flatten)]
+    tracker: TrackerOptions,
+}
+
+impl Wish for Desk {
+    fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
+        let words = ["--method", method].map(str::to_owned).into_iter().chain(typed(options));
+        let Line { method, tracker } = Line::try_parse_from(words).map_err(|error| {
+            let text = error.to_string();
+            anyhow::anyhow!("{}", text.lines().next().unwrap_or("").trim_start_matches("error: ").to_owned())
+        })?;
+        tracker.variant(method)
+    }
+
+    fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)> {
+        let Ok(format) = Format::from_str(format, true) else {
+            bail!("{format:?} is no format of boxes: expected one of {}", FORMATS.join(", "));
+        };
+        let targets = followed.rows();
+        ensure!(
+            targets.len() == 1 || format.has_names(),
+            "its lines have no names, and there are {} targets: expected csv, json, mot, coco or cvat",
+            targets.len()
+        );
+        let is_named = targets.len() > 1;
+        let about = About {
+            name: self.name.clone(),
+            origin: followed.variant().origin(),
+            targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
+            pictures: self.pictures.clone(),
+        };
+        let mut printer = Printer::new(format, about);
+        let mut text = printer.head();
+        let last = targets.iter().filter_map(|(_, rows)| rows.last()).map(|(frame, _)| *frame).max().unwrap_or(0);
+        let first = if self.is_live {
+            targets.iter().filter_map(|(_, rows)| rows.first()).map(|(frame, _)| *frame).min()
+        } else {
+            None
+        };
+        let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
+        for frame in first.unwrap_or(1)..=last {
+            for (target, rows) in left.iter_mut().enumerate() {
+                let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
+                let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
+                let report = row.map(|row| &row.report);
+                let quality = row.and_then(|row| row.quality);
+                text += &printer.line(&Answer { target, frame, time, size: self.size, report, quality })?;
+            }
+        }
+        text += &printer.foot()?;
+        let ending = match format {
+            Format::Json => "jsonl",
+            Format::Coco => "json",
+            Format::Cvat => "xml",
+            Format::Csv => "csv",
+            _ => "txt",
+        };
+        Ok((self.file(ending), text.into_bytes()))
+    }
+
+    fn made(&self, ending: &str, followed: &Followed) -> Result<Job> {
+        ensure!(!self.is_live, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
+        let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
+        ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
+        let lines = followed.rows().iter().map(|(_, rows)| rows.len()).sum();
+        let Variant { kind, options, .. } = followed.variant();
+        let is_report = ending == "html";
+        let mut words: Vec<OsString> = vec![if is_report { "report" } else { "track" }.into()];
+        words.extend(self.words.iter().map(OsString::from));
+        words.extend(inits(&targets).into_iter().flat_map(|init| ["--init".into(), init.into()]));
+        words.extend(["--method".into(), kind.name().into()]);
+        words.extend(typed(&options).map(OsString::from));
+        let (out, more): (&str, &[&str]) = if is_report { ("--out", &[]) } else { ("--video", &["--format", "csv"]) };
+        words.extend(more.iter().map(OsString::from));
+        let words = move |place: &Path| {
+            words.extend([out.into(), place.into()]);
+            words
+        };
+        Ok(Job { name: self.file(ending), words: Box::new(words), lines: if is_report { 0 } else { lines } })
+    }
+
+    fn firmware(&self, variant: &Variant) -> String {
+        match variant.kind {
+            MethodKind::Robust => robust_settings(&variant.configs.robust),
+            MethodKind::Smr => paper_settings(&variant.configs.paper),
+            _ => "Firmware has the methods robust and smr only.\n".to_owned(),
+        }
+    }
+}
+
+impl Desk {
+    /// A name that every system takes.
+    fn file(&self, ending: &str) -> String {
+        let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
+        let name: String = self.name.chars().map(plain).take(80).collect();
+        format!("{}.{ending}", if name.is_empty() { "boxes" } else { &name })
+    }
+}
+
+/// As they follow `--init`.
+fn inits(targets: &[Target]) -> Vec<String> {
+    let init = |target: &Target, Lock { frame, bbox: (x, y, width, height) }: &Lock| {
+        let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
+        let at = if *frame == 1 { String::new() } else { format!("@{frame}") };
+        format!("{name}{x},{y},{width},{height}{at}")
+    };
+    targets.iter().flat_map(|target| target.locks.iter().map(|lock| init(target, lock))).collect()
+}
+
+/// Options as they are typed.
+fn typed(options: &Map<String, Value>) -> impl Iterator<Item = String> {
+    let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let option = |(name, value): (&String, &Value)| {
+        let value = match value {
+            Value::Bool(true) => None,
+            Value::Array(all) => Some(all.iter().map(word).collect::<Vec<_>>().join(",")),
+            other => Some(word(other)),
+        };
+        std::iter::once(format!("--{name}")).chain(value).collect::<Vec<_>>()
+    };
+    options.iter().flat_map(option).collect::<Vec<_>>().into_iter()
+}
+
+fn robust_settings(config: &robust::Config) -> String {
+    let preset = if config.refiner { "refined" } else { "robust" };
+    let base = if config.refiner { robust::Config::refined() } else { robust::Config::robust() };
+    let mut changes = String::new();
+    let mut change = |name: &str, value: String| changes += &format!("    config.{name} = {value};\n");
+    if config.reach != base.reach {
+        change("reach", config.reach.to_string());
+    }
+    if config.size != base.size {
+        change("size", config.size.to_string());
+    }
+    if config.sweep != base.sweep {
+        change("sweep", config.sweep.to_string());
+    }
+    format!(
+        "Rust (smr-core{}):\n\n    let {}config = robust::Config::{preset}();\n{changes}\n\
+         It searches {} cells to each side; a cell grows with the target.\n\
+         Memory: a target takes {} bytes, and all targets share a workspace of {} bytes (on a 64-bit machine; less on 32 bits).\n",
+        if config.refiner { ", feature `refiner`" } else { "" },
+        if changes.is_empty() { "" } else { "mut " },
+        config.reach,
+        size_of::<Robust>(),
+        size_of::<robust::Workspace>(),
+    )
+}
+
+fn paper_settings(config: &smr_core::paper::Config) -> String {
+    let (x, y) = (config.window.x, config.window.y);
+    let span = 2 * u32::from(config.window_limit.x.max(config.window_limit.y)) + 1;
+    format!(
+        "Rust (smr-core):\n\n    let config = paper::Config::camera_within({});\n    // for a box of at most 64x64 pixels\n    \
+         let tracker = Tracker::<Paper<4096, {span}>>::new(config)?;\n\nThe window reaches {x} pixels to the sides and {y} up and down.\n",
+        config.window_limit.x.max(config.window_limit.y)
+    )
+}

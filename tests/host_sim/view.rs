@@ -1,0 +1,242 @@
+//! `view`: what the page gets from the server, and what is left when it ends.
+
+use crate::missing::{has_ffmpeg, skipped};
+use crate::program::{PROGRAM, host_sim, kill, utf8};
+use serde_json::{Value, json};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// A window without a browser.
+struct Window {
+    process: Child,
+    place: String,
+    token: String,
+    /// Where it may put temporary files.
+    folder: TempDir,
+}
+
+impl Window {
+    fn open(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new(PROGRAM);
+        command.arg("view").args(arguments).args(["--no-open", "--json"]).env("TMPDIR", folder.path());
+        let mut process = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let address: Value = serde_json::from_str(&line).unwrap();
+        let address = address["address"].as_str().unwrap().strip_prefix("http://").unwrap();
+        let (place, token) = address.trim_end_matches('/').split_once('/').unwrap();
+        Self { process, place: place.to_owned(), token: token.to_owned(), folder }
+    }
+
+    fn asked(&self, head: &str, body: &str) -> (u16, Vec<u8>) {
+        let mut stream = TcpStream::connect(&self.place).unwrap();
+        let length = body.len();
+        let rest = format!("Host: {}\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n{body}", self.place);
+        stream.write_all(format!("{head} HTTP/1.1\r\n{rest}").as_bytes()).unwrap();
+        let mut said = Vec::new();
+        stream.read_to_end(&mut said).unwrap();
+        let status = std::str::from_utf8(&said[9..12]).unwrap().parse().unwrap();
+        let end = said.windows(4).position(|four| four == b"\r\n\r\n").unwrap() + 4;
+        (status, said.split_off(end))
+    }
+
+    fn get(&self, path: &str) -> (u16, Vec<u8>) {
+        self.asked(&format!("GET /{}/{path}", self.token), "")
+    }
+
+    fn text(&self, path: &str) -> String {
+        let (status, body) = self.get(path);
+        let text = String::from_utf8(body).unwrap();
+        assert_eq!(status, 200, "{path}: {text}");
+        text
+    }
+
+    fn json(&self, path: &str) -> Value {
+        serde_json::from_str(&self.text(path)).unwrap()
+    }
+
+    fn post(&self, path: &str, body: &Value) -> (u16, String) {
+        let (status, body) = self.asked(&format!("POST /{}/{path}", self.token), &body.to_string());
+        (status, String::from_utf8(body).unwrap())
+    }
+
+    /// Hears news until one of them is wanted.
+    fn wait(&self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
+        let begin = Instant::now();
+        let mut position = 0;
+        loop {
+            let news = self.json(&format!("news?since={position}"));
+            if is_wanted(&news) {
+                return news;
+            }
+            position = news["position"].as_u64().unwrap();
+            assert!(begin.elapsed() < Duration::from_secs(120), "waited too long for {what}: {news}");
+        }
+    }
+
+    fn followed(&self) {
+        self.wait("the end", |news| news["progress"].is_null());
+    }
+
+    #[cfg(unix)]
+    fn interrupt(&mut self) -> Option<i32> {
+        assert!(kill("-INT", &self.process.id().to_string()));
+        self.process.wait().unwrap().code()
+    }
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn target(locks: &[(usize, [i32; 4])]) -> Value {
+    let locks: Vec<_> = locks.iter().map(|(frame, bbox)| json!({ "frame": frame, "box": bbox })).collect();
+    json!([{ "id": 7, "name": "car", "locks": locks }])
+}
+
+#[test]
+fn what_is_followed_in_the_window_is_what_track_answers() {
+    let window = Window::open(&["synthetic"]);
+    let source = window.json("source");
+    assert_eq!((&source["frames"], &source["width"], &source["live"]), (&json!(240), &json!(160), &json!(false)));
+    assert_eq!(source["targets"][0]["locks"], json!([{ "frame": 1, "box": [36, 24, 24, 28] }]));
+    window.followed();
+    assert_eq!(window.text("boxes?format=csv"), host_sim(&["track", "synthetic", "--format", "csv"]).out);
+    assert_eq!(window.text("boxes?format=json"), host_sim(&["track", "synthetic", "--json"]).out);
+    assert_eq!(
+        window.post("targets", &target(&[(2, [37, 24, 24, 28]), (60, [80, 40, 24, 28])])),
+        (200, "{}".to_owned())
+    );
+    window.followed();
+    let inits = ["track", "synthetic", "--init", "37,24,24,28@2", "--init", "80,40,24,28@60"];
+    let corrected = |more: &[&str]| host_sim(&[&inits, more].concat()).out;
+    assert_eq!(window.text("boxes?format=csv"), corrected(&["--format", "csv"]));
+    assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
+    window.followed();
+    let paper = corrected(&["--method", "smr", "--config", "camera", "--format", "csv"]);
+    assert_eq!(window.text("boxes?format=csv"), paper);
+    assert!(window.text("firmware").contains("camera_within"));
+}
+
+#[test]
+fn the_page_has_all_that_it_asks_for() {
+    let window = Window::open(&["periodic"]);
+    let page = window.text("");
+    assert!(page.contains("page/window.js") && !page.contains("{{") && !page.contains("http"), "{page}");
+    let mut left = vec!["window.js".to_owned()];
+    let mut seen = Vec::new();
+    while let Some(name) = left.pop() {
+        let text = window.text(&format!("page/{name}"));
+        let imports =
+            text.lines().filter_map(|line| Some(line.split_once("from \"./")?.1.split('"').next()?.to_owned()));
+        left.extend(imports.filter(|import| !seen.contains(import)));
+        seen.push(name);
+    }
+    assert!(seen.len() > 5);
+    let (status, picture) = window.get("frames/3.jpg");
+    assert!(status == 200 && picture.starts_with(&[0xFF, 0xD8]));
+    for wrong in
+        ["frames/0.jpg", "frames/999999.jpg", "frames/../source", "page/../window.js", "page/nothing.js", "etc/passwd"]
+    {
+        assert_eq!(window.get(wrong).0, 404, "{wrong}");
+    }
+    for wrong in ["boxes?format=exe", "boxes", "news", "news?since=x", "made/1", "made/x"] {
+        let (status, said) = window.get(wrong);
+        assert!(status == 400 && !said.is_empty() && !said.contains(&b'\n'), "{wrong}: {status}");
+    }
+    let empty = target(&[(1, [1, 1, 0, 5])]);
+    assert_eq!(window.post("targets", &empty), (400, "the box of car in frame 1 has no pixels".to_owned()));
+    assert_eq!(window.post("method", &json!({ "method": "other" })).0, 400);
+    assert_eq!(window.post("film", &json!({ "as": "exe" })).0, 400);
+}
+
+#[test]
+fn a_video_and_a_report_are_made_to_be_taken_away() {
+    let window = Window::open(&["synthetic"]);
+    window.followed();
+    let made = |path: &str, body: &Value| {
+        let (status, said) = window.post(path, body);
+        assert_eq!(status, 200, "{said}");
+        let id = serde_json::from_str::<Value>(&said).unwrap()["id"].clone();
+        let is_done = |news: &Value| news["export"]["id"] == id && !news["export"]["file"].is_null();
+        window.wait(path, is_done);
+        window.get(&format!("made/{id}")).1
+    };
+    let report = String::from_utf8(made("report", &json!({}))).unwrap();
+    assert!(report.contains("<html") && report.contains("36,24,24,28"));
+    if !has_ffmpeg("a_video_and_a_report_are_made_to_be_taken_away") {
+        return;
+    }
+    assert!(made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_left_when_it_is_ended() {
+    let mut window = Window::open(&["synthetic"]);
+    window.followed();
+    assert_eq!(window.post("report", &json!({})).0, 200);
+    assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 1);
+    assert_eq!(window.interrupt(), Some(130));
+    assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn what_cannot_be_viewed_is_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let (text, empty) = (folder.path().join("a.mp4"), folder.path().join("empty"));
+    fs::write(&text, "no video").unwrap();
+    fs::create_dir(&empty).unwrap();
+    host_sim(&["view", utf8(&empty), "--no-open"]).refuses(&[utf8(&empty), "holds no recording"]);
+    host_sim(&["view", "missing.mp4", "--no-open"]).refuses(&["missing.mp4"]);
+    host_sim(&["view", "synthetic", "--init", "1,2,3", "--no-open"]).refuses(&["--init"]);
+    host_sim(&["view", "synthetic", "--method", "smr", "--reach", "5"]).refuses(&["--reach", "robust"]);
+    if has_ffmpeg("what_cannot_be_viewed_is_said_in_one_line") {
+        host_sim(&["view", utf8(&text), "--no-open"]).refuses(&[utf8(&text)]);
+    }
+}
+
+/// Any frame of a long video, in memory that does not grow with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn any_frame_of_a_long_video_is_soon_there() {
+    let test = "any_frame_of_a_long_video_is_soon_there";
+    let folder = tempfile::tempdir().unwrap();
+    let (short, long) = (folder.path().join("short.mp4"), folder.path().join("long.mp4"));
+    let source = "testsrc2=size=320x240:rate=30:duration=20";
+    let made = |arguments: &[&str], file: &Path| {
+        let mut ffmpeg = Command::new("ffmpeg");
+        crate::missing::runs(ffmpeg.args(["-nostdin", "-v", "error"]).args(arguments).arg(file))
+    };
+    let is_made = made(&["-f", "lavfi", "-i", source, "-preset", "ultrafast"], &short)
+        && made(&["-stream_loop", "179", "-i", utf8(&short), "-c", "copy"], &long);
+    if !is_made {
+        return skipped(test, "no ffmpeg that writes mp4");
+    }
+    let window = Window::open(&[utf8(&long)]);
+    let known = window.wait("the index", |news| news["frames"].is_u64());
+    assert_eq!((&known["frames"], known["times"].as_array().unwrap().len()), (&json!(108_000), 108_000));
+    let mut times = Vec::new();
+    for number in [107_999, 3, 54_321, 90_000, 12_345, 70_007, 108_000, 1, 33_333, 99_000, 45_678] {
+        let begin = Instant::now();
+        let (status, picture) = window.get(&format!("frames/{number}.jpg"));
+        assert!(status == 200 && picture.starts_with(&[0xFF, 0xD8]), "{number}");
+        times.push(begin.elapsed());
+    }
+    times.sort();
+    // Half a second on an idle machine; tests share it.
+    assert!(times[times.len() / 2] < Duration::from_secs(2), "{times:?}");
+    let status = fs::read_to_string(format!("/proc/{}/status", window.process.id())).unwrap();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    let peak: u32 = peak.trim().trim_end_matches("kB").trim().parse().unwrap();
+    assert!(peak < 300 << 10, "{peak} KiB");
+}
