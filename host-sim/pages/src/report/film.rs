@@ -295,6 +295,18 @@ impl Film {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
+    /// The time of a frame, as in 0:12.4 and 1:02:03.4.
+    pub(super) fn clock(&self, index: usize) -> Option<String> {
+        let tenths = (self.times[index]?.max(0.0) * 10.0).round();
+        let (seconds, minutes) = (tenths / 10.0 % 60.0, (tenths / 600.0).floor());
+        let (minutes, hours) = (minutes % 60.0, (minutes / 60.0).floor());
+        Some(if hours > 0.0 {
+            format!("{hours}:{minutes:02}:{seconds:04.1}")
+        } else {
+            format!("{minutes}:{seconds:04.1}")
+        })
+    }
+
     pub(super) fn trajectory(&self, method: usize) -> Vec<Option<BoundingBox>> {
         self.moments.iter().map(|moment| moment.reports[method].target).collect()
     }
