@@ -168,11 +168,12 @@ fn every_method_has_its_rows_in_one_table() {
 }
 
 /// The keys of an answer, in their order.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "version",
     "method",
     "options",
     "frame",
+    "time",
     "state",
     "box",
     "fine",

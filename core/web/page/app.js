@@ -141,6 +141,7 @@ async function useCamera() {
 }
 
 async function useFile(file) {
+  say(`Opening ${file.name}.`);
   await trying(new Video(player.sink, byId("video"), file), "Drag a box over what is to be followed, then play.");
 }
 

@@ -1,151 +1,15 @@
 // The page in a real headless Chromium: what it answers equals what host-sim answers, and every bad start has one clear line.
-//
-// Needs what `.ci/web build` has built, a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); names what it skips. Pictures of the page go
-// to target/web.
 
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { Browser, hasBrowser } from "./browser.mjs";
-import { PACKAGE, PROJECT } from "./library.mjs";
-import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
-
-const HOST_SIM = process.env.SMR_HOST_SIM;
-const FRAMES = 100;
-const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
-// Frames come, or the page says why not.
-const STARTED = `document.getElementById("place").value !== "" || !document.getElementById("said").hidden`;
-const NUMBER = `Number(document.getElementById("place").value.split(" ")[1])`;
-const why = !hasBrowser() ? "no chromium" : !HOST_SIM ? "SMR_HOST_SIM does not name host-sim" : null;
-if (why !== null) {
-  console.log(`skipped: page: ${why}`);
-}
-
-let browser, folder;
-const address = pathToFileURL(join(PACKAGE, "smr.html")).href;
-const host = (...args) => spawnSync(HOST_SIM, args, { encoding: "utf8", maxBuffer: 1 << 28 });
-const lines = (text) => text.trim().split("\n");
-
-before(async () => {
-  if (why === null) {
-    folder = mkdtempSync(join(tmpdir(), "smr-page-"));
-    const built = spawnSync(process.execPath, [join(PROJECT, "core/web/page/build.mjs")], { encoding: "utf8" });
-    assert.equal(built.status, 0, built.stderr);
-    writeFileSync(join(folder, "camera.y4m"), y4m());
-    browser = new Browser([
-      "--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", `--use-file-for-fake-video-capture=${join(folder, "camera.y4m")}`,
-      "--autoplay-policy=no-user-gesture-required",
-    ]);
-  }
-});
-
-after(async () => {
-  await browser?.close();
-  if (folder !== undefined) {
-    rmSync(folder, { recursive: true });
-  }
-});
-
-// The built-in recording as a camera gives it, in the range of video.
-function y4m() {
-  const { width, height, length } = BUILT_IN;
-  const colors = Buffer.alloc((width * height) / 2, 128);
-  const frames = Array.from({ length }, (_, index) => [Buffer.from("FRAME\n"), syntheticFrame(index).map((gray) => 16 + (gray * 219) / 255), colors]);
-  return Buffer.concat([Buffer.from(`YUV4MPEG2 W${width} H${height} F30:1 Ip C420jpeg\n`), ...frames.flat()]);
-}
-
-// A test on a page of its own, which may neither write errors nor ask the network for anything.
-function onPage(name, run, options) {
-  test(name, { skip: why ?? false }, async (context) => {
-    const page = await browser.page(address, options);
-    try {
-      await page.until(STARTED);
-      await run(page, context);
-      assert.deepEqual([page.errors, page.requests], [[], []]);
-    } finally {
-      await page.close();
-    }
-  });
-}
-
-// What is not in view is not drawn: so all of it is.
-async function shoot(page, name, width) {
-  await page.size(width, await page.value(`document.documentElement.scrollHeight`));
-  await new Promise((resolve) => setTimeout(resolve, 400));
-  writeFileSync(join(PACKAGE, `page-${name}.png`), await page.picture());
-}
-
-async function downloaded(page, kind, name) {
-  const file = join(browser.downloads, name);
-  rmSync(file, { force: true });
-  await page.click(`[data-file="${kind}"]`);
-  for (let wait = 0; !existsSync(file); wait += 20) {
-    assert.ok(wait < 10_000, `${name} was not saved; the page says "${await page.text("said")}"`);
-    await new Promise((resolve) => setTimeout(resolve, 20));
-  }
-  return file;
-}
-
-/** The answers of a method, an object for each target and frame. */
-async function answers(page, method) {
-  await page.select("of", method);
-  return lines(readFileSync(await downloaded(page, "json", `boxes-${method}.jsonl`), "utf8")).map((line) => JSON.parse(line));
-}
-
-// The work of SMR depends on the capacity of the tracker, which host-sim has more of. All else is the same.
-const columns = (method) => (line) => (method === "smr" ? line.slice(0, line.lastIndexOf(",")) : line);
-
-function same(found, expected, method) {
-  found.forEach((answer, at) => {
-    const work = method === "smr" ? { work: answer.work } : {};
-    assert.deepEqual(answer, { ...expected[at], ...work }, `${method}, frame ${at + 1}`);
-  });
-}
-
-/** host-sim computes what is in the flight record again, and agrees in so many answers. */
-async function replays(page, method, least) {
-  await page.select("of", method);
-  const file = await downloaded(page, "record", `flight-${method}.smr`);
-  const { status, stdout, stderr } = host("replay", file, "--json");
-  assert.equal(status, 0, stdout + stderr);
-  const count = JSON.parse(stdout).flights.reduce((sum, flight) => sum + flight.answers, 0);
-  assert.ok(count >= least, stdout);
-}
-
-async function pausedAt(page, number) {
-  await page.until(`${NUMBER} >= ${number}`);
-  await page.click("#play");
-  await page.until(PRESSED);
-  await settled(page);
-}
-
-// Frames that are under way still come.
-async function settled(page) {
-  for (let before = -1, now = 0; before !== now; ) {
-    [before, now] = [now, await page.value(NUMBER)];
-    await new Promise((resolve) => setTimeout(resolve, 150));
-  }
-}
-
-/** Where a pixel of the frame is in the window. */
-async function place(page, x, y) {
-  return page.value(`(() => {
-    const stage = document.getElementById("stage");
-    stage.scrollIntoView({ block: "center" });
-    const { left, top, width, height } = stage.getBoundingClientRect();
-    const [wide, high] = document.getElementById("load").textContent.match(/(\\d+)x(\\d+)/).slice(1).map(Number);
-    return [left + ${x} * width / wide, top + ${y} * height / high];
-  })()`);
-}
-
-async function dragBox(page, { x, y, width, height }, how = "drag") {
-  const from = await place(page, x, y);
-  await page[how](from, await place(page, x + width, y + height));
-}
+import { Browser } from "./browser.mjs";
+import {
+  FRAMES, NUMBER, PRESSED, STARTED, address, answers, browser, columns, downloaded, dragBox, folder, host, lines, onPage, pausedAt, replays, same, settled, shoot,
+  why,
+} from "./open-page.mjs";
 
 onPage("the built-in recording moves at once, and its answers are those of host-sim", async (page) => {
   await page.click("#repeat");
@@ -246,46 +110,6 @@ onPage("a box of 0x0, a tracker that is switched off, a removed target", async (
   await page.until(`document.getElementById("said").textContent === "ROBUST has no flight record: lock it on a target first."`);
 });
 
-onPage("a broken video has one clear line, and the built-in recording goes on", async (page) => {
-  await page.until(`${NUMBER} > 3`);
-  const file = join(folder, "broken.mp4");
-  writeFileSync(file, Buffer.alloc(5000, "not a video "));
-  await choose(page, file);
-  await page.until(`/^broken.mp4 is no video that this browser plays/.test(document.getElementById("said").textContent)`);
-  await page.until(`${NUMBER} > 10`);
-  assert.match(await page.text("said"), /^broken.mp4 is no video/);
-});
-
-onPage("a video is locked on its first frame, stepped with host-sim's answers, and numbered by its time", async (page, context) => {
-  const file = join(folder, "synthetic.webm");
-  const raw = Buffer.concat(Array.from({ length: 60 }, (_, index) => syntheticFrame(index)));
-  const film = ["-v", "error", "-f", "rawvideo", "-pix_fmt", "gray", "-s", "160x120", "-r", "25", "-i", "-", "-c:v", "libvpx", "-b:v", "2M", "-y", file];
-  const { status } = spawnSync("ffmpeg", film, { input: raw });
-  if (status !== 0) {
-    console.log("skipped: page: a video file: no ffmpeg that makes WebM");
-    context.skip("no ffmpeg");
-    return;
-  }
-  await page.click("#repeat");
-  await choose(page, file);
-  await page.until(`document.getElementById("place").value === "frame 1" && document.getElementById("choose").ariaPressed === "true"`);
-  await dragBox(page, { x: 36, y: 24, width: 24, height: 28 });
-  await page.until(`document.getElementById("command").textContent.includes("--init 36,24,24,28 ")`);
-  for (let number = 2; number <= 12; number++) {
-    await page.click("#step");
-    await page.until(`document.getElementById("place").value.startsWith("frame ${number}")`);
-  }
-  const expected = lines(host("track", file, "--init", "36,24,24,28", "--json").stdout).map((line) => JSON.parse(line));
-  const stepped = await answers(page, "robust");
-  assert.equal(stepped.length, 12);
-  same(stepped, expected, "robust");
-  await page.click("#play");
-  await page.until(`document.getElementById("place").value === "frame 60 of 60"`);
-  const found = await answers(page, "robust");
-  assert.ok(found.every(({ state }) => state === "tracking"), JSON.stringify(found.at(-1)));
-  await replays(page, "robust", found.length - 1);
-});
-
 onPage("without WebAssembly there is one clear line", async (page) => {
   await page.until(`document.getElementById("said").textContent.startsWith("This browser has no WebAssembly")`);
   assert.equal(await page.value(`document.getElementById("stage").offsetHeight`), 0);
@@ -327,9 +151,3 @@ test("a refused camera has one clear line, and the built-in recording goes on", 
     await other.close();
   }
 });
-
-async function choose(page, file) {
-  const { root } = await page.call("DOM.getDocument");
-  const { nodeId } = await page.call("DOM.querySelector", { nodeId: root.nodeId, selector: "#file" });
-  await page.call("DOM.setFileInputFiles", { files: [file], nodeId });
-}

@@ -14,8 +14,9 @@ pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: 
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.concat());
     encoder.set_compression(png::Compression::High);
-    // Neighbours in the palettes are neighbours to the eye, so what predicts gray levels predicts indices.
-    encoder.set_filter(png::Filter::Adaptive);
+    // Neighbours in a palette of grays are neighbours to the eye, so what predicts gray levels predicts indices.
+    let grays = palette.iter().filter(|[red, green, blue]| red == green && green == blue).count();
+    encoder.set_filter(if 2 * grays > palette.len() { png::Filter::Adaptive } else { png::Filter::NoFilter });
     encoder.write_header()?.write_image_data(indices)?;
     Ok(bytes)
 }

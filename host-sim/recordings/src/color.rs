@@ -42,6 +42,8 @@ pub enum Colors {
     Video(PathBuf),
     /// Those of the frame that was read last.
     Live(Now),
+    /// Drawn by this from their indices, and how many there are.
+    Made(fn(usize) -> ColorFrame, usize),
 }
 
 /// What was read last from a live source.
@@ -155,6 +157,7 @@ impl Colors {
                 let read = |file: PathBuf| Some((images::read_colors(&file).ok()?, None));
                 Box::new(files.into_iter().skip(first - 1).map_while(read))
             }
+            Self::Made(frame, length) => Box::new((first - 1..length).map(move |index| (frame(index), None))),
             Self::Video(file) => Box::new(video_color::open(&file, first, side, patience).into_iter().flatten()),
             Self::Live(now) => Box::new(std::iter::from_fn(move || now.color())),
         }

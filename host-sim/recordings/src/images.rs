@@ -45,13 +45,18 @@ pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes).map(Samples::gray)
 }
 
+/// The same in its own colors.
+pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
+    samples(bytes).map(Samples::colors)
+}
+
 fn read(file: &Path) -> Result<GrayFrame> {
     decode_picture(&input::bytes(file, &input::PICTURE)?)
 }
 
 /// One picture in its own colors.
 pub(super) fn read_colors(file: &Path) -> Result<ColorFrame> {
-    samples(&input::bytes(file, &input::PICTURE)?).map(Samples::colors)
+    decode_colors(&input::bytes(file, &input::PICTURE)?)
 }
 
 fn samples(bytes: &[u8]) -> Result<Samples> {

@@ -29,11 +29,13 @@ mod periodic;
 mod pnm;
 pub mod random;
 mod raw;
+mod rays;
 mod resize;
 mod samples;
 mod seekable;
 pub mod slow;
 mod start;
+pub mod street;
 pub mod synthetic;
 mod video;
 mod video_color;
@@ -45,7 +47,7 @@ pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
 pub use frame_times::frame_times;
-pub use images::{decode_picture, read_picture};
+pub use images::{decode_colors, decode_picture, read_picture};
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
@@ -178,7 +180,7 @@ pub const RESULTS: &str = "trackers";
 const INNER: [&str; 2] = ["img", "color"];
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
+/// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
 /// folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
@@ -192,7 +194,11 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
+        ensure!(
+            options.takes_live,
+            "{} is a live source, for `track` and `view` alone: expected a recording",
+            live::name(path)
+        );
         Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
@@ -218,13 +224,13 @@ const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -`
 const STANDARD_INPUT: &str = "-";
 
 /// The recordings that need no file.
-pub const BUILT_IN: [&str; 4] = [synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
+pub const BUILT_IN: [&str; 5] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
 
 /// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
-    let made: [fn() -> Sequence; 4] = [synthetic::sequence, periodic::sequence, border::sequence, noise::sequence];
+    let made = [street::sequence, synthetic::sequence, periodic::sequence, border::sequence, noise::sequence];
     BUILT_IN.iter().zip(made).find(|(name, _)| path == Path::new(name)).map(|(_, made)| made())
 }
 

@@ -83,7 +83,7 @@ impl Seekable {
                         return Ok(Box::new(frames.map(Ok)));
                     }
                 }
-                Colors::None | Colors::Live(_) => {}
+                Colors::None | Colors::Live(_) | Colors::Made(..) => {}
             }
         }
         Ok(Box::new(open(&self.path, &self.options)?.frames.skip(number - 1)))
@@ -101,6 +101,7 @@ impl Seekable {
                 let frames = self.time(number).and_then(|time| color_frames_at(file, time, side, self.patience()));
                 Box::new(frames.into_iter().flatten().map(|(frame, _)| frame))
             }
+            &Colors::Made(frame, length) => Box::new((number - 1..length).map(frame)),
             Colors::None | Colors::Live(_) => {
                 Box::new(self.gray_from(number)?.map_while(Result::ok).map(|frame| (&frame).into()))
             }

@@ -213,7 +213,7 @@ mod folders {
 
         let missing = message(open_plain(&folder.path().join("missing")));
         assert!(missing.starts_with(&format!(
-            "cannot open {at}/missing: expected a folder, a file, or one of synthetic, periodic, border, noise"
+            "cannot open {at}/missing: expected a folder, a file, or one of street, synthetic, periodic, border, noise"
         )));
 
         let text = write(&folder, "notes.txt", b"no video");

@@ -12,7 +12,7 @@ use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{Figure, METHODS, Plan, Wish};
 use smr_pages::report::{Choice, Film, Refusal, watch};
 use smr_recordings::messages::choice_name;
-use smr_recordings::{FrameRange, output};
+use smr_recordings::{Colors, FrameRange, Sequence, output};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
@@ -104,7 +104,8 @@ impl Figures {
 
     /// What happens in the recording, with the pictures of these frames.
     fn watch(&self, methods: &[Variant], frames: BTreeSet<usize>) -> Result<Film> {
-        let sequence = self.recording.open(&self.sequence)?;
+        // Figures are gray.
+        let sequence = Sequence { colors: Colors::None, ..self.recording.open(&self.sequence)? };
         let bar = progress::bar(&sequence.name, sequence.length);
         let film = watch(sequence, methods, Refusal::Fails, Choice::Listed(frames), None, || bar.inc(1))?;
         bar.finish_and_clear();

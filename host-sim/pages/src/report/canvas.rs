@@ -11,7 +11,8 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::primitives::{Line, PointsIter, Primitive, PrimitiveStyle, Rectangle};
 use embedded_graphics::text::{Baseline, Text};
 use embedded_graphics::{Drawable, Pixel};
-use smr_recordings::GrayFrame;
+use smr_recordings::{ColorFrame, GrayFrame};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 pub const FONT: &MonoFont<'_> = &FONT_10X20;
@@ -187,6 +188,50 @@ pub(super) fn pixel(place: f64) -> i32 {
 /// Half of the gray levels are enough for the eye, and noise makes up most of a file.
 pub(super) fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
+}
+
+/// Several frames in at most so many colors in all, by median cut: what is most spread, of the most pixels, is halved.
+pub(super) fn few_colors<'a>(frames: impl Iterator<Item = &'a ColorFrame>, most: usize) -> Vec<Canvas> {
+    let few = |frame: &ColorFrame| Canvas {
+        width: frame.width.into(),
+        height: frame.height.into(),
+        pixels: frame.pixels.iter().map(|pixel| pixel.map(|level| coarse(level)[0])).collect(),
+    };
+    let mut pictures: Vec<Canvas> = frames.map(few).collect();
+    let mut cells = vec![spread(pictures.iter().flat_map(|picture| picture.pixels.clone()).collect())];
+    while cells.len() < most {
+        let Some((at, &(weight, channel, _))) = cells.iter().enumerate().max_by_key(|(_, (weight, ..))| *weight) else {
+            break;
+        };
+        if weight == 0 {
+            break;
+        }
+        let (_, _, mut pixels) = cells.swap_remove(at);
+        pixels.sort_unstable_by_key(|pixel| pixel[channel]);
+        // Equal levels stay together.
+        let middle = pixels[pixels.len() / 2][channel].max(pixels[0][channel] + 1);
+        let high = pixels.split_off(pixels.partition_point(|pixel| pixel[channel] < middle));
+        cells.extend([spread(pixels), spread(high)]);
+    }
+    let mut palette = BTreeMap::new();
+    for (_, _, pixels) in cells {
+        let mean =
+            |channel: usize| pixels.iter().map(|pixel| usize::from(pixel[channel])).sum::<usize>() / pixels.len();
+        let mean = [0, 1, 2].map(|channel| u8::try_from(mean(channel)).unwrap_or(u8::MAX));
+        palette.extend(pixels.into_iter().map(|pixel| (pixel, mean)));
+    }
+    pictures.iter_mut().flat_map(|picture| &mut picture.pixels).for_each(|pixel| *pixel = palette[pixel]);
+    pictures
+}
+
+/// How much colors differ, in all, in the channel in which they differ most.
+fn spread(pixels: Vec<Color>) -> (usize, usize, Vec<Color>) {
+    let range = |channel: usize| {
+        let levels = || pixels.iter().map(|pixel| usize::from(pixel[channel]));
+        levels().max().unwrap_or(0) - levels().min().unwrap_or(0)
+    };
+    let (range, channel) = [0, 1, 2].map(|channel| (range(channel), channel)).into_iter().max().unwrap_or_default();
+    (range * pixels.len(), channel, pixels)
 }
 
 /// The frame with fewer gray levels.

@@ -6,7 +6,7 @@ use super::strip_frames::{Choice, Reel};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
-use smr_recordings::{BoundingBox, FrameRange, GrayFrame, Sequence, Target};
+use smr_recordings::{BoundingBox, ColorFrame, FFMPEG_PATIENCE, FrameRange, GrayFrame, Sequence, Target};
 use std::path::PathBuf;
 
 pub struct Film {
@@ -21,6 +21,8 @@ pub struct Film {
     pub(super) padding: u16,
     /// One a frame.
     pub moments: Vec<Moment>,
+    /// When each frame is shown, in seconds, as far as that is known: of a video.
+    pub(super) times: Vec<Option<f64>>,
     pub(super) stills: Vec<Still>,
     /// Changes of state that there was no room to show.
     pub changes_left_out: usize,
@@ -101,6 +103,8 @@ pub(super) struct Still {
     /// The first is 0.
     pub index: usize,
     pub frame: GrayFrame,
+    /// The same in its colors.
+    pub colors: ColorFrame,
     /// What each method looked at.
     pub sights: Vec<Sight>,
 }
@@ -142,7 +146,8 @@ pub fn watch_all(
     progress: impl Fn(),
 ) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
-    let Sequence { name, frames, truth, first, .. } = sequence;
+    let Sequence { name, frames, truth, first, colors, .. } = sequence;
+    let mut colors = colors.open(first, FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
     let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
     let listed = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
@@ -151,6 +156,7 @@ pub fn watch_all(
     let mut pairs = pairs(&targets, methods, first)?;
     let mut notes = Vec::new();
     let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
+    let mut times = Vec::new();
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
         let frame = frame?;
@@ -170,10 +176,12 @@ pub fn watch_all(
         size = (frame.width, frame.height);
         let lasts = sights.iter().map(|sight| sight.bbox).collect();
         moments.push(Moment { lasts, ..moment });
+        let (colors, time) = colors.next(&frame);
+        times.push(time.map(|time| time.seconds()));
         if let Some(pictures) = &mut pictures {
-            pictures.offer(index, &frame, &sights)?;
+            pictures.offer(index, &colors, &sights)?;
         }
-        reel.offer(index, changed, || Still { index, frame, sights });
+        reel.offer(index, changed, || Still { index, frame, colors, sights });
         progress();
     }
     let length = moments.len();
@@ -192,6 +200,7 @@ pub fn watch_all(
         targets,
         padding,
         moments,
+        times,
         stills,
         changes_left_out,
         truth,
@@ -286,6 +295,18 @@ impl Film {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
+    /// The time of a frame, as in 0:12.4 and 1:02:03.4.
+    pub(super) fn clock(&self, index: usize) -> Option<String> {
+        let tenths = (self.times[index]?.max(0.0) * 10.0).round();
+        let (seconds, minutes) = (tenths / 10.0 % 60.0, (tenths / 600.0).floor());
+        let (minutes, hours) = (minutes % 60.0, (minutes / 60.0).floor());
+        Some(if hours > 0.0 {
+            format!("{hours}:{minutes:02}:{seconds:04.1}")
+        } else {
+            format!("{minutes}:{seconds:04.1}")
+        })
+    }
+
     pub(super) fn trajectory(&self, method: usize) -> Vec<Option<BoundingBox>> {
         self.moments.iter().map(|moment| moment.reports[method].target).collect()
     }
@@ -328,6 +349,24 @@ mod tests {
         for state in [State::Tracking, State::Leaving, State::Lost] {
             assert!(states.contains(&state), "{state:?}");
         }
+    }
+
+    /// Else it would be no first picture to show.
+    #[test]
+    fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
+        let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
+        let film = watch(
+            street,
+            &variants(&[MethodKind::Robust, MethodKind::Smr]),
+            Refusal::Fails,
+            Choice::Spread,
+            None,
+            || (),
+        )
+        .unwrap();
+        let scores = film.evaluation().unwrap().unwrap().scores;
+        let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou);
+        assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::image::Pixels;
 use super::search::Sight;
 use crate::encode;
 use anyhow::Result;
-use smr_recordings::{GrayFrame, decode_picture};
+use smr_recordings::{ColorFrame, decode_colors};
 
 /// The longest side of a frame in a page, however large the budget is.
 const LARGEST: u16 = 960;
@@ -50,7 +50,7 @@ impl Pictures {
     }
 
     /// Takes frame `index` if there is room for such frames.
-    pub fn offer(&mut self, index: usize, frame: &GrayFrame, sights: &[Sight]) -> Result<()> {
+    pub fn offer(&mut self, index: usize, frame: &ColorFrame, sights: &[Sight]) -> Result<()> {
         if !index.is_multiple_of(self.every) {
             return Ok(());
         }
@@ -78,7 +78,7 @@ impl Pictures {
         if side > SMALL {
             self.side = (side / 2).max(SMALL);
             for picture in &mut self.kept {
-                picture.jpeg = small(&decode_picture(&picture.jpeg)?, self.side)?;
+                picture.jpeg = small(&decode_colors(&picture.jpeg)?, self.side)?;
                 picture.side = self.side;
             }
             return Ok(true);
@@ -92,8 +92,8 @@ impl Pictures {
     }
 }
 
-fn small(frame: &GrayFrame, side: u16) -> Result<Vec<u8>> {
-    encode::jpeg(&encode::within(frame, side), encode::ENOUGH)
+fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
+    encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
 impl Picture {
@@ -140,7 +140,7 @@ mod tests {
 
     fn taken(limit: usize, frames: usize) -> Pictures {
         let mut pictures = Pictures::new(limit);
-        (0..frames).for_each(|index| pictures.offer(index, &synthetic::frame(index), &[]).unwrap());
+        (0..frames).for_each(|index| pictures.offer(index, &(&synthetic::frame(index)).into(), &[]).unwrap());
         pictures
     }
 
@@ -157,8 +157,9 @@ mod tests {
 
     #[test]
     fn large_frames_get_smaller_first() {
-        let pixels = (0..2000 * 1000_u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 26).to_le_bytes()[0]).collect();
-        let frame = GrayFrame { width: 2000, height: 1000, pixels };
+        let pixels =
+            (0..2000 * 1000_u32).map(|at| [(at.wrapping_mul(2_654_435_761) >> 26).to_le_bytes()[0], 7, 200]).collect();
+        let frame = ColorFrame { width: 2000, height: 1000, pixels };
         let mut pictures = Pictures::new(usize::MAX);
         (0..2).for_each(|index| pictures.offer(index, &frame, &[]).unwrap());
         let mut sides = vec![pictures.side()];

@@ -1,6 +1,6 @@
 //! The film strip as one picture: what a README shows.
 
-use super::canvas::{Canvas, Dashes, FONT, coarse_frame, line, pixel};
+use super::canvas::{Canvas, Dashes, FONT, few_colors, line, pixel};
 use super::coinciding_boxes::turns;
 use super::film::{Film, Still};
 use super::palette::color_of_file;
@@ -25,9 +25,11 @@ pub fn picture(film: &Film) -> Result<Vec<u8>> {
     let cell = (TILE + GAP, height + LINE + GAP / 2);
     let rows = u32::try_from(film.stills.len())?.div_ceil(COLUMNS);
     let mut canvas = Canvas::new(GAP + COLUMNS * cell.0, GAP + rows * cell.1 + LINE, PAPER);
-    for (number, still) in (0..).zip(&film.stills) {
+    // The lines and letters need some, too.
+    let pictures = few_colors(film.stills.iter().map(|still| &still.colors), 160);
+    for ((number, still), picture) in (0..).zip(&film.stills).zip(&pictures) {
         let (left, top) = (GAP + number % COLUMNS * cell.0, GAP + number / COLUMNS * cell.1);
-        tile(&mut canvas, (left, top), film, still);
+        tile(&mut canvas, (left, top), film, still, picture);
         let state = film.moments[still.index].first().state;
         let (left, top) = (i32::try_from(left)?, i32::try_from(top + height + GAP / 2)?);
         let end = canvas.text(
@@ -65,11 +67,11 @@ fn fitted((width, height): (u16, u16)) -> (u32, u32) {
 }
 
 /// One frame with its boxes. What lies outside of it is not drawn.
-fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still) {
+fn tile(canvas: &mut Canvas, (left, top): (u32, u32), film: &Film, still: &Still, picture: &Canvas) {
     const DASH: f64 = 8.0;
     let (width, height) = fitted((still.frame.width, still.frame.height));
     // The nearest pixel each: whole factors stay sharp.
-    canvas.picture(left, top, &coarse_frame(&still.frame).nearest(width, height));
+    canvas.picture(left, top, &picture.nearest(width, height));
     let (left, top, size) = (f64::from(left), f64::from(top), [width, height].map(f64::from));
     let scale = size[0] / f64::from(still.frame.width);
     let mut clipped = canvas.clipped(&Rectangle::new(Point::new(pixel(left), pixel(top)), Size::new(width, height)));

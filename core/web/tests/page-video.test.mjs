@@ -1,0 +1,234 @@
+// Video files, the slider and the video with boxes in a real headless Chromium: no frame is lost, and any frame can be looked at and corrected.
+
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { NUMBER, PRESSED, answers, choose, downloaded, dragBox, folder, host, lines, onPage, pausedAt, replays, same, settled, shoot } from "./open-page.mjs";
+import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+
+const BOX = "36,24,24,28";
+const DELAY = 80; // of a slow worker, in milliseconds
+const SIDE = 8; // of the squares that say the number of a frame, in pixels
+
+// The built-in recording as a video. Each frame says its number in squares at the bottom, the lowest bit first.
+function film(name, length, rate, ...options) {
+  const file = join(folder, name);
+  const input = ["-f", "rawvideo", "-pix_fmt", "gray", "-s", "160x120", "-r", String(rate), "-i", "-"];
+  const raw = Buffer.concat(Array.from({ length }, (_, index) => numbered(index + 1)));
+  const { status, stderr } = spawnSync("ffmpeg", ["-v", "error", ...input, "-pix_fmt", "yuv420p", ...options, "-y", file], { input: raw, encoding: "utf8" });
+  return status === 0 ? file : (console.log(`skipped: page: ${name}: ${stderr.trim().split("\n").at(-1)}`), null);
+}
+
+function numbered(number) {
+  const { width, height } = BUILT_IN;
+  const frame = Buffer.from(syntheticFrame((number - 1) % BUILT_IN.length));
+  for (let at = 0; at < SIDE * SIDE * 8; at++) {
+    const [x, y] = [at % (SIDE * 8), height - 1 - Math.floor(at / (SIDE * 8))];
+    frame[y * width + x] = (number >> Math.floor(x / SIDE)) & 1 ? 255 : 0;
+  }
+  return frame;
+}
+
+/** The number that the picture says. */
+const CODE = `(() => {
+  const stage = document.getElementById("stage");
+  const scale = stage.width / ${BUILT_IN.width};
+  const bright = (bit) => stage.getContext("2d").getImageData((bit + 0.5) * ${SIDE} * scale, stage.height - 4 * scale, 1, 1).data[0] > 127;
+  return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
+})()`;
+
+async function open(page, file, length) {
+  await choose(page, file);
+  await page.until(`document.getElementById("place").value.startsWith("frame 1 of ${length}") && document.getElementById("choose").ariaPressed === "true"`);
+  await page.value(`document.getElementById("repeat").checked && document.getElementById("repeat").click()`);
+}
+
+async function lockFirst(page) {
+  await dragBox(page, { x: 36, y: 24, width: 24, height: 28 });
+  await page.until(`document.getElementById("command").textContent.includes("--init ${BOX} ")`);
+}
+
+const expected = (file, method, ...options) => lines(host("track", file, "--method", method, ...options, "--json").stdout).map((line) => JSON.parse(line));
+
+/** Moves the head from one frame to another, of so many. */
+async function scrub(page, from, to, length, how = "drag") {
+  const [left, top, width, height] = await page.value(`(() => {
+    const slider = document.getElementById("timeline");
+    slider.scrollIntoView({ block: "center" });
+    const { left, top, width, height } = slider.getBoundingClientRect();
+    return [left, top, width, height];
+  })()`);
+  const at = (frame) => [left + 8 + ((width - 16) * (frame - 0.5)) / length, top + height / 2];
+  await page[how](at(from), at(to));
+  await page.until(`${NUMBER} > 0`);
+  await settled(page);
+}
+
+// A video at any rate, which is shown too quickly for this machine: where Chromium skips a picture the page goes back for it.
+const FILMS = [
+  ["vp8.webm", 240, 60, "-c:v", "libvpx", "-b:v", "4M"],
+  ["vp9.webm", 60, 25, "-c:v", "libvpx-vp9", "-b:v", "1M", "-deadline", "realtime", "-cpu-used", "8"],
+  ["b-frames.mp4", 120, 30, "-c:v", "libx264", "-bf", "3"],
+  // Frames come at uneven times.
+  ["uneven.webm", 120, 30, "-vf", "select='not(eq(mod(n,7),3)+eq(mod(n,7),4))'", "-fps_mode", "vfr", "-c:v", "libvpx", "-b:v", "2M"],
+];
+for (const [name, length, rate, ...options] of FILMS) {
+  onPage(`no frame of ${name} is lost, and the answers are those of host-sim`, async (page, context) => {
+    const file = film(name, length, rate, ...options);
+    if (file === null) {
+      context.skip("ffmpeg does not make it");
+      return;
+    }
+    const robust = expected(file, "robust", "--init", BOX);
+    await choose(page, file);
+    await page.until(`/^frame 1 of \\d+, 0:00.0$/.test(document.getElementById("place").value) && document.getElementById("choose").ariaPressed === "true"`);
+    await page.click("#repeat");
+    await lockFirst(page);
+    await page.click("#step");
+    await page.until(`${NUMBER} === 2`);
+    await page.select("speed", "2");
+    await page.click("#play");
+    await page.until(`document.getElementById("place").value.startsWith("frame ${robust.length} of ${robust.length}, ") && ${PRESSED}`);
+    for (const [method, ...of] of [["robust"], ["smr", "--config", "camera"]]) {
+      const found = await answers(page, method);
+      assert.deepEqual(found.map(({ frame }) => frame), robust.map(({ frame }) => frame));
+      same(found, expected(file, method, "--init", BOX, ...of), method);
+    }
+    await page.select("of", "robust");
+    const saved = lines(readFileSync(await downloaded(page, "csv", "boxes-robust.csv"), "utf8"));
+    assert.deepEqual(saved, lines(host("track", file, "--init", BOX, "--format", "csv").stdout));
+    assert.match(await page.text("load"), /No frame was dropped/);
+    await replays(page, "robust", robust.length - 1);
+  });
+}
+
+onPage("trackers that are slower than the video make it wait", async (page, context) => {
+  const file = film("slow.webm", 60, 60, "-c:v", "libvpx", "-b:v", "2M");
+  if (file === null) {
+    context.skip("no ffmpeg that makes WebM");
+    return;
+  }
+  await open(page, file, 60);
+  await lockFirst(page);
+  const start = Date.now();
+  await page.click("#play");
+  await page.until(`document.getElementById("place").value.startsWith("frame 60 of 60, ") && ${PRESSED}`);
+  assert.ok(Date.now() - start > (59 / 2) * DELAY);
+  same(await answers(page, "robust"), expected(file, "robust", "--init", BOX), "robust");
+}, { prepare: `const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (...of) { setTimeout(() => postMessage.apply(this, of), ${DELAY}); };` });
+
+for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dark"]]) {
+  onPage(`the slider: any frame is looked at, corrected, and filmed with its boxes, ${how} at ${width} pixels, ${scheme}`, async (page, context) => {
+    const file = film(`slider-${width}.webm`, 200, 25, "-c:v", "libvpx", "-b:v", "2M");
+    if (file === null) {
+      context.skip("no ffmpeg that makes WebM");
+      return;
+    }
+    await open(page, file, 200);
+    await lockFirst(page);
+    await page.click("#play");
+    await pausedAt(page, 90);
+    const front = await page.value(NUMBER);
+    // A frame that was followed has its boxes.
+    await scrub(page, 80, 40, 200, how);
+    const back = await page.value(NUMBER);
+    assert.ok(Math.abs(back - 40) <= 1, `frame ${back}`);
+    assert.equal(await page.value(CODE), back);
+    const [robust, smr] = await Promise.all([["robust"], ["smr", "--config", "camera"]].map(([method, ...of]) => expected(file, method, "--init", BOX, ...of)));
+    assert.match(await page.value(`document.getElementById("stage").ariaLabel`), new RegExp(`ROBUST: ${robust[back - 1].state}, SMR: ${smr[back - 1].state}`));
+    // One that was not followed is shown, and following goes on where it stopped.
+    await scrub(page, back, 160, 200, how);
+    const ahead = await page.value(NUMBER);
+    assert.equal(await page.value(CODE), ahead);
+    assert.match(await page.text("load"), new RegExp(`not followed yet: Play goes on from frame ${front + 1}\\.`));
+    await page.click("#play");
+    await pausedAt(page, front + 20);
+    assert.equal(await page.value(CODE), await page.value(NUMBER));
+    // A target that is locked in an earlier frame is followed from there, and the other one is not followed twice.
+    await scrub(page, front + 20, 50, 200, how);
+    const place = await page.value(NUMBER);
+    await page.click("#add");
+    await dragBox(page, { x: 100, y: 60, width: 30, height: 30 }, how);
+    await page.until(`document.getElementById("command").textContent.includes("--init 2=100,60,30,30@${place}")`);
+    await page.select("speed", "2");
+    await page.click("#play");
+    await page.until(`document.getElementById("place").value.startsWith("frame 200 of 200") && ${PRESSED}`);
+    // So is a correction.
+    await scrub(page, 199, 70, 200, how);
+    const corrected = await page.value(NUMBER);
+    await dragBox(page, { x: 90, y: 50, width: 32, height: 30 }, how);
+    await page.until(`document.getElementById("command").textContent.includes("--init 2=90,50,32,30@${corrected}")`);
+    await page.click("#play");
+    await page.until(`document.getElementById("place").value.startsWith("frame 200 of 200") && ${PRESSED}`);
+    const inits = ["--init", `1=${BOX}`, "--init", `2=100,60,30,30@${place}`, "--init", `2=90,50,32,30@${corrected}`];
+    const both = expected(file, "robust", ...inits);
+    assert.deepEqual(await answers(page, "robust"), both);
+    // The list of events goes there.
+    await page.value(`[...document.querySelectorAll("#events button")].find(({ textContent }) => textContent.startsWith("corrected at")).click()`);
+    await page.until(`${NUMBER} === ${corrected}`);
+    await settled(page);
+    assert.equal(await page.value(CODE), corrected);
+    await page.value(`document.querySelector("#timeline input").focus()`);
+    await page.key("ArrowRight");
+    await page.until(`${NUMBER} === ${corrected + 1}`);
+    const time = (corrected / 25).toFixed(1);
+    assert.equal(await page.value(`document.querySelector("#timeline input").getAttribute("aria-valuetext")`), `0:0${time} (frame ${corrected + 1})`);
+    assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
+    await shoot(page, `slider-${scheme}`, width);
+    await filmed(page, 200);
+  }, { width, height: 844, scheme });
+}
+
+// The video with boxes has every frame once, at its time.
+async function filmed(page, length) {
+  const saved = await downloaded(page, "film", "boxes.webm");
+  const { stdout } = spawnSync("ffprobe", ["-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,width,height,r_frame_rate", "-of", "csv=p=0", saved], { encoding: "utf8" });
+  assert.equal(stdout.trim(), `640,480,25/1,${length}`);
+  const { status, stderr } = spawnSync("ffmpeg", ["-v", "warning", "-ss", "2", "-i", saved, "-f", "null", "-"], { encoding: "utf8" });
+  assert.deepEqual([status, stderr], [0, ""]);
+  await page.until(`document.getElementById("said").textContent === "boxes.webm has frames 1 to ${length}, without sound."`);
+}
+
+onPage("the built-in recording: its slider, events without times, and its video", async (page) => {
+  await page.click("#repeat");
+  await page.select("speed", "2");
+  await page.until(`document.getElementById("place").value === "frame 240 of 240" && ${PRESSED}`);
+  const events = await page.value(`[...document.querySelectorAll("#events li")].map(({ textContent }) => textContent)`);
+  assert.equal(events[0], "locked at frame 1");
+  for (const kind of ["SMR lost", "SMR found"]) {
+    assert.ok(events.some((text) => new RegExp(`^${kind} at frame \\d+$`).test(text)), events.join());
+  }
+  await page.value(`document.getElementById("stage").focus()`);
+  await page.key("[");
+  await page.until(`${NUMBER} < 240`);
+  assert.match(await page.value(`document.querySelector("#events [aria-current]").textContent`), new RegExp(`frame ${await page.value(NUMBER)}$`));
+  await filmed(page, 240);
+});
+
+onPage("a codec that the browser lacks is named, and a damaged file is called damaged", async (page) => {
+  await page.until(`${NUMBER} > 3`);
+  const broken = join(folder, "broken.mp4");
+  writeFileSync(broken, Buffer.alloc(5000, "not a video "));
+  const told = async (file, start) => {
+    await choose(page, file);
+    await page.until(`document.getElementById("said").textContent.startsWith(${JSON.stringify(start)})`);
+    await page.until(`${NUMBER} > 3 && document.getElementById("built-in").ariaPressed === "true"`);
+    assert.ok((await page.text("said")).startsWith(start));
+  };
+  await told(broken, "broken.mp4 is damaged or no video: expected MP4, WebM");
+  const hevc = film("phone.mp4", 10, 30, "-c:v", "libx265", "-x265-params", "log-level=error");
+  if (hevc !== null && (await page.value(`document.createElement("video").canPlayType('video/mp4; codecs="hvc1.1.6.L93.B0"')`)) === "") {
+    await told(hevc, "phone.mp4 is HEVC (H.265), which this browser does not play: host-sim view phone.mp4 does, or a current Safari or Edge.");
+  }
+  const avi = film("old.avi", 10, 30, "-c:v", "mpeg4");
+  if (avi !== null) {
+    await told(avi, "old.avi is AVI, which this browser does not play: host-sim view old.avi does.");
+  }
+  const cut = film("cut.webm", 60, 30, "-c:v", "libvpx", "-b:v", "2M");
+  if (cut !== null) {
+    writeFileSync(cut, readFileSync(cut).subarray(0, 300));
+    await told(cut, "cut.webm is damaged");
+  }
+});

@@ -1,0 +1,131 @@
+//! Rays that meet balls and blocks in sunlight: what made scenes are drawn with.
+//!
+//! Additions, products, quotients and square roots alone, which IEEE 754 rounds alike everywhere: every machine draws the same.
+
+/// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
+pub type Triple = [f64; 3];
+
+pub const SUN: Triple = [-0.48, 0.77, -0.42];
+const HAZE: Triple = [0.78, 0.84, 0.90];
+pub fn shown(color: Triple, normal: Triple, far: f64, is_lit: bool) -> Triple {
+    let sun = if is_lit { 0.75 * dot(normal, SUN).max(0.0) } else { 0.0 };
+    let light = 0.42 + 0.10 * normal[1] + sun;
+    mixed(color.map(|channel| channel * light), HAZE, (far / 420.0).min(1.0))
+}
+
+pub fn levels(color: Triple) -> [u8; 3] {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+    color.map(|channel| (channel * 255.0) as u8)
+}
+
+/// A ball, or a block with four sides that may lean: at `origin`, turned.
+pub struct Solid {
+    pub origin: Triple,
+    /// To the front, from above: right and away.
+    heading: [f64; 2],
+    /// Nothing of it is farther from its origin.
+    reach: f64,
+    /// Outward normals, and how far each face is from the origin; none of a ball.
+    faces: Vec<(Triple, f64)>,
+    base: Triple,
+    paint: Paint,
+}
+
+/// The color at a place of a solid with this normal, both as the solid has them.
+pub type Paint = fn(base: Triple, at: Triple, normal: Triple) -> Triple;
+
+/// Back end, front end and half width of a block at its bottom and at its top.
+pub type Ends = [f64; 3];
+
+impl Solid {
+    pub fn ball(origin: Triple, reach: f64, base: Triple, paint: Paint) -> Self {
+        Self { origin, heading: [1.0, 0.0], reach, faces: Vec::new(), base, paint }
+    }
+
+    pub fn block(
+        origin: Triple,
+        heading: [f64; 2],
+        [low, high]: [f64; 2],
+        [bottom, top]: [Ends; 2],
+        base: Triple,
+        paint: Paint,
+    ) -> Self {
+        let tall = high - low;
+        let face = |normal: Triple, at: Triple| (unit(normal), dot(unit(normal), at));
+        let faces = vec![
+            face([0.0, 1.0, 0.0], [0.0, high, 0.0]),
+            face([0.0, -1.0, 0.0], [0.0, low, 0.0]),
+            face([-tall, top[0] - bottom[0], 0.0], [bottom[0], low, 0.0]),
+            face([tall, bottom[1] - top[1], 0.0], [bottom[1], low, 0.0]),
+            face([0.0, bottom[2] - top[2], tall], [0.0, low, bottom[2]]),
+            face([0.0, bottom[2] - top[2], -tall], [0.0, low, -bottom[2]]),
+        ];
+        let longest = |ends: Ends| ends[0].abs().max(ends[1].abs());
+        let corner = [longest(bottom).max(longest(top)), low.abs().max(high.abs()), bottom[2].max(top[2])];
+        Self { origin, heading, reach: dot(corner, corner).sqrt(), faces, base, paint }
+    }
+
+    fn inward(&self, [x, y, z]: Triple) -> Triple {
+        let [c, s] = self.heading;
+        [x * c + z * s, y, z * c - x * s]
+    }
+
+    /// How far it is, its color there and its normal.
+    fn hit(&self, from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
+        let from = minus(from, self.origin);
+        let (middle, apart) = (-dot(from, along), dot(from, from) - self.reach * self.reach);
+        let within = middle * middle - apart;
+        if within < 0.0 || (middle < 0.0 && apart > 0.0) {
+            return None;
+        }
+        let (from, along) = (self.inward(from), self.inward(along));
+        let (mut enter, mut leave, mut normal) = (0.0, f64::INFINITY, [0.0; 3]);
+        if self.faces.is_empty() {
+            (enter, leave) = (middle - within.sqrt(), middle);
+            normal = onward(from, along, enter).map(|side| side / self.reach);
+        }
+        for &(face, far) in &self.faces {
+            let (toward, beyond) = (dot(face, along), dot(face, from) - far);
+            if toward < 0.0 {
+                if beyond / -toward > enter {
+                    (enter, normal) = (beyond / -toward, face);
+                }
+            } else if toward > 0.0 {
+                leave = leave.min(-beyond / toward);
+            } else if beyond > 0.0 {
+                return None;
+            }
+        }
+        if enter <= 0.0 || enter >= leave {
+            return None;
+        }
+        let color = (self.paint)(self.base, onward(from, along, enter), normal);
+        let [c, s] = self.heading;
+        Some((enter, color, [normal[0] * c - normal[2] * s, normal[1], normal[0] * s + normal[2] * c]))
+    }
+}
+
+pub fn nearest(solids: &[Solid], from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
+    solids.iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+pub fn dot(a: Triple, b: Triple) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn minus(a: Triple, b: Triple) -> Triple {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub fn onward(from: Triple, along: Triple, far: f64) -> Triple {
+    [from[0] + along[0] * far, from[1] + along[1] * far, from[2] + along[2] * far]
+}
+
+pub fn unit(of: Triple) -> Triple {
+    let length = dot(of, of).sqrt();
+    of.map(|side| side / length)
+}
+
+pub fn mixed(a: Triple, b: Triple, part: f64) -> Triple {
+    onward(a, minus(b, a), part)
+}
