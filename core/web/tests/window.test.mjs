@@ -210,12 +210,14 @@ onWindow("a box that is refused is taken back, and why is said", async (page) =>
 onWindow("boxes are saved, in a format that has names if there are several targets", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
+  await commands(page, /28 --method/);
   await page.click("#add");
   await dragBox(page, [100, 60, 30, 30]);
   await followedAll(page);
   const button = (label) => page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
   await button("OTB");
   await says(page, "said", /expected csv, json, mot, coco or cvat/);
+  assert.match(page.errors.pop(), /400/, "the browser notes what was refused");
   await button("CSV");
   const file = join(browser.downloads, "clip.csv");
   for (let wait = 0; !existsSync(file); wait += 20) {
@@ -226,7 +228,7 @@ onWindow("boxes are saved, in a format that has names if there are several targe
 });
 
 onWindow("a live picture goes on, waits while a box is drawn, is followed, and can be looked through", async (page) => {
-  const number = `Number(document.getElementById("place").value.split(" ")[1])`;
+  const number = `parseInt(document.getElementById("place").value.split(" ")[1])`;
   await page.until(`${number} > 10`);
   const [from, to] = [await place(page, 60, 40), await place(page, 90, 70)];
   await page.call("Input.dispatchMouseEvent", { type: "mousePressed", x: from[0], y: from[1], button: "left", buttons: 1, clickCount: 1 });
@@ -241,6 +243,7 @@ onWindow("a live picture goes on, waits while a box is drawn, is followed, and c
   assert.match(await page.text("load"), /^(No frame was dropped|\d+ frames were dropped: this machine was behind)\. The picture is \d+ ms old\.$/);
   await focus(page);
   await page.key("ArrowLeft");
+  await new Promise((resolve) => setTimeout(resolve, 300));
   const here = await page.value(number);
   await new Promise((resolve) => setTimeout(resolve, 300));
   assert.equal(await page.value(number), here);
