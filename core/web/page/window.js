@@ -3,6 +3,7 @@
 
 import { Answers } from "./answers.js";
 import { Connection } from "./connection.js";
+import { optionsOf } from "./command.js";
 import { byId, htmlNode, inView } from "./dom.js";
 import { save } from "./download.js";
 import { Drag, gripOf } from "./drag.js";
@@ -12,7 +13,7 @@ import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { Figures } from "./figures.js";
 import { FRAMES, Graph } from "./graph.js";
 import { drawList } from "./list.js";
-import { METHODS, TITLES } from "./methods.js";
+import { METHODS, SETTINGS, TITLES } from "./methods.js";
 import { Timeline } from "./timeline.js";
 import { drawCommands, drawFiles, drawMade } from "./window-files.js";
 import { Pictures } from "./window-pictures.js";
@@ -456,7 +457,7 @@ function write(node, text) {
   }
 }
 
-const verbs = () => source.commands ?? { track: "", report: "-o report.html" };
+const verbs = () => source.commands ?? (kind === "live" ? { track: "" } : { track: "", report: "-o report.html" });
 
 // ---- the address, which leads to a frame
 
@@ -525,7 +526,7 @@ function listen() {
     choose(null);
     byId("stage").focus({ preventScroll: true });
   });
-  byId("method").addEventListener("change", useMethod);
+  ["method", "settings"].forEach((id) => byId(id).addEventListener("change", useMethod));
   byId("firmware").addEventListener("toggle", async () => {
     byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(connection.firmware()) : "";
   });
@@ -548,10 +549,32 @@ function zoom() {
   draw();
 }
 
+// Options that the page does not show stay as they were given.
 function useMethod() {
-  [source.method, source.options] = [byId("method").value, {}];
+  const method = byId("method").value;
+  const { reach, without, config, ...others } = method === source.method ? source.options : {};
+  const isOn = (id) => byId(id).checked;
+  const robust = { reach: Number(byId("reach").value), size: isOn("size"), sweep: isOn("sweep"), refiner: isOn("refiner") };
+  [source.method, source.options] = [method, { ...others, ...optionsOf(method, { robust, smr: { config: byId("config").value } }) }];
   trying(connection.method(source.method, source.options));
+  showMethod();
   draw();
+}
+
+function showMethod() {
+  byId("method").value = source.method;
+  document.querySelectorAll("[data-method]").forEach((node) => (node.hidden = node.dataset.method !== source.method));
+}
+
+// As they are in the options of host-sim.
+function showSettings({ reach = SETTINGS.robust.reach, without = [], config }) {
+  if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
+    byId("reach").append(htmlNode("option", {}, reach));
+  }
+  byId("reach").value = reach;
+  ["size", "sweep", "refiner"].forEach((part) => (byId(part).checked = !without.includes(part)));
+  byId("refiner").checked &&= config !== "robust";
+  byId("config").value = source.method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
 }
 
 async function stop() {
@@ -604,7 +627,8 @@ function prepare() {
   edits.load(source.targets);
   if (connection.follows) {
     byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
-    byId("method").value = source.method;
+    showSettings(source.options);
+    showMethod();
     graph = new Graph(byId("curves"));
     figures = new Figures(byId("figures"), NOT_THERE);
     seesCurves = inView(byId("curves"), draw);

@@ -177,6 +177,21 @@ onWindow("a target that is lost is said to be, and a box over it locks again", a
   await commands(page, new RegExp(`@${lost.frame} --method smr`));
 }, { words: ["clip.y4m", "--method", "smr"] });
 
+onWindow("with other settings all is followed again, and the line that is shown has them", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await page.select("reach", "6");
+  await page.click("#sweep");
+  await commands(page, /--method robust --reach 6 --without size,sweep$/);
+  await followedAll(page);
+  const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));
+  await page.select("method", "smr");
+  await commands(page, /--method smr --config camera$/);
+  await followedAll(page);
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "smr", "--config", "camera", "--json").stdout));
+}, { words: ["clip.y4m", "--without", "size"] });
+
 onWindow("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX, "swipe");
