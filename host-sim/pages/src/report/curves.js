@@ -12,7 +12,6 @@ const CURVES = [
 const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 18, AXIS = 22;
 const WHOLE = [1, 10, 100, 1000, 1e4, 1e5].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
 const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
-const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** The color and the dashes, in pixels of a canvas, of lines of this look; runners-up are dotted. */
 function strokeOf(look, isSecond) {
@@ -52,7 +51,7 @@ function writeName(plot, text, top) {
   ctx.save();
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
   [ctx.textAlign, ctx.textBaseline, ctx.lineJoin, ctx.lineWidth] = ["left", "middle", "round", 3 * devicePixelRatio];
-  [ctx.strokeStyle, ctx.fillStyle] = [styleOf("--panel"), styleOf("--ink")];
+  [ctx.strokeStyle, ctx.fillStyle] = [palette().panel, palette().ink];
   const at = [bbox.left + 4 * devicePixelRatio, bbox.top + (top + BAND / 2) * devicePixelRatio];
   ctx.strokeText(text, ...at);
   ctx.fillText(text, ...at);
@@ -88,7 +87,7 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
   };
   const follow = (plot) => { if (plot.cursor.left < 0) plot.setLegend({ idx: frame }); };
   const drawn = [...lines].reverse();
-  const axis = { stroke: () => styleOf("--faint"), font: "11px system-ui, sans-serif", ticks: { show: false } };
+  const axis = { stroke: () => palette().faint, font: "11px system-ui, sans-serif", ticks: { show: false } };
   const plot = new uPlot({
     width: width(), height: height + (isLast ? AXIS : 0), padding: [6, RIGHT, 6, 0],
     legend: { mount: (_, legend) => name.append(legend) },
@@ -96,11 +95,11 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
     scales: { x: { time: false }, y: { range: (_, least, largest) => [0, most ?? Math.max(1, largest * 1.05)] } },
     axes: [
       { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false }, incrs: WHOLE },
-      { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
+      { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => palette().rule, width: 1 }, ...ticks },
     ],
     series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`) + (isVisible(number - recording.first) ? "" : ", hidden") }, ...drawn.map(series)],
     hooks: {
-      drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => styleOf("--gone"))],
+      drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => getComputedStyle(document.documentElement).getPropertyValue("--gone"))],
       draw: [(plot) => draw && draw(plot), place],
       setCursor: [follow],
     },
@@ -132,7 +131,7 @@ function drawCurves() {
   if (withStates.length) {
     const count = withStates.length;
     const states = withStates.map((entrant) => runs((index) => entrant.states[index]));
-    const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
+    const color = (state) => palette()[state];
     const said = (run) => run ? `${run.value} in ${numberOf(run.from)} to ${numberOf(run.to)}` : "not begun";
     wanted.push({
       title: "States", height: count * BAND + 12, most: count,

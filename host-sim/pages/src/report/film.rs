@@ -370,6 +370,13 @@ mod tests {
     }
 
     #[test]
+    fn times_read_as_on_a_clock() {
+        let film = Film { times: vec![Some(12.38), Some(59.96), Some(3723.4), None], ..film(&[MethodKind::Sad]) };
+        let clocks = [0, 1, 2, 3].map(|index| film.clock(index));
+        assert_eq!(clocks, [Some("0:12.4".into()), Some("1:00.0".into()), Some("1:02:03.4".into()), None]);
+    }
+
+    #[test]
     fn any_method_can_be_the_first() {
         use clap::ValueEnum;
         for &kind in MethodKind::value_variants() {

@@ -3,6 +3,7 @@
 
 import { byId, htmlNode, sample } from "smr/dom.js";
 import { clock, drawEvents, eventsOf, placeOf } from "smr/events.js";
+import { palette } from "smr/palette.js";
 import { Timeline } from "smr/timeline.js";
 
 const data = JSON.parse(byId("data").textContent);
