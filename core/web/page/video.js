@@ -57,28 +57,27 @@ export class Video {
     if (typeof VideoFrame !== "function" || video.requestVideoFrameCallback === undefined) {
       throw new Error("This browser is too old for video files: use a current Firefox, Chrome, Edge or Safari.");
     }
-    const loaded = new Promise((resolve, reject) => {
-      video.onloadeddata = resolve;
-      video.onerror = reject;
-    });
-    video.src = this.#address;
-    const isLoaded = await loaded.then(() => true, () => false);
+    const isLoaded = await this.#load();
     [this.width, this.height] = [video.videoWidth, video.videoHeight];
     if (!isLoaded || this.width === 0) {
       this.stop();
       throw new Error(await this.#whyNot(isLoaded));
     }
-    video.onerror = () => this.#sink.failed(`${this.name} is damaged: it ends here.`);
     video.onended = () => this.#isPlaying && this.#goBack(Infinity);
     this.#nextTick();
-    await this.#measure();
+    const isBroken = new Promise((resolve) => (video.onerror = () => resolve(true)));
+    if (await Promise.race([isBroken, this.#measure()])) {
+      await this.#reload();
+    }
+    video.onerror = () => this.#ends();
     this.seek(1);
   }
 
   /** The number of frames; an estimate until all were seen. */
   get length() {
     const { duration } = this.#video;
-    return this.#length ?? (Number.isFinite(duration) ? Math.max(Math.round(duration / this.#pace), this.#counted) : null);
+    const passed = duration - (this.#times[1] ?? 0);
+    return this.#length ?? (Number.isFinite(passed) ? Math.max(Math.round(passed / this.#pace), this.#counted) : null);
   }
 
   /** The time of a frame in seconds; an estimate where no frame was seen. */
@@ -93,6 +92,9 @@ export class Video {
       const { time } = this.#ahead;
       if (this.#isPlaying && (currentTime < time || currentTime >= time + (this.#step ?? 0) || this.#video.ended)) {
         (await this.#pictureAt(time + HAIR)).close();
+        if (this.#video.ended) {
+          this.#end();
+        }
       }
     });
   }
@@ -153,6 +155,32 @@ export class Video {
     return hasSound ? `${this.name} has no pictures.` : `${this.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
   }
 
+  /** Returns whether the browser can play it. */
+  #load() {
+    const video = this.#video;
+    return new Promise((resolve) => {
+      video.onloadeddata = () => resolve(true);
+      video.onerror = () => resolve(false);
+      video.src = this.#address;
+    });
+  }
+
+  // After an error a browser plays nothing of the file any more, and no seek ends.
+  #reload() {
+    [this.#turn, this.#seeks] = [Promise.resolve(), 0];
+    this.#stopped.abort();
+    this.#stopped = new AbortController();
+    return this.#load();
+  }
+
+  // A damaged file is as long as it can be read.
+  async #ends() {
+    this.#sink.failed(`${this.name} is damaged: it ends here.`);
+    this.#length = this.#counted;
+    await this.#reload();
+    this.#video.onerror = () => this.#ends();
+  }
+
   // ---- pictures
 
   // The last picture that was sent or waits.
@@ -205,8 +233,10 @@ export class Video {
 
   // Does something that seeks, after all that does so. Then the video plays on.
   #alone(seek) {
+    const { signal } = this.#stopped;
+    const failed = (error) => signal.aborted || this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
     this.#seeks += 1;
-    this.#turn = this.#turn.then(seek).catch((error) => this.#sink.failed(`${this.name} cannot be played: ${error.message}`));
+    this.#turn = this.#turn.then(seek).catch(failed);
     this.#turn = this.#turn.then(() => {
       this.#seeks -= 1;
       this.#roll();
@@ -244,7 +274,7 @@ export class Video {
   async #pictureAt(time) {
     const video = this.#video;
     video.pause();
-    // If another source takes the video, this seek has no end, and what waits for it has none.
+    // If another source takes the video, or after an error, this seek has no end, and what waits for it has none.
     const how = { once: true, signal: this.#stopped.signal };
     const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
     video.currentTime = time;
@@ -336,10 +366,13 @@ export class Video {
     if (this.#ahead.number === this.#counted) {
       this.#length = this.#counted;
     }
+    const { signal } = this.#stopped;
     while (this.#queue.length > 0) {
       await wait(10);
     }
-    this.#sink.ended();
+    if (!signal.aborted) {
+      this.#sink.ended();
+    }
   }
 
   // ---- to the trackers

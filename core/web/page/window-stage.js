@@ -25,7 +25,8 @@ export function drawWindow(canvas, { picture, size, view, boxes, proposed, color
   for (const one of boxes) {
     drawBox(context, placed(one.box), one);
   }
-  if (proposed !== null) {
+  // A click draws nothing.
+  if (proposed !== null && proposed.width + proposed.height > 0) {
     drawEdge(context, placed(proposed), { color, line: 2, dash: [] });
     handles(context, placed(proposed), color);
   }

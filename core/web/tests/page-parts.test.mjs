@@ -52,22 +52,54 @@ test("the ring keeps the last answers, and a lock takes the place of the answer 
   assert.deepEqual([median([NaN, 3, 1, 2]), median([NaN])], [2, NaN]);
 });
 
+test("any frame of the ring is found, and a lock in an earlier frame forgets what came after it", () => {
+  const history = new History();
+  assert.deepEqual([history.find(1), history.stateAt(1)], [undefined, undefined]);
+  for (let number = 1; number <= KEPT + 500; number++) {
+    history.answer(number, { ...ANSWER, state: number % 10 === 0 ? "lost" : "tracking" }, number);
+  }
+  assert.deepEqual([500, 501, KEPT + 500, KEPT + 501].map((number) => history.find(number)?.ms), [undefined, 501, KEPT + 500, undefined]);
+  assert.deepEqual([history.stateAt(1000), history.stateAt(1001)], ["lost", "tracking"]);
+  history.lock(2000, BOX, 700);
+  assert.deepEqual([history.length, history.row().number, history.find(2001)], [1500, 2000, undefined]);
+  // Frames that were dropped leave no place free.
+  history.answer(2010, ANSWER, 1);
+  assert.deepEqual([2000, 2005, 2010].map((number) => history.stateAt(number)), ["tracking", undefined, "tracking"]);
+  assert.deepEqual([...history.states()].slice(-2), [{ number: 2000, state: "tracking" }, { number: 2010, state: "tracking" }]);
+});
+
+test("a target shows what was answered in a frame before, and is followed from its last one", () => {
+  const target = new Followed(1);
+  target.planned = [{ number: 3, box: BOX }];
+  assert.deepEqual([target.next, target.due(4), target.due(3)], [3, null, BOX]);
+  target.locked(3, BOX, { robust: { quality: 1 } });
+  target.answered(4, { robust: { answer: { ...ANSWER, state: "lost" }, ms: 1 } });
+  assert.equal(target.next, 5);
+  target.showAt(3);
+  assert.deepEqual([target.now.robust.state, target.now.robust.box, target.now.robust.confidence], ["tracking", BOX, null]);
+  target.showAt(9);
+  assert.deepEqual([target.now.robust, target.isFollowed], [{ state: "not followed" }, true]);
+  target.locked(2, BOX, { robust: { quality: 1 } });
+  assert.deepEqual([target.locks, target.next, target.histories.robust.length], [[{ number: 2, box: BOX }], 3, 1]);
+});
+
 test("rows are those of host-sim", () => {
   const history = new History();
   history.lock(7, BOX, 65535);
   history.answer(8, ANSWER, 1);
   history.answer(9, { ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5 }, 1);
-  const head = "frame,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
-  const rows = ["7,1,2,30,40,tracking,,,,,,", "8,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,lost,0,0.333333,0.5,10,1,9"];
-  assert.equal(csv([["1", history]]), head + rows.map((row) => `${row}\n`).join(""));
-  const both = csv([["1", history], ["2", history]]);
+  const timeOf = (frame) => (frame === 9 ? null : (frame - 1) / 30);
+  const head = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
+  const rows = ["7,0.2,1,2,30,40,tracking,,,,,,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,,lost,0,0.333333,0.5,10,1,9"];
+  assert.equal(csv([["1", history]], timeOf), head + rows.map((row) => `${row}\n`).join(""));
+  const both = csv([["1", history], ["2", history]], timeOf);
   assert.equal(both, `target,${head}${rows.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
-  const [locked, , lost] = json([["1", history]], "smr", SETTINGS, "0.1.0").trim().split("\n").map((line) => JSON.parse(line));
+  const [locked, , lost] = json([["1", history]], "smr", SETTINGS, "0.1.0", timeOf).trim().split("\n").map((line) => JSON.parse(line));
   assert.deepEqual(locked, {
-    version: "0.1.0", method: "smr", options: { config: "camera" }, frame: 7, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
+    version: "0.1.0", method: "smr", options: { config: "camera" }, frame: 7, time: 0.2, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
     runner_up_ratio: null, alpha: null, scale: null, found_again: null, work: null, quality: 1,
   });
-  assert.deepEqual([lost.box, lost.fine, lost.found_again, lost.quality], [null, null, false, null]);
+  assert.deepEqual([lost.time, lost.box, lost.fine, lost.found_again, lost.quality], [null, null, null, false, null]);
 });
 
 test("command lines are those of host-sim", () => {

@@ -154,7 +154,7 @@ impl Sequence {
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
-            format!("{name}: no box to start from: give --init X,Y,W,H (`host-sim frame` shows coordinates), or init.txt beside the recording")
+            format!("{name}: no box to start from: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording")
         })?;
         init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
     }
