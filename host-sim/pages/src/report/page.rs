@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use smr_core::{Rect, State};
-use smr_evaluation::{Evaluation, Score, name_of};
+use smr_evaluation::{Evaluation, name_of};
 
 const TEMPLATES: [(&str, &str); 13] = [
     ("page.html", include_str!("page.html")),
@@ -95,7 +95,7 @@ fn recording(film: &Film) -> Result<Value> {
         starts => film.targets.iter().map(|target| starts(film, target)).collect::<Vec<_>>(),
         seconds => film.times.last().and_then(|last| Some(format!("{:.1}", (*last)? - film.times[0]?))),
         states => Serde(states(film)),
-        right => Serde(right(film)?),
+        right => right(film)?,
         entrants => Serde(entrants(film)),
         has_truth => film.truth.is_some(),
         changes_left_out => film.changes_left_out,
@@ -116,13 +116,10 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
 }
 
 /// In how many frames the target is visible, and in how many of these each method is right; `None` without ground truth.
-fn right(film: &Film) -> Result<Option<(usize, Vec<(String, usize)>)>> {
-    let count = |(method, (_, score)): (usize, (_, Score))| (film.title(method), score.correct);
-    let evaluation = film.evaluation()?;
-    Ok(evaluation.map(|Evaluation { visible, scores, .. }| {
-        let scores = scores.into_iter().take(film.methods.len()).enumerate();
-        (visible, scores.map(count).collect())
-    }))
+fn right(film: &Film) -> Result<Option<Value>> {
+    let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
+    let counts = (0..film.methods.len()).map(|method| (film.title(method), scores[method].1.correct));
+    Ok(Some(context! { visible, counts => Serde(counts.collect::<Vec<_>>()) }))
 }
 
 /// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
