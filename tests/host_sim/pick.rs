@@ -59,9 +59,6 @@ fn the_page_of_a_folder_has_the_options_and_the_numbers_of_the_recording() {
     assert_eq!(data["words"], format!("'{}' --resize 1/3 --frames 11..20", utf8(&frames)));
     let outside = host_sim(&[&["frame", utf8(&frames), "5", "-o", utf8(&page)][..], &options].concat());
     outside.refuses(&["no frame 5", "11 to 20"]);
-    let picture = folder.join("frame.png");
-    let said = host_sim(&["frame", utf8(&frames), "-o", utf8(&picture), "--frames", "11..20", "--json"]).json();
-    assert_eq!(said["frame"], 11, "a picture has the same numbers");
 }
 
 /// A picture of another size is damage: `track` ends there.
