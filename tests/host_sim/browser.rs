@@ -23,7 +23,8 @@ window.onunhandledrejection = (event) => { problems.push(String(event.reason)); 
 
 /// What a script can use: `is` notes what is not as it should be.
 const AFTER: [&str; 2] = [
-    r#"<script>
+    // A module comes after those of the page.
+    r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
 const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
 (async () => { try {"#,

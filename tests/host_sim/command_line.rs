@@ -168,11 +168,12 @@ fn every_method_has_its_rows_in_one_table() {
 }
 
 /// The keys of an answer, in their order.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "version",
     "method",
     "options",
     "frame",
+    "time",
     "state",
     "box",
     "fine",
@@ -366,39 +367,9 @@ fn report_says_what_it_wrote() {
 }
 
 #[test]
-fn frame_shows_coordinates_and_the_box() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = folder.path().join("frame.png");
-    let frame = |arguments: &[&str]| host_sim(&[&["frame", "synthetic", "-o", utf8(&picture)], arguments].concat());
-
-    let said = frame(&["--json"]).json();
-    let bytes = fs::read(&picture).unwrap();
-    assert!(bytes.starts_with(b"\x89PNG"));
-    assert_eq!((&said["frame"], &said["width"], &said["height"]), (&1.into(), &160.into(), &120.into()));
-    assert_eq!(said["file"], utf8(&picture));
-    assert_eq!(said["bytes"], bytes.len());
-    assert_eq!(said["box"]["x"], 36.0, "the recording's own box");
-    assert_eq!(said["inside"], true);
-
-    let later = frame(&["41", "--json"]).json();
-    assert_eq!((&later["frame"], &later["box"], &later["inside"]), (&41.into(), &Value::Null, &Value::Null));
-    let without = fs::read(&picture).unwrap();
-    let given = frame(&["41", "--init", "150,100,40,48"]);
-    assert_eq!(given.code, Some(0), "{}", given.err);
-    assert!(
-        given.out.contains("box: 150,100,40,48 (x,y,width,height); not all of it lies in the frame"),
-        "{}",
-        given.out
-    );
-    assert_ne!(fs::read(&picture).unwrap(), without, "the box is drawn");
-    host_sim(&["track", "synthetic", "--init", "150,100,40,48"]).refuses(&["inside the frame"]);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left behind");
-}
-
-#[test]
 fn frame_says_what_it_cannot_show() {
     let folder = tempfile::tempdir().unwrap();
-    let picture = folder.path().join("frame.png");
+    let picture = folder.path().join("frame.html");
     let there = ["-o", utf8(&picture)];
     host_sim(&[&["frame", "synthetic", "241"], &there[..]].concat()).refuses(&[
         "synthetic",

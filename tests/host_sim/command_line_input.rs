@@ -105,7 +105,7 @@ fn the_smallest_recording_can_be_shown() {
         assert_eq!(said.code, Some(0), "{command:?}: {}", said.err);
     }
     // The message says how to find the box.
-    host_sim(&["track", one]).refuses(&["no box to start from", "--init X,Y,W,H", "host-sim frame"]);
+    host_sim(&["track", one]).refuses(&["no box to start from", "--init X,Y,W,H", "host-sim view"]);
 }
 
 #[test]

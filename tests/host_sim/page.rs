@@ -129,6 +129,58 @@ fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
     browser::act(test, &page("page-moving", &["synthetic"]), 1280, "frame=120", MOVING);
 }
 
+/// Of a recording whose frames have times, 25 a second.
+const EVENTS: &str = r##"
+  const place = () => document.getElementById("place").value;
+  const key = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  const events = [...document.querySelectorAll("#events button")];
+  const words = events.map((event) => event.textContent);
+  is("what happened, and when", words[0], "locked at 0:00.0");
+  const [lost, found] = ["lost", "found"].map((kind) => words.findIndex((word) => word.startsWith(kind + " at 0:0")));
+  is("in its order: " + words, 0 < lost && lost < found, true);
+  const numbers = events.map((event) => Number(event.parentNode.dataset.frame));
+  const there = (at) => `frame ${numbers[at]} of 240, 0:0${((numbers[at] - 1) / 25).toFixed(1)}`;
+  events[lost].click();
+  is("a click goes there", place(), there(lost));
+  is("and marks it", document.querySelector("#events [aria-current]").textContent, words[lost]);
+  key("]");
+  is("the next one", place(), there(lost + 1));
+  key("["); key("[");
+  is("and back", place(), there(lost - 1));
+  const scrub = document.getElementById("scrub");
+  is("said with the slider", scrub.getAttribute("aria-valuetext"), `0:0${((numbers[lost - 1] - 1) / 25).toFixed(1)} (frame ${numbers[lost - 1]})`);
+"##;
+
+#[test]
+fn events_are_listed_with_their_times_and_lead_there() {
+    let page = page("page-events", &["synthetic", "--method", "smr"]);
+    let text = fs::read_to_string(&page).unwrap();
+    assert_eq!(text.matches("\"times\":null").count(), 1);
+    let times: Vec<String> = (0..240).map(|frame| format!("{:.2}", f64::from(frame) / 25.0)).collect();
+    fs::write(&page, text.replace("\"times\":null", &format!("\"times\":[{}]", times.join(",")))).unwrap();
+    browser::act("events_are_listed_with_their_times_and_lead_there", &page, 390, "", EVENTS);
+}
+
+const PORTRAIT: &str = r##"
+  const high = () => document.getElementById("stage").getBoundingClientRect().height / innerHeight;
+  await pause(100);
+  is("as high as the window allows: " + high(), high() > 0.7, true);
+  document.querySelector("#curves .panel").scrollIntoView({ block: "center" });
+  // A browser without a screen does not say that it has scrolled.
+  dispatchEvent(new Event("scroll"));
+  is("small beside the curves: " + high(), high() < 0.3, true);
+  document.querySelector("footer").scrollIntoView();
+  dispatchEvent(new Event("scroll"));
+  is("gone at the end", document.getElementById("screen").getBoundingClientRect().bottom <= 1, true);
+"##;
+
+#[test]
+fn an_upright_recording_is_as_high_as_the_window_allows() {
+    let arguments = ["synthetic", "--frames", "1..40", "--resize", "90x200", "--init", "20,40,14,46"];
+    let page = page("page-portrait", &arguments);
+    browser::act("an_upright_recording_is_as_high_as_the_window_allows", &page, 390, "", PORTRAIT);
+}
+
 const STAYS: &str = r##"
   const stage = () => document.getElementById("stage").getBoundingClientRect();
   const curves = document.querySelectorAll("#curves .panel");

@@ -47,7 +47,7 @@ export class Answers {
     return STATES[this.#targets.get(id)?.state(number)];
   }
 
-  /** { number, state, box, confidence, ... }; undefined if there is no answer. Missing values are null. */
+  /** { number, state, box, confidence, ... } without what is missing; undefined if there is no answer. */
   at(id, number) {
     return this.#targets.get(id)?.row(number);
   }
@@ -70,13 +70,10 @@ export class Answers {
     const read = { number: (number) => number, state: (number) => rows.state(number) };
     return {
       last: (name) => numbers.map(read[name] ?? ((number) => rows.value(name, number))),
-      row: () => ({ confidence: NaN, ratio: NaN, ...none(rows?.row(now)) }),
+      row: () => ({ confidence: NaN, ratio: NaN, ...rows?.row(now) }),
     };
   }
 }
-
-// Without what is null.
-const none = (row) => Object.fromEntries(Object.entries(row ?? {}).filter(([, value]) => value !== null));
 
 // The rows of one target from the frame `first` on, in columns that grow.
 class Rows {
@@ -105,7 +102,7 @@ class Rows {
       return undefined;
     }
     const { x, y, width, height, ...figures } = Object.fromEntries(COLUMNS.map((name) => [name, this.value(name, number)]));
-    const known = Object.entries(figures).map(([name, value]) => [name, Number.isNaN(value) ? null : value]);
+    const known = Object.entries(figures).filter(([, value]) => !Number.isNaN(value));
     return { number, state: STATES[state], box: { x, y, width, height }, ...Object.fromEntries(known) };
   }
 
@@ -116,6 +113,10 @@ class Rows {
     COLUMNS.forEach((name, column) => {
       this.#columns[name][at] = (values[column] ?? NaN) * UNITS[name];
     });
+    // A lock took no work of an update.
+    if (Number.isNaN(this.#columns.confidence[at])) {
+      this.#columns.work[at] = NaN;
+    }
     this.last = Math.max(this.last, number);
     this.version += 1;
   }

@@ -60,6 +60,13 @@ export class Connection {
     return (await (await told(what, options)).json()).id;
   }
 
+  /** The boxes as a file: its name and its bytes. */
+  async boxes(format) {
+    const answer = await asked(`boxes?format=${format}`);
+    const [, name] = /filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition")) ?? [null, `boxes.${format}`];
+    return { name, bytes: await answer.blob() };
+  }
+
   async firmware() {
     return (await asked("firmware")).text();
   }

@@ -6,28 +6,26 @@ import { nameOf } from "./edits.js";
 
 const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML" };
 
-/** The links and buttons for files. `make(what, options)` begins one. */
-export function drawFiles(place, { formats, films, live }, make) {
-  const links = formats.map((format) => htmlNode("a", { href: `boxes?format=${format}`, download: "" }, FORMATS[format] ?? format));
-  const button = (text, what, options) => {
+/** The buttons for files. `take(format)` saves boxes, `make(what, options)` begins a film or a report. */
+export function drawFiles(place, { formats, films, live }, take, make) {
+  const button = (text, act) => {
     const node = htmlNode("button", { type: "button" }, text);
-    node.addEventListener("click", () => make(what, options));
+    node.addEventListener("click", act);
     return node;
   };
-  const videos = films.map((as) => button(`.${as}`, "film", { as }));
-  const groups = [["Boxes", links], ["Video with boxes", videos], ["", live ? [] : [button("Report", "report", {})]]];
+  const boxes = formats.map((format) => button(FORMATS[format] ?? format, () => take(format)));
+  const videos = films.map((as) => button(`.${as}`, () => make("film", { as })));
+  const groups = [["Boxes", boxes], ["Video with boxes", videos], ["", live ? [] : [button("Report", () => make("report", {}))]]];
   place.replaceChildren(...groups.flatMap(([title, nodes]) => (nodes.length === 0 ? [] : [title, ...nodes])));
 }
 
 /** How far a file is, or where it is. */
 export function drawMade(place, { id, done, file, error }) {
   place.hidden = false;
-  if (error !== undefined) {
-    place.replaceChildren(error);
-  } else if (file === undefined) {
-    place.replaceChildren(`The file is being made: ${Math.floor(100 * done)} %.`);
-  } else {
+  if (file) {
     place.replaceChildren("The file is there: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
+  } else {
+    place.replaceChildren(error || `The file is being made: ${Math.floor(100 * done)} %.`);
   }
 }
 
@@ -47,9 +45,11 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   }
 }
 
+// A line is broken between words only, not behind the hyphens of an option.
 function write(id, text) {
   if (byId(id).textContent !== text) {
-    byId(id).textContent = text;
+    const words = text.split(" ").flatMap((word) => [" ", htmlNode("span", { class: "word" }, word)]);
+    byId(id).replaceChildren(...words.slice(1));
   }
 }
 

@@ -25,7 +25,8 @@ export function drawWindow(canvas, { picture, size, view, boxes, proposed, color
   for (const one of boxes) {
     drawBox(context, placed(one.box), one);
   }
-  if (proposed !== null) {
+  // A click draws nothing.
+  if (proposed !== null && proposed.width + proposed.height > 0) {
     drawEdge(context, placed(proposed), { color, line: 2, dash: [] });
     handles(context, placed(proposed), color);
   }
@@ -47,7 +48,9 @@ function drawEdge(context, place, { color, line, dash }) {
 }
 
 function handles(context, [x, y, width, height], color) {
-  const side = matchMedia("(pointer: coarse)").matches ? WIDE_HANDLE : HANDLE;
+  const widest = matchMedia("(pointer: coarse)").matches ? WIDE_HANDLE : HANDLE;
+  // What is in a small box is to be seen.
+  const side = Math.max(Math.min(widest, width / 4, height / 4), 4);
   for (const across of [0, 0.5, 1]) {
     for (const down of [0, 0.5, 1]) {
       if (across !== 0.5 || down !== 0.5) {

@@ -3,7 +3,9 @@
 
 import { Answers } from "./answers.js";
 import { Connection } from "./connection.js";
+import { optionsOf } from "./command.js";
 import { byId, htmlNode, inView } from "./dom.js";
+import { save } from "./download.js";
 import { Drag, gripOf } from "./drag.js";
 import { Edits, lockIn, nameOf } from "./edits.js";
 import { Embedded } from "./embedded.js";
@@ -11,7 +13,7 @@ import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { Figures } from "./figures.js";
 import { FRAMES, Graph } from "./graph.js";
 import { drawList } from "./list.js";
-import { METHODS, TITLES } from "./methods.js";
+import { METHODS, SETTINGS, TITLES } from "./methods.js";
 import { Timeline } from "./timeline.js";
 import { drawCommands, drawFiles, drawMade } from "./window-files.js";
 import { Pictures } from "./window-pictures.js";
@@ -20,6 +22,7 @@ import { drawWindow } from "./window-stage.js";
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
 const AHEAD = 12; // pictures that are loaded before they are played
+const MOST_LATE = 50; // frames
 const USUAL_RATE = 25; // frames a second, where the source does not say
 const NEW_COLOR = "#fff";
 const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
@@ -28,7 +31,7 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const connection = byId("data") === null ? new Connection() : new Embedded();
 const edits = new Edits();
 const answers = new Answers();
-const pictures = new Pictures((number) => connection.picture(number), came, (number, error) => number === frame && say(error.message));
+const pictures = new Pictures((number) => connection.picture(number), came, missed);
 const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
 let source; // see PROTOCOL of `host-sim view`
@@ -69,6 +72,13 @@ function goTo(number) {
 function came(number) {
   if (number === frame || shown === null || Math.abs(number - frame) < Math.abs(shown - frame)) {
     show(number);
+  }
+}
+
+// Not every picture of a camera is kept: the next one is there soon.
+function missed(number, error) {
+  if (number === frame && !(kind === "live" && byId("newest").checked)) {
+    say(error.message);
   }
 }
 
@@ -255,7 +265,8 @@ function measure() {
     [first, last] = [news.live.oldest, news.live.newest];
     answers.forget(first);
     if (byId("newest").checked) {
-      goTo(last);
+      // So that there is a picture with its boxes, unless these come late.
+      goTo(edits.targets.length === 0 || followed === null ? last : clamp(followed, last - MOST_LATE, last));
     }
   }
 }
@@ -376,9 +387,11 @@ function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
-    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "not followed here") : "");
+    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "–") : "");
   });
 }
+
+const named = (number) => (number > last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
 
 // Of the tracker that follows, what app.js shows of both.
 function drawChosen(chosen) {
@@ -391,7 +404,7 @@ function drawChosen(chosen) {
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
     const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end, shown);
-    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named: (number) => (timeOf(number) === null ? String(number) : clock(timeOf(number))) });
+    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named });
   }
 }
 
@@ -407,6 +420,7 @@ function drawControls(chosen) {
   write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
   byId("lost").hidden = lost === undefined;
   write(byId("load"), load());
+  write(byId("about"), source.about ?? about());
   byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
 }
 
@@ -424,10 +438,15 @@ function said(chosen) {
   return `${nameOf(chosen)} ${found.state}: left ${x}, top ${y}, ${width} x ${height} pixels`;
 }
 
+function about() {
+  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${timeOf(last) === null ? "" : `, ${clock(timeOf(last))}`}`;
+  return `${source.width}x${source.height} pixels${long}`;
+}
+
 function load() {
   const { progress, live } = news;
   const dropped = live && `${live.dropped === 0 ? "No frame was dropped" : `${live.dropped} frames were dropped: this machine was behind`}. The picture is ${Math.round(live.latency_ms)} ms old.`;
-  const following = progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
+  const following = !live && progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
   const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
   return [dropped, following, hint].filter(Boolean).join(" ");
 }
@@ -438,7 +457,7 @@ function write(node, text) {
   }
 }
 
-const verbs = () => source.commands ?? { track: "", report: "-o report.html" };
+const verbs = () => source.commands ?? (kind === "live" ? { track: "" } : { track: "", report: "-o report.html" });
 
 // ---- the address, which leads to a frame
 
@@ -499,7 +518,7 @@ function listen() {
   byId("newest").addEventListener("change", measure);
   byId("speed").addEventListener("change", () => (playing = playing && restarted(frame)));
   byId("zoom").addEventListener("change", zoom);
-  byId("stop").addEventListener("click", () => trying(connection.stop()));
+  byId("stop").addEventListener("click", stop);
   byId("undo").addEventListener("click", () => undo(false));
   byId("redo").addEventListener("click", () => undo(true));
   byId("unlock").addEventListener("click", unlock);
@@ -507,7 +526,7 @@ function listen() {
     choose(null);
     byId("stage").focus({ preventScroll: true });
   });
-  byId("method").addEventListener("change", useMethod);
+  ["method", "settings"].forEach((id) => byId(id).addEventListener("change", useMethod));
   byId("firmware").addEventListener("toggle", async () => {
     byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(connection.firmware()) : "";
   });
@@ -530,10 +549,39 @@ function zoom() {
   draw();
 }
 
+// Options that the page does not show stay as they were given.
 function useMethod() {
-  [source.method, source.options] = [byId("method").value, {}];
+  const method = byId("method").value;
+  const { reach, without, config, ...others } = method === source.method ? source.options : {};
+  const isOn = (id) => byId(id).checked;
+  const robust = { reach: Number(byId("reach").value), size: isOn("size"), sweep: isOn("sweep"), refiner: isOn("refiner") };
+  [source.method, source.options] = [method, { ...others, ...optionsOf(method, { robust, smr: { config: byId("config").value } }) }];
   trying(connection.method(source.method, source.options));
+  showMethod();
   draw();
+}
+
+function showMethod() {
+  byId("method").value = source.method;
+  document.querySelectorAll("[data-method]").forEach((node) => (node.hidden = node.dataset.method !== source.method));
+}
+
+// As they are in the options of host-sim.
+function showSettings({ reach = SETTINGS.robust.reach, without = [], config }) {
+  if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
+    byId("reach").append(htmlNode("option", {}, reach));
+  }
+  byId("reach").value = reach;
+  ["size", "sweep", "refiner"].forEach((part) => (byId(part).checked = !without.includes(part)));
+  byId("refiner").checked &&= config !== "robust";
+  byId("config").value = source.method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
+}
+
+async function stop() {
+  if ((await trying(connection.stop())) !== "") {
+    play(false);
+    say("Stopped. The last minutes can still be looked through.");
+  }
 }
 
 async function trying(promise) {
@@ -542,6 +590,13 @@ async function trying(promise) {
   } catch (error) {
     say(error.message);
     return "";
+  }
+}
+
+async function take(format) {
+  const file = await trying(connection.boxes(format));
+  if (file !== "") {
+    save(file.name, file.bytes);
   }
 }
 
@@ -559,7 +614,6 @@ function prepare() {
   byId("play").hidden = kind === "embedded";
   document.title = source.name;
   byId("name").textContent = source.name;
-  byId("about").textContent = source.about ?? `${source.width}x${source.height} pixels.`;
   byId("version").textContent = `host-sim ${source.version}`;
   byId("stage").style.setProperty("--ratio", source.width / source.height);
   timeline = new Timeline(byId("timeline"), { goTo: visit });
@@ -573,11 +627,12 @@ function prepare() {
   edits.load(source.targets);
   if (connection.follows) {
     byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
-    byId("method").value = source.method;
+    showSettings(source.options);
+    showMethod();
     graph = new Graph(byId("curves"));
     figures = new Figures(byId("figures"), NOT_THERE);
     seesCurves = inView(byId("curves"), draw);
-    drawFiles(byId("files"), source, make);
+    drawFiles(byId("files"), source, take, make);
   }
 }
 

@@ -85,7 +85,7 @@ test("answers are found by frame, replaced, cleared and forgotten", () => {
   answers.take([row(1, 2000, "lost"), row(1, 5, "tracking", null), row(2, 9, "leaving")]);
   assert.deepEqual([answers.state(1, 5), answers.state(1, 2000), answers.state(1, 6), answers.state(3, 5)], ["tracking", "lost", undefined, undefined]);
   assert.deepEqual(answers.at(1, 5), {
-    number: 5, state: "tracking", box: { x: 1.25, y: 2, width: 30, height: 40 }, confidence: null, alpha: null, ratio: 65535 / 4, scale: 65536, work: 12,
+    number: 5, state: "tracking", box: { x: 1.25, y: 2, width: 30, height: 40 }, ratio: 65535 / 4, scale: 65536,
   });
   const before = answers.version(1);
   answers.take([row(1, 5, "uncertain")]);

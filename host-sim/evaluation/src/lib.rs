@@ -39,7 +39,7 @@ pub use tables::{TableName, Tables};
 pub use vot::Vot;
 
 use anyhow::{Context, Error, Result, ensure};
-use smr_recordings::{GrayFrame, Sequence};
+use smr_recordings::{GrayFrame, Sequence, cleanup};
 use std::path::PathBuf;
 
 /// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
@@ -143,6 +143,7 @@ fn follow(
     let mut runs: Vec<_> = followers.into_iter().map(|follower| (follower, Ok(Run::default()))).collect();
     for (place, frame) in frames.enumerate() {
         let frame = frame?;
+        ensure!(!cleanup::is_stopped(), "it was stopped");
         for (follower, run) in &mut runs {
             if let Ok(record) = run
                 && let Err(error) = record.add(follower, place, &frame)

@@ -40,7 +40,7 @@ impl Refused {
                 (has("resize"), "--resize 1/2"),
             ],
             _ => vec![
-                (has("init"), "--init X,Y,W,H with a box in the frame (`host-sim frame` shows coordinates)"),
+                (has("init"), "--init X,Y,W,H with a box in the frame (drag it in `host-sim view`)"),
                 (!has("init"), "a box in the frame"),
             ],
         };

@@ -4,7 +4,7 @@ use super::Report;
 use super::otb::Otb;
 use super::vot::Vot;
 use anyhow::{Result, ensure};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use smr_recordings::BoundingBox;
 
@@ -19,7 +19,7 @@ pub const CORRECT: f64 = 0.25;
 const CORRECT_50: f64 = 0.5;
 
 /// How well a trajectory fits the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     pub frames: usize,
     /// Frames in which the target is visible: those that have ground truth.

@@ -12,9 +12,9 @@
 //! that the tracker was given.
 
 use super::Trajectory;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vot {
     /// The largest F; 0 if no answer meets the target.
     pub vot_f: f64,

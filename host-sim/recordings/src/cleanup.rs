@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,7 +25,7 @@ static ENDING: AtomicBool = AtomicBool::new(false);
 
 /// The first signal is a wish to stop, and one has come.
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
-static STOPPED: AtomicBool = AtomicBool::new(false);
+static STOPPED: AtomicI32 = AtomicI32::new(0);
 
 /// From here on the first signal only asks to stop: [`is_stopped`]. The second one ends this program.
 pub fn stop_first() {
@@ -34,12 +34,17 @@ pub fn stop_first() {
 
 /// True if a signal has asked to stop.
 pub fn is_stopped() -> bool {
-    STOPPED.load(Ordering::SeqCst)
+    stopped_by().is_some()
+}
+
+/// The signal that has asked to stop.
+pub fn stopped_by() -> Option<i32> {
+    Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
 /// A signal has come. True if it only asks to stop.
-fn asks_to_stop() -> bool {
-    STOPS_FIRST.load(Ordering::SeqCst) && !STOPPED.swap(true, Ordering::SeqCst)
+fn asks_to_stop(signal: i32) -> bool {
+    STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
 /// Whatever a thread that panicked held is still to be removed.
@@ -185,7 +190,7 @@ pub fn heed_signals() -> io::Result<()> {
     let wanted = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(signal));
     let mut signals = signal_hook::iterator::Signals::new(wanted)?;
     thread::spawn(move || {
-        if let Some(signal) = signals.forever().find(|_| !asks_to_stop()) {
+        if let Some(signal) = signals.forever().find(|&signal| !asks_to_stop(signal)) {
             end_by(signal);
         }
     });
@@ -196,7 +201,7 @@ pub fn heed_signals() -> io::Result<()> {
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     let heed = || {
-        if !asks_to_stop() {
+        if !asks_to_stop(2) {
             end_by(2);
         }
     };

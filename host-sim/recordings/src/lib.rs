@@ -154,7 +154,7 @@ impl Sequence {
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
-            format!("{name}: no box to start from: give --init X,Y,W,H (`host-sim frame` shows coordinates), or init.txt beside the recording")
+            format!("{name}: no box to start from: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording")
         })?;
         init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
     }
@@ -194,7 +194,11 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        ensure!(options.takes_live, "{} is a live source, for `track` and `view` alone: expected a recording", live::name(path));
+        ensure!(
+            options.takes_live,
+            "{} is a live source, for `track` and `view` alone: expected a recording",
+            live::name(path)
+        );
         Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());

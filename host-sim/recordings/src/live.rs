@@ -107,7 +107,7 @@ impl Live {
                 match frames.next_planes() {
                     Ok(Some(planes)) => newest.add(planes),
                     Ok(None) => return newest.end(None),
-                    Err(error) => return newest.end(Some(crate::messages::of(&error))),
+                    Err(error) => return newest.end(Some(error.root_cause().to_string())),
                 }
             }
         });

@@ -530,6 +530,23 @@ mod y4m_files {
     }
 }
 
+/// Pure red has luma 81 and differences of color 90 and 240 in limited range (BT.601).
+#[test]
+fn planes_have_colors_in_both_ranges() {
+    let color = |header: &str, planes: &[u8]| {
+        let stream = [b"YUV4MPEG2 W2 H2 ".as_slice(), header.as_bytes(), b"\nFRAME\n", planes].concat();
+        let mut frames = y4m::Frames::new(stream.as_slice(), "a.y4m".to_owned()).unwrap();
+        frames.next_planes().unwrap().unwrap().color().pixels
+    };
+    let near = |found: [u8; 3], expected: [u8; 3]| found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 2);
+    let limited = color("C420", &[81, 81, 16, 235, 90, 240]);
+    assert!(near(limited[0], [255, 0, 0]) && near(limited[1], [255, 0, 0]), "{limited:?}");
+    let full = color("C444 XCOLORRANGE=FULL", &[76, 0, 255, 29, 85, 128, 128, 255, 255, 128, 128, 107]);
+    assert!(near(full[0], [254, 0, 0]) && near(full[1], [0; 3]) && near(full[2], [255; 3]), "{full:?}");
+    assert!(near(full[3], [0, 0, 254]), "{full:?}");
+    assert_eq!(color("Cmono", &[0, 7, 200, 255]), [[0; 3], [7; 3], [200; 3], [255; 3]]);
+}
+
 mod videos {
     use super::*;
     use crate::missing::has_ffmpeg;

@@ -126,7 +126,7 @@ struct Chroma {
     /// So many pixels, across and down, have one color; 0 of gray frames.
     across: usize,
     down: usize,
-    /// Levels from 0 to 255, not from 16 on.
+    /// Levels from 0 to 255, not from 16 on; gray frames are shown as they are.
     is_full: bool,
 }
 
@@ -181,7 +181,7 @@ impl Header {
         let field = |letter| fields.split(' ').rev().find_map(|field| field.strip_prefix(letter));
         let size = (side('W', field('W'))?, side('H', field('H'))?);
         let (across, down) = chroma(field('C').unwrap_or("420"))?;
-        let chroma = Chroma { across, down, is_full: fields.contains("XCOLORRANGE=FULL") };
+        let chroma = Chroma { across, down, is_full: across == 0 || fields.contains("XCOLORRANGE=FULL") };
         let frame_bytes = frame_bytes(size, chroma);
         let (width, height) = size;
         ensure!(

@@ -2,6 +2,7 @@
 
 use super::number::from;
 use super::paths::Places;
+use super::progress::Expected;
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, count_failures, end, say_what_failed};
 use super::table_options::TableOptions;
@@ -16,7 +17,7 @@ use smr_pages::report::calibration;
 use smr_pages::report::diagram::Form;
 use smr_recordings::fault::{Fault, Faults};
 use smr_recordings::output::{Output, complain};
-use smr_recordings::{OpenOptions, Resize, Sequence, slow, synthetic};
+use smr_recordings::{OpenOptions, Resize, Sequence, cleanup, slow, synthetic};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -69,6 +70,11 @@ pub struct Eval {
     /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
+    /// With --robustness: keep what is measured in this folder, and go on from there
+    ///
+    /// A file for each tracker on each recording. It counts as long as the recording, the options and host-sim itself are the same.
+    #[arg(long, value_name = "DIR", requires = "robustness")]
+    resume: Option<PathBuf>,
     /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
     ///
     /// Over all frames of all runs of smr and robust, with the numbers as one more table. A frame without an answer is not correct, and
@@ -197,7 +203,7 @@ impl Eval {
             None => Starts::Near,
         };
         let (mut robustness, failed) =
-            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts)?;
+            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts, self.resume.as_deref())?;
         robustness.compare(former.as_ref())?;
         if let (Some(plot), Some(form)) = (plot, form) {
             plot.end(&form.draw(&calibration::marks(robustness.calibration()))?)?;
@@ -218,14 +224,17 @@ impl Eval {
         let found = self.recording.find(&self.paths)?;
         let recordings = found.len();
         let bar = progress::of("faults", Some(recordings), "recordings");
+        cleanup::stop_first();
         for path in found {
             match self.recording.open(&path).and_then(|sequence| faults::measure(sequence, variants, &list)) {
                 Ok(measured) => all.add(measured),
+                _ if cleanup::is_stopped() => break,
                 Err(error) => failures.push(error),
             }
             bar.inc(1);
         }
         bar.finish_and_clear();
+        say_if_stopped();
         let failed = count_failures(failures, recordings == 1, &named(NAME))?;
         self.tables.print(&all.tables(), |layout| all.text(layout))?;
         end(failed)
@@ -280,19 +289,32 @@ impl Eval {
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
     fn evaluate(&self, paths: &[PathBuf], variants: &[Variant], compare: bool) -> Vec<Result<Evaluation>> {
         let bar = progress::bar(NAME, Some(0));
-        let one = |path: &PathBuf| self.evaluate_one(path, variants, compare, &bar);
-        let evaluations = paths.par_iter().map(one).collect();
+        let expected = Expected::of(&bar, paths.len());
+        cleanup::stop_first();
+        let one = |path: &PathBuf| {
+            let is_begun = !cleanup::is_stopped();
+            let evaluation = is_begun.then(|| self.evaluate_one(path, variants, compare, (&bar, &expected)))?;
+            Some(evaluation).filter(|evaluation| evaluation.is_ok() || !cleanup::is_stopped())
+        };
+        let evaluations = paths.par_iter().filter_map(one).collect();
         bar.finish_and_clear();
+        say_if_stopped();
         evaluations
     }
 
-    fn evaluate_one(&self, path: &Path, variants: &[Variant], compare: bool, bar: &ProgressBar) -> Result<Evaluation> {
+    fn evaluate_one(
+        &self,
+        path: &Path,
+        variants: &[Variant],
+        compare: bool,
+        (bar, expected): (&ProgressBar, &Expected<'_>),
+    ) -> Result<Evaluation> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames {
             // What is published is of all frames: under this name there is nothing.
             sequence.name = format!("{} {frames}", sequence.name);
         }
-        bar.inc_length(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64));
+        expected.add(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64), 1);
         let files = if compare { smr_evaluation::result_files(path)? } else { Vec::new() };
         smr_evaluation::evaluate(sequence, variants, &files, || bar.inc(1))
     }
@@ -301,6 +323,12 @@ impl Eval {
 /// True if the paper's table has the recording at `path`.
 fn is_published(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
+}
+
+fn say_if_stopped() {
+    if cleanup::is_stopped() {
+        complain("stopped: these are the results of the recordings that were done");
+    }
 }
 
 fn say_what_to_know(evaluations: &[Evaluation]) {

@@ -23,6 +23,8 @@ use std::process::ExitCode;
 pub enum Outcome {
     Holds,
     CheckFailed,
+    /// A signal of this number has asked to stop.
+    Stopped(i32),
 }
 
 /// Runs another program, of one command: signals, errors and exit codes are those of host-sim.
@@ -52,6 +54,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     match done {
         Ok(Outcome::Holds) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Ok(Outcome::Stopped(signal)) => ExitCode::from(u8::try_from(128 + signal).unwrap_or(u8::MAX)),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => refused(&error, &command),
     }

@@ -1,19 +1,19 @@
-//! `host-sim frame`: the box to start from is dragged on a page, or read off a frame with its coordinates.
+//! `host-sim frame`: a page on which boxes are dragged, as one file.
 
 use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{BUDGET, Outcome, progress, say};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
-use smr_recordings::output::{self, Output, complain};
-use smr_recordings::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, messages};
+use smr_recordings::output::{Output, complain};
+use smr_recordings::{BoundingBox, ColorFrame, Colors, Sequence, messages};
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-const TAKEN: Taken = Taken { endings: &["html", "png"], folder: false };
+const TAKEN: Taken = Taken { endings: &["html"], folder: false };
 
 #[derive(Debug, clap::Args)]
 pub struct Frame {
@@ -23,9 +23,9 @@ pub struct Frame {
     /// Which frame of the recording [default: the first, or the first of --frames]
     #[arg(value_name = "N", value_parser = from::<NonZeroUsize>(1))]
     number: Option<NonZeroUsize>,
-    /// What to write: a page to drag a box on (.html), or a picture with a grid of coordinates (.png)
+    /// The page to write (.html)
     ///
-    /// The page has the frames of the recording to go through, and shows the command line with the box. It needs no other file and no network.
+    /// It has the frames of the recording to go through, and shows the command line with the box. It needs no other file and no network.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// The most megabytes for the page: beyond it it has fewer frames, evenly spaced
@@ -46,9 +46,9 @@ struct Written {
     frame: usize,
     width: u16,
     height: u16,
-    /// The frames in a page; null of a picture.
-    pictures: Option<usize>,
-    /// The box that was drawn; null where there is none.
+    /// The frames in the page.
+    pictures: usize,
+    /// The box that is drawn; null where there is none.
     #[serde(rename = "box")]
     bbox: Option<BoundingBox>,
     /// Whether `track` takes it: all of it must lie in the frame. Null where there is no box.
@@ -61,8 +61,7 @@ impl Frame {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let is_page = self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
-        let written = if is_page { self.page()? } else { self.picture()? };
+        let written = self.page()?;
         let text = if self.json { serde_json::to_string_pretty(&written)? + "\n" } else { lines(&written) };
         say(|out| out.write_all(text.as_bytes()))?;
         Ok(Outcome::Holds)
@@ -80,19 +79,6 @@ impl Frame {
     /// The box to draw: the one that lies beside a recording is that of its first frame.
     fn target(&self, init: Option<BoundingBox>) -> Option<BoundingBox> {
         init.filter(|_| self.number() == self.first() || self.recording.gives_init())
-    }
-
-    fn picture(&self) -> Result<Written> {
-        let Sequence { name, frames, init, .. } = self.recording.open(&self.sequence)?;
-        let number = self.number();
-        // A late frame of a long video takes a while.
-        let bar = progress::bar(&name, Some((number + 1).saturating_sub(self.first())));
-        let frame = nth(frames.inspect(|_| bar.inc(1)), self.first(), number).with_context(|| name.clone())?;
-        bar.finish_and_clear();
-        let bbox = self.target(init);
-        let bytes = report::coordinates(&frame, number, bbox.as_ref())?;
-        output::write(&self.out, &bytes)?;
-        Ok(self.written(name, bytes.len(), (frame.width, frame.height), None, bbox))
     }
 
     fn page(&self) -> Result<Written> {
@@ -140,7 +126,7 @@ impl Frame {
         }
         let picked = picked?;
         output.end(picked.page.as_bytes())?;
-        Ok(self.written(choosing.name, picked.page.len(), picked.size, Some(picked.pictures), bbox))
+        Ok(self.written(choosing.name, picked.page.len(), picked.size, picked.pictures, bbox))
     }
 
     fn written(
@@ -148,7 +134,7 @@ impl Frame {
         sequence: String,
         bytes: usize,
         (width, height): (u16, u16),
-        pictures: Option<usize>,
+        pictures: usize,
         bbox: Option<BoundingBox>,
     ) -> Written {
         Written {
@@ -172,19 +158,6 @@ fn quoted(path: &Path) -> Result<String> {
     Ok(shlex::try_quote(&text)?.into_owned())
 }
 
-/// The frame with this number, where the first has the number `first`.
-fn nth(frames: impl Iterator<Item = Result<GrayFrame>>, first: usize, number: usize) -> Result<GrayFrame> {
-    let mut last = first - 1;
-    for frame in frames {
-        let frame = frame?;
-        last += 1;
-        if last == number {
-            return Ok(frame);
-        }
-    }
-    bail!("there is no frame {number}: expected {first} to {last}")
-}
-
 /// Whether a tracker can be locked on the box.
 fn is_inside(bbox: &BoundingBox, width: u16, height: u16) -> bool {
     let whole = smr_core::Rect::new(0, 0, width, height);
@@ -192,15 +165,7 @@ fn is_inside(bbox: &BoundingBox, width: u16, height: u16) -> bool {
 }
 
 fn lines(written: &Written) -> String {
-    let Written { file, sequence, frame, width, height, pictures, bbox, inside, .. } = written;
+    let Written { file, sequence, frame, width, height, pictures, .. } = written;
     let first = format!("{}: frame {frame} of {sequence}, {width}x{height} pixels\n", file.display());
-    if let Some(pictures) = pictures {
-        return format!("{first}{pictures} frames to go through: open it in a browser, and drag a box\n");
-    }
-    let Some(bbox) = bbox else {
-        return first + "no box: give --init X,Y,W,H to see one\n";
-    };
-    let refused =
-        if *inside == Some(true) { "" } else { "; not all of it lies in the frame, so `track` would refuse it" };
-    format!("{first}box: {bbox} (x,y,width,height){refused}\n")
+    format!("{first}{pictures} frames to go through: open it in a browser, and drag a box\n")
 }

@@ -76,10 +76,8 @@ enum Command {
   host-sim view clip.mp4
   host-sim view sequences/car --no-open")]
     View(view::View),
-    /// Choose the box to start from: a page to drag it on, or a picture with a grid of coordinates
-    #[command(after_help = "Examples:
-  host-sim frame clip.mp4 -o pick.html
-  host-sim frame clip.mp4 1 --init 142,125,90,39 -o first.png")]
+    /// Write a page on which boxes are dragged, as one file: `view` without a server, and without following
+    #[command(after_help = "Example:\n  host-sim frame clip.mp4 -o pick.html")]
     Frame(frame::Frame),
     /// Print the target's box in every frame
     #[command(after_help = "Examples:

@@ -237,11 +237,8 @@ impl Wish for Desk {
         words.extend(typed(&options).map(OsString::from));
         let (out, more): (&str, &[&str]) = if is_report { ("--out", &[]) } else { ("--video", &["--format", "csv"]) };
         words.extend(more.iter().map(OsString::from));
-        let words = move |place: &Path| {
-            words.extend([out.into(), place.into()]);
-            words
-        };
-        Ok(Job { name: self.file(ending), words: Box::new(words), lines: if is_report { 0 } else { lines } })
+        words.push(out.into());
+        Ok(Job { name: self.file(ending), words, lines: if is_report { 0 } else { lines } })
     }
 
     fn firmware(&self, variant: &Variant) -> String {

@@ -24,6 +24,9 @@ struct Ablation {
     /// In place of the 5 starts of `eval --robustness`, start at every N-th frame in which the target is visible
     #[arg(long, value_name = "N", conflicts_with_all = ["init", "inclusive"], value_parser = from::<NonZeroUsize>(1))]
     starts_every: Option<NonZeroUsize>,
+    /// Keep what is measured in this folder, and go on from there
+    #[arg(long, value_name = "DIR")]
+    resume: Option<PathBuf>,
     #[command(flatten)]
     tables: TableOptions,
     #[command(flatten)]
@@ -38,8 +41,9 @@ impl Ablation {
     fn run(self) -> Result<Outcome> {
         self.tables.check(TABLES)?;
         let starts = self.starts_every.map_or(Starts::Near, Starts::Every);
+        let (command, resume) = (Self::command(), self.resume.as_deref());
         let (robustness, failed) =
-            robustness::measure(&Self::command(), &self.paths, &self.recording, &variants(), starts)?;
+            robustness::measure(&command, &self.paths, &self.recording, &variants(), starts, resume)?;
         self.tables.print(&robustness.tables(), |layout| robustness.summary(layout))?;
         robustness::end(failed)
     }

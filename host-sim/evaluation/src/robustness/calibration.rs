@@ -3,15 +3,16 @@
 use super::Robustness;
 use crate::Layout;
 use crate::tables::{Columns, Listed};
+use serde::{Deserialize, Serialize};
 
 /// So many bins from 0 to 1.
 const BINS: usize = 40;
 
 /// Frames by the ratio that was reported in them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Calibration([Count; BINS]);
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Calibration(Vec<Count>);
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Count {
     frames: u64,
     correct: u64,
@@ -30,7 +31,7 @@ pub struct Bin {
 
 impl Default for Calibration {
     fn default() -> Self {
-        Self([Count::default(); BINS])
+        Self(vec![Count::default(); BINS])
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
         for (ratio, right) in [(0.51, true), (0.52, false), (0.51, false), (0.524, false), (1.0, true)] {
             run.count(ratio, right);
         }
-        let bins = Calibration::total([run, run].iter()).bins("robust");
+        let bins = Calibration::total([run.clone(), run].iter()).bins("robust");
         let counted: Vec<_> =
             bins.iter().filter(|bin| bin.frames > 0).map(|bin| (bin.from, bin.to, bin.frames, bin.correct)).collect();
         assert_eq!(counted, [(0.5, 0.525, 8, 2), (0.975, 1.0, 2, 2)]);

@@ -4,6 +4,7 @@ use super::calibration::Calibration;
 use crate::tables::Columns;
 use crate::{CORRECT, Run, Score, Trajectory, overlaps};
 use anyhow::Result;
+use serde::{Deserialize, Serialize};
 use smr_core::State;
 use std::time::Duration;
 
@@ -83,7 +84,7 @@ pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
         /// How well a method does on a recording over all starts, or on several recordings on average.
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
         }

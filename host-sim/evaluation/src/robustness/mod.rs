@@ -4,6 +4,7 @@
 //! - `figures`: what runs come to.
 //! - `paired`: what one method is better by than another.
 //! - `calibration`: what a reported ratio says of the chance to be right.
+//! - `kept`: what was measured before.
 //! - `table`: the results as text.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
@@ -11,12 +12,14 @@
 
 mod calibration;
 mod figures;
+mod kept;
 mod paired;
 mod starts;
 mod table;
 
 pub use calibration::Bin;
 pub use figures::Figures;
+pub use kept::Kept;
 pub use paired::Former;
 pub use starts::Starts;
 
@@ -29,7 +32,7 @@ use calibration::Calibration;
 use figures::{HEADLINE, RunFigures};
 use paired::Paired;
 use rayon::prelude::*;
-use smr_recordings::Sequence;
+use smr_recordings::{Sequence, cleanup};
 use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,8 +42,13 @@ pub const TABLES: &[TableName] =
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// So many frames more will come.
-    Expected(u64),
+    /// So many frames more will come, of so many recordings.
+    Expected {
+        frames: u64,
+        recordings: usize,
+    },
+    /// So many recordings were measured before.
+    Kept(usize),
     Done,
 }
 
@@ -83,6 +91,8 @@ struct Row {
     origin: Origin,
     tracker: String,
     sequence: String,
+    /// Of the recording.
+    path: PathBuf,
     /// The folder that the recording lies in, among others.
     folder: PathBuf,
     figures: Figures,
@@ -158,7 +168,8 @@ const ENOUGH_BYTES: u64 = MOST_BYTES;
 /// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens.
 ///
 /// Recordings, variants and starts are all spread over the threads that there are. A recording is decoded once and kept in
-/// memory, where it may have 1 GiB; others are kept with it until there is as much.
+/// memory, where it may have 1 GiB; others are kept with it until there is as much. If a signal asks to stop, it is of the rows that are
+/// whole.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -166,19 +177,47 @@ pub fn measure(
     starts: Starts,
     progress: &(impl Fn(Progress) + Sync),
 ) -> Robustness {
-    let (mut rows, mut failures) = (Vec::new(), Vec::new());
-    let mut held = Vec::new();
-    let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
-    while let Some(part) = parts.next() {
+    measure_again(paths, open, variants, starts, None, progress)
+}
+
+/// The same without what `kept` has; what is measured is put into it.
+pub fn measure_again(
+    paths: &[PathBuf],
+    open: impl Fn(&Path) -> Result<Sequence> + Sync,
+    variants: &[Variant],
+    starts: Starts,
+    kept: Option<&Kept>,
+    progress: &(impl Fn(Progress) + Sync),
+) -> Robustness {
+    let before = |path: &PathBuf| variants.iter().filter_map(|variant| kept?.read(path, variant)).collect::<Vec<_>>();
+    let mut rows: Vec<Row> = paths.iter().flat_map(before).collect();
+    let has = |rows: &[Row], path: &Path, variant: &Variant| {
+        rows.iter().any(|row| row.path == path && row.tracker == variant.name)
+    };
+    let is_new = |path: &&PathBuf| !variants.iter().all(|variant| has(&rows, path, variant));
+    let new: Vec<&PathBuf> = paths.iter().filter(is_new).collect();
+    progress(Progress::Kept(paths.len() - new.len()));
+    let (mut failures, mut held) = (Vec::new(), Vec::new());
+    let mut parts = new.chunks(rayon::current_num_threads()).peekable();
+    while let Some(part) = parts.next()
+        && !cleanup::is_stopped()
+    {
         let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, starts)).collect();
         separate(read, &mut held, &mut failures);
         let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
         if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
-            separate(run_all(&held, variants, progress), &mut rows, &mut failures);
+            let pairs = held.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant)));
+            let pairs: Vec<_> = pairs.filter(|(case, variant)| !has(&rows, &case.path, variant)).collect();
+            let frames = pairs.iter().map(|(case, _)| case.frames_to_run()).sum();
+            progress(Progress::Expected { frames, recordings: held.len() });
+            separate(run_all(&pairs, kept, progress), &mut rows, &mut failures);
             held.clear();
         }
     }
-    let place = |row: &Row| variants.iter().position(|variant| variant.name == row.tracker);
+    let place = |row: &Row| {
+        let path = paths.iter().position(|path| *path == row.path);
+        (variants.iter().position(|variant| variant.name == row.tracker), path)
+    };
     rows.sort_by_key(place);
     let (means, calibration) = (means(&rows, variants), calibration(&rows, variants));
     Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
@@ -195,14 +234,14 @@ fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Er
 /// A recording and the starts in it.
 struct Case {
     recording: Recording,
-    folder: PathBuf,
+    path: PathBuf,
     starts: Vec<Start>,
 }
 
 impl Case {
     fn read(path: &Path, open: impl Fn(&Path) -> Result<Sequence>, starts: Starts) -> Result<Self> {
         let recording = Recording::read(open(path)?, MOST_BYTES)?;
-        Ok(Self { starts: starts.of(&recording)?, recording, folder: folder_of(path) })
+        Ok(Self { starts: starts.of(&recording)?, recording, path: path.to_owned() })
     }
 
     /// By one variant, from all starts.
@@ -215,7 +254,8 @@ impl Case {
             origin: variant.origin(),
             tracker: variant.name.clone(),
             sequence: self.recording.name.clone(),
-            folder: self.folder.clone(),
+            path: self.path.clone(),
+            folder: folder_of(&self.path),
             figures: Figures::over_starts(runs),
             calibration: Calibration::total(runs.iter().map(|run| &run.calibration)),
             starts: self.starts.iter().cloned().zip(runs.iter().map(|run| run.score)).collect(),
@@ -223,11 +263,13 @@ impl Case {
     }
 }
 
-/// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts.
-fn run_all(cases: &[Case], variants: &[Variant], progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
-    let pairs: Vec<(&Case, &Variant)> =
-        cases.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant))).collect();
-    progress(Progress::Expected(pairs.iter().map(|(case, _)| case.frames_to_run()).sum()));
+/// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts. Nor has one that was
+/// stopped.
+fn run_all(
+    pairs: &[(&Case, &Variant)],
+    kept: Option<&Kept>,
+    progress: &(impl Fn(Progress) + Sync),
+) -> Vec<Result<Row>> {
     // Runs are of very different length: one at a time is what a thread takes.
     let row = |&(case, variant): &(&Case, &Variant)| {
         let Recording { name, frames, truth, .. } = &case.recording;
@@ -239,9 +281,12 @@ fn run_all(cases: &[Case], variants: &[Variant], progress: &(impl Fn(Progress) +
             figures.with_context(|| format!("{name}: {}: start {}", variant.name, start.name))
         };
         let runs: Vec<_> = case.starts.par_iter().with_max_len(1).map(run).collect();
-        Ok(case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?))
+        let row = case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?);
+        kept.map_or(Ok(()), |kept| kept.write(variant, &row))?;
+        Ok(row)
     };
-    pairs.par_iter().with_max_len(1).map(row).collect()
+    let of_whole = |pair| Some(row(pair)).filter(|row| row.is_ok() || !cleanup::is_stopped());
+    pairs.par_iter().with_max_len(1).filter_map(of_whole).collect()
 }
 
 /// Where the recordings lie that belong together with the one at `path`.
@@ -318,7 +363,8 @@ mod tests {
         let (expected, done) = (AtomicU64::new(0), AtomicU64::new(0));
         let result = measure(&paths, open, &variants, starts, &|progress| {
             match progress {
-                Progress::Expected(frames) => expected.fetch_add(frames, Ordering::Relaxed),
+                Progress::Expected { frames, .. } => expected.fetch_add(frames, Ordering::Relaxed),
+                Progress::Kept(recordings) => expected.fetch_add(recordings as u64, Ordering::Relaxed),
                 Progress::Done => done.fetch_add(1, Ordering::Relaxed),
             };
         });

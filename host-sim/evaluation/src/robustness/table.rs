@@ -140,6 +140,7 @@ pub(super) mod tests {
             origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
             tracker: tracker.to_owned(),
             sequence: sequence.to_owned(),
+            path: PathBuf::from(sequence),
             folder,
             figures,
             calibration: Calibration::default(),

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use smr_recordings::cover::Cover;
 use smr_recordings::fault::Fault;
-use smr_recordings::{BoundingBox, GrayFrame, Sequence};
+use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup};
 use std::borrow::Cow;
 
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
@@ -69,6 +69,7 @@ impl Recording {
         let mut follower = Follower::new(variant.build()?, vec![(start + 1, target)]);
         let mut run = Run::default();
         for place in start..end {
+            ensure!(!cleanup::is_stopped(), "it was stopped");
             for frame in intervention.shown(&self.frames, place) {
                 run.add(&mut follower, place, &frame)?;
                 progress();

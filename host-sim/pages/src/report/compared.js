@@ -6,7 +6,8 @@ function drawComparisons() {
   const kept = pictures ? at * pictures.every : 0;
   const all = pictures ? pictures.comparisons[at] : [];
   const list = shown().filter((entrant) => entrant.method !== null && all[entrant.method]);
-  const which = kept === frame ? `Frame ${numberOf(frame)}` : `Frame ${numberOf(kept)}, the nearest before with its picture`;
+  const named = placeOf(numberOf(kept), timeOf).replace(/^f/, "F");
+  const which = kept === frame ? named : `${named}, the nearest before with its picture`;
   byId("compared").textContent = list.length
     ? `${which}. Left: the template. Right: how much each pixel of the box differs from it; green pixels differ by less than alpha and count. Below: how many pixels differ by how many gray levels.`
     : kept === 0

@@ -4,15 +4,14 @@ const CURVES = [
   { title: "IoU", key: "iou", most: 1, digits: 2 },
   { title: "Centre error, pixels", key: "error", digits: 1 },
   { title: "Confidence", key: "confidence", most: 1, digits: 3 },
+  { title: "Size, pixels (root of the box's area)", key: "size", digits: 1, truth: true },
   { title: "Ratio (dotted: runner-up)", key: "ratio", second: "runner_up", most: 1, digits: 3 },
   { title: "Alpha, gray levels", key: "alpha", digits: 0 },
-  { title: "Size, pixels (root of the box's area)", key: "size", digits: 1, truth: true },
   { title: "Cost, comparisons or products", key: "work", digits: 0 },
 ];
-const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 22;
+const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 18, AXIS = 22;
 const WHOLE = [1, 10, 100, 1000, 1e4, 1e5].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
 const short = (value) => value >= 1e6 ? value / 1e6 + "M" : value >= 1e4 ? value / 1e3 + "k" : String(value);
-const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** The color and the dashes, in pixels of a canvas, of lines of this look; runners-up are dotted. */
 function strokeOf(look, isSecond) {
@@ -46,6 +45,19 @@ function fillRuns(plot, found, top, height, colorOf) {
   }
 }
 
+/** A name on a band, whole however narrow the margin is. */
+function writeName(plot, text, top) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  [ctx.textAlign, ctx.textBaseline, ctx.lineJoin, ctx.lineWidth] = ["left", "middle", "round", 3 * devicePixelRatio];
+  [ctx.strokeStyle, ctx.fillStyle] = [palette().panel, palette().ink];
+  const at = [bbox.left + 4 * devicePixelRatio, bbox.top + (top + BAND / 2) * devicePixelRatio];
+  ctx.strokeText(text, ...at);
+  ctx.fillText(text, ...at);
+  ctx.restore();
+}
+
 /** A line as uPlot has it. */
 function series({ label, look, isSecond, read }) {
   const { color, dash } = strokeOf(look, isSecond);
@@ -75,7 +87,7 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
   };
   const follow = (plot) => { if (plot.cursor.left < 0) plot.setLegend({ idx: frame }); };
   const drawn = [...lines].reverse();
-  const axis = { stroke: () => styleOf("--faint"), font: "11px system-ui, sans-serif", ticks: { show: false } };
+  const axis = { stroke: () => palette().faint, font: "11px system-ui, sans-serif", ticks: { show: false } };
   const plot = new uPlot({
     width: width(), height: height + (isLast ? AXIS : 0), padding: [6, RIGHT, 6, 0],
     legend: { mount: (_, legend) => name.append(legend) },
@@ -83,11 +95,11 @@ function addPanel({ title, height, most, ticks, draw, lines }, isLast) {
     scales: { x: { time: false }, y: { range: (_, least, largest) => [0, most ?? Math.max(1, largest * 1.05)] } },
     axes: [
       { ...axis, show: isLast, size: AXIS, gap: 2, grid: { show: false }, incrs: WHOLE },
-      { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => styleOf("--rule"), width: 1 }, ...ticks },
+      { ...axis, size: LEFT, gap: 4, space: 30, grid: { stroke: () => palette().rule, width: 1 }, ...ticks },
     ],
-    series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (isVisible(number - recording.first) ? "" : ", hidden") }, ...drawn.map(series)],
+    series: [{ label: "frame", value: (_, number) => number === null ? "" : number + (timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`) + (isVisible(number - recording.first) ? "" : ", hidden") }, ...drawn.map(series)],
     hooks: {
-      drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => styleOf("--gone"))],
+      drawClear: [(plot) => fillRuns(plot, hidden, 0, plot.bbox.height / devicePixelRatio, () => getComputedStyle(document.documentElement).getPropertyValue("--gone"))],
       draw: [(plot) => draw && draw(plot), place],
       setCursor: [follow],
     },
@@ -119,12 +131,15 @@ function drawCurves() {
   if (withStates.length) {
     const count = withStates.length;
     const states = withStates.map((entrant) => runs((index) => entrant.states[index]));
-    const color = (state) => styleOf("--" + (state === "uncertain" ? "leaving" : state));
+    const color = (state) => palette()[state];
     const said = (run) => run ? `${run.value} in ${numberOf(run.from)} to ${numberOf(run.to)}` : "not begun";
     wanted.push({
       title: "States", height: count * BAND + 12, most: count,
-      ticks: { splits: () => withStates.map((_, row) => count - row - 0.5), values: () => withStates.map((entrant) => entrant.title.slice(0, 6)), grid: { show: false } },
-      draw: (plot) => states.forEach((found, row) => fillRuns(plot, found, row * BAND + 1, BAND - 2, color)),
+      ticks: { values: () => [], grid: { show: false } },
+      draw: (plot) => states.forEach((found, row) => {
+        fillRuns(plot, found, row * BAND + 1, BAND - 2, color);
+        writeName(plot, withStates[row].title, row * BAND);
+      }),
       lines: withStates.map((entrant, row) => ({
         label: entrant.title, look: entrant.look, values: entrant.states.map(() => null),
         read: (index) => said(states[row].find((run) => run.from <= index && index <= run.to)),

@@ -295,6 +295,18 @@ impl Film {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
 
+    /// The time of a frame, as in 0:12.4 and 1:02:03.4.
+    pub(super) fn clock(&self, index: usize) -> Option<String> {
+        let tenths = (self.times[index]?.max(0.0) * 10.0).round();
+        let (seconds, minutes) = (tenths / 10.0 % 60.0, (tenths / 600.0).floor());
+        let (minutes, hours) = (minutes % 60.0, (minutes / 60.0).floor());
+        Some(if hours > 0.0 {
+            format!("{hours}:{minutes:02}:{seconds:04.1}")
+        } else {
+            format!("{minutes}:{seconds:04.1}")
+        })
+    }
+
     pub(super) fn trajectory(&self, method: usize) -> Vec<Option<BoundingBox>> {
         self.moments.iter().map(|moment| moment.reports[method].target).collect()
     }
@@ -355,6 +367,13 @@ mod tests {
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou);
         assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
+    }
+
+    #[test]
+    fn times_read_as_on_a_clock() {
+        let film = Film { times: vec![Some(12.38), Some(59.96), Some(3723.4), None], ..film(&[MethodKind::Sad]) };
+        let clocks = [0, 1, 2, 3].map(|index| film.clock(index));
+        assert_eq!(clocks, [Some("0:12.4".into()), Some("1:00.0".into()), Some("1:02:03.4".into()), None]);
     }
 
     #[test]

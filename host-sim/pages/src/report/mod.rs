@@ -5,7 +5,6 @@ pub mod axes;
 pub mod calibration;
 pub mod canvas;
 mod coinciding_boxes;
-mod coordinates;
 pub mod diagram;
 mod difference;
 pub mod figures;
@@ -23,7 +22,6 @@ mod strip_png;
 mod strip_tile;
 mod trackers;
 
-pub use coordinates::coordinates;
 pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
 pub use pick::{Choosing, Picked, SIDE, Shots, pick};

@@ -8,11 +8,12 @@ use super::scores::{Measured, Scores};
 use super::strip_tile::tile;
 use super::trackers::{entrants, place_files};
 use crate::colors::color_of;
+use crate::front_end::import_map;
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use smr_core::{Rect, State};
-use smr_evaluation::name_of;
+use smr_evaluation::{Evaluation, name_of};
 
 const TEMPLATES: [(&str, &str); 13] = [
     ("page.html", include_str!("page.html")),
@@ -60,7 +61,8 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
 fn whole(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
-    let states = [State::Tracking, State::Leaving, State::Lost].map(|state| (name_of(state), color_of(state)));
+    let states =
+        [State::Tracking, State::Leaving, State::Uncertain, State::Lost].map(|state| (name_of(state), color_of(state)));
     let page = context! {
         title => about.title.as_str(),
         command_line => about.command_line.as_str(),
@@ -73,6 +75,7 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
         scores => Serde(Scores::new(&measured)),
         data => data(films)?,
+        import_map => import_map(),
     };
     let mut templates = Environment::new();
     for (name, text) in TEMPLATES {
@@ -82,9 +85,6 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
 }
 
 fn recording(film: &Film) -> Result<Value> {
-    let begun = || film.moments.iter().skip(film.begins(0));
-    let count = |state: State| begun().filter(|moment| moment.first().state == state).count();
-    let states = film.methods[0].kind.states().iter().map(|&state| (name_of(state), count(state)));
     Ok(context! {
         name => film.name.as_str(),
         notes => Serde(&film.notes),
@@ -93,8 +93,9 @@ fn recording(film: &Film) -> Result<Value> {
         width => film.size.0,
         height => film.size.1,
         starts => film.targets.iter().map(|target| starts(film, target)).collect::<Vec<_>>(),
-        // How many frames the first method has in each.
-        states => Serde(states.collect::<Vec<_>>()),
+        seconds => film.times.last().and_then(|last| Some(format!("{:.1}", (*last)? - film.times[0]?))),
+        states => Serde(states(film)),
+        right => right(film)?,
         entrants => Serde(entrants(film)),
         has_truth => film.truth.is_some(),
         changes_left_out => film.changes_left_out,
@@ -102,10 +103,30 @@ fn recording(film: &Film) -> Result<Value> {
     })
 }
 
+/// For each target, in how many frames the first method has it in each state.
+fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
+    let of = |target: usize| {
+        let method = film.of.iter().position(|of| *of == target)?;
+        let begun = || film.moments.iter().skip(film.begins(method));
+        let count = |state: State| begun().filter(|moment| moment.reports[method].state == state).count();
+        let states = film.methods[method].kind.states().iter().map(|&state| (name_of(state), count(state)));
+        Some((film.title(method), states.filter(|(_, count)| *count > 0).collect()))
+    };
+    (0..film.targets.len()).filter_map(of).collect()
+}
+
+/// In how many frames the target is visible, and in how many of these each method is right; `None` without ground truth.
+fn right(film: &Film) -> Result<Option<Value>> {
+    let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
+    let counts = (0..film.methods.len()).map(|method| (film.title(method), scores[method].1.correct));
+    Ok(Some(context! { visible, counts => Serde(counts.collect::<Vec<_>>()) }))
+}
+
 /// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
 fn starts(film: &Film, target: &Locked) -> String {
     let start = |&(index, Rect { x, y, width, height }): &(usize, Rect)| {
         let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
+        let frame = film.clock(index).filter(|_| index > 0).map_or(frame.clone(), |time| format!("{frame} ({time})"));
         format!("{width}x{height} at ({x}, {y}){frame}")
     };
     let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
@@ -159,7 +180,8 @@ mod tests {
         }
         assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
         assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
-        assert!(!page.contains("url(") && !page.contains("import ") && !page.contains("fetch("));
+        assert!(!page.contains("url(") && !page.contains("fetch("));
+        assert_eq!(page.matches("import ").count(), page.matches(" from \"smr/").count(), "nothing from elsewhere");
         assert!(page.contains("</svg>ground truth</span>"));
         assert!(page.contains("stroke-dasharray:8 16;stroke-dashoffset:-8"), "boxes that coincide take turns");
         let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot (v"]

@@ -1,7 +1,7 @@
 //! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
 
 use super::difference::{BAR, BARS};
-use super::film::{Film, Moment};
+use super::film::{Film, Locked, Moment};
 use super::palette::TRUTH_LOOK;
 use super::player_frames::{Comparison, Picture, Pictures};
 use super::trackers::{Entrant, entrants};
@@ -30,10 +30,19 @@ fn recording(film: &Film) -> Result<Value> {
         "margin": margin,
         "first": film.first,
         "frames": film.moments.len(),
+        // Null if none is known.
+        "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
         "truth": truth,
+        "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
     }))
+}
+
+/// Its name, and the numbers of the frames in which it is locked on.
+fn target_of(film: &Film, target: &Locked) -> Value {
+    let locks = target.starts.iter().map(|(index, _)| index + film.first);
+    json!({ "name": target.name, "locks": locks.collect::<Vec<_>>() })
 }
 
 fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
@@ -65,6 +74,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         "title": entrant.title,
         "look": entrant.look,
         "method": entrant.method,
+        "target": entrant.method.map(|method| film.of[method]),
         "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
         "lasts": lasts,
         "states": states,

@@ -137,7 +137,9 @@ impl Choosing {
         let mut about = format!("{width}x{height} pixels, frames {first} to {last}.");
         if every > 1 {
             let again = format!("host-sim frame {recording} NUMBER {options}").trim_end().to_owned();
-            about += &format!(" To keep the page small, one of {every} frames is here. For a frame that is missing: {again} -o {file}");
+            about += &format!(
+                " To keep the page small, one of {every} frames is here. For a frame that is missing: {again} -o {file}"
+            );
         }
         let target = self.target.and_then(|target| target.to_rect()).map(|rect| {
             json!({ "id": 1, "name": "", "locks": [{ "frame": shown, "box": [rect.x, rect.y, rect.width, rect.height] }] })
@@ -210,7 +212,10 @@ mod tests {
         let loads = ["http", "href=\"", " src=\"", "url("];
         assert!(loads.iter().all(|one| !page.contains(one)));
         assert_eq!(numbers(&data), (20..=60).collect::<Vec<_>>());
-        assert_eq!(data["targets"], json!([{ "id": 1, "name": "", "locks": [{ "frame": 20, "box": [36, 20, 10, 30] }] }]));
+        assert_eq!(
+            data["targets"],
+            json!([{ "id": 1, "name": "", "locks": [{ "frame": 20, "box": [36, 20, 10, 30] }] }])
+        );
         assert_eq!(data["least"], json!([2, 3]));
         assert_eq!(data["words"], "'my clip.mp4' --frames 20..60");
         assert_eq!(data["commands"], json!({ "track": "--video out.mp4", "report": "-o report.html" }));

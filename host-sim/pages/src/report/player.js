@@ -20,19 +20,50 @@ function drawStage() {
   for (const together of coinciding(boxes, scale)) {
     together.forEach(([of, name], place) => box(of, name, dashes(place, together.length)));
   }
-  const letters = whole[2] / 22;
   const first = recording.entrants.find((entrant) => entrant.states);
-  const words = svgNode("text", { x: whole[0] + letters / 2, y: whole[1] + letters * 1.2, "font-size": letters });
   const state = first.states[frame] ?? "not begun";
-  words.append(`${numberOf(frame)} ${first.name}: `, svgNode("tspan", { class: state }, state));
-  if (!isVisible(frame)) words.append(", target hidden");
+  const [before, after] = [`${numberOf(frame)} ${first.name}: `, isVisible(frame) ? "" : ", target hidden"];
+  const letters = Math.min(whole[2] / 22, whole[2] / (0.6 * (before + state + after).length + 1));
+  const words = svgNode("text", { x: whole[0] + letters / 2, y: whole[1] + letters * 1.2, "font-size": letters });
+  words.append(before, svgNode("tspan", { class: state }, state), after);
   nodes.push(words);
   stage.replaceChildren(...nodes);
-  const said = `frame ${numberOf(frame)} of ${lastNumber()}`;
+  const time = timeOf(numberOf(frame));
+  const said = `frame ${numberOf(frame)} of ${lastNumber()}${time === null ? "" : `, ${clock(time)}`}`;
   stage.setAttribute("aria-label", `${said}, ${first.name}: ${state}`);
   byId("place").value = said;
-  byId("scrub").value = numberOf(frame);
-  byId("scrub").setAttribute("aria-valuetext", said);
+  drawTimeline();
+}
+
+/** What happened to each target, in the order of frames; made when a recording is opened. */
+function eventsOfAll() {
+  const of = ({ name, locks }, entrant) => {
+    const rows = entrant.states.map((state, index) => ({ number: numberOf(index), state })).filter(({ state }) => state !== null);
+    const events = eventsOf(rows, locks.map((number) => ({ number })));
+    return name === null ? events : events.map((event) => ({ ...event, name }));
+  };
+  const entrants = firsts();
+  return recording.targets.flatMap((target, at) => of(target, entrants[at])).sort((one, other) => one.frame - other.frame);
+}
+
+function drawTimeline() {
+  const strips = shown().filter((entrant) => entrant.states).map((entrant, at) => ({
+    color: strokeOf(entrant.look).color, isChosen: at === 0, states: (number) => entrant.states[number - recording.first] ?? undefined,
+  }));
+  timeline.draw({ first: recording.first, last: lastNumber(), frame: numberOf(frame), followed: lastNumber(), strips, marks: events, timeOf });
+  byId("eventless").hidden = events.length > recording.targets.length;
+  drawEvents(byId("events"), events, { timeOf, goTo: goToNumber, chosen: numberOf(frame) });
+}
+
+/** To the next event (1) or the one before (-1). */
+function goToEvent(by) {
+  const there = events.filter((event) => Math.sign(event.frame - numberOf(frame)) === by);
+  if (there.length) goToNumber(there.at(by > 0 ? 0 : -1).frame);
+}
+
+function goToNumber(number) {
+  play(false);
+  goTo(number - recording.first);
 }
 
 /** Boxes in groups: those of one group lie on one another as far as the eye can tell. */

@@ -167,6 +167,8 @@ mod tests {
             sides.push(pictures.side());
         }
         assert_eq!(sides, [960, 480, 320, 320]);
+        let [red, green, blue] = decode_colors(&pictures.kept[0].jpeg).unwrap().pixels[9];
+        assert!(red < 80 && green < 40 && blue > 150, "as blue as it was: {red} {green} {blue}");
     }
 
     #[test]

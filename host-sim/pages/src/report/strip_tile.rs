@@ -34,6 +34,8 @@ pub(super) fn tile(film: &Film, still: &Still) -> Result<Value> {
     let evidence = evidence.filter_map(|(method, report)| Some((film.title(method), report.evidence?)));
     Ok(context! {
         number => still.index + film.first,
+        time => film.clock(still.index),
+        is_locked => film.targets.iter().any(|target| target.starts.iter().any(|(index, _)| *index == still.index)),
         state => if begun(&0) { name_of(moment.first().state) } else { NOT_BEGUN },
         method => film.methods[0].name.as_str(),
         picture => encode::data_uri("image/jpeg", &encode::color_jpeg(&still.colors, encode::GOOD)?),

@@ -18,8 +18,8 @@ use std::thread;
 pub struct Job {
     /// What the file is called when it is saved: letters, digits and `-_.` only.
     pub name: String,
-    /// The words of the command line behind `host-sim`, given the file to write.
-    pub words: Box<dyn FnOnce(&Path) -> Vec<OsString> + Send>,
+    /// The words of the command line behind `host-sim`; the name of the file to write follows the last of them.
+    pub words: Vec<OsString>,
     /// How many lines the program prints until it is done; 0 if it prints none.
     pub lines: usize,
 }
@@ -80,7 +80,7 @@ impl Made {
         let place = self.place(id, &name);
         let program = std::env::current_exe().context("cannot find host-sim itself")?;
         let mut command = Command::new(program);
-        command.args(words(&place)).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.args(words).arg(&place).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let process = Process::start(&mut command).context("cannot start host-sim")?;
         all.insert(id, Progress { id, done: (lines > 0).then_some(0.0), file: None, error: None });
         drop(all);

@@ -1,0 +1,309 @@
+// The window in a real headless Chromium, over a real `host-sim view`: what is dragged is followed, corrected and taken away.
+//
+// Needs a program `chromium` (or CHROMIUM), and host-sim (SMR_HOST_SIM); names what it skips. Pictures of the page go to target/web.
+
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, existsSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { Browser, hasBrowser } from "./browser.mjs";
+import { PACKAGE } from "./library.mjs";
+
+const HOST_SIM = process.env.SMR_HOST_SIM;
+const FRAMES = 240;
+const SIZE = { width: 160, height: 120 };
+const BOX = [36, 24, 24, 28]; // the target of the recording
+let browser;
+let folder;
+const host = (...args) => spawnSync(HOST_SIM, args, { encoding: "utf8", maxBuffer: 1 << 28, cwd: folder });
+const hasFfmpeg = () => spawnSync("ffmpeg", ["-version"]).status === 0;
+const why = !hasBrowser() ? "no chromium" : !HOST_SIM ? "SMR_HOST_SIM does not name host-sim" : host("view", "--help").status !== 0 ? "host-sim has no view" : null;
+if (why !== null) {
+  console.log(`skipped: window: ${why}`);
+}
+
+before(() => {
+  if (why === null) {
+    folder = mkdtempSync(join(tmpdir(), "smr-window-"));
+    mkdirSync(PACKAGE, { recursive: true });
+    assert.equal(host("convert", "synthetic", "--out", "clip.y4m").status, 0);
+    browser = new Browser();
+  }
+});
+
+after(async () => {
+  await browser?.close();
+  if (folder !== undefined) {
+    rmSync(folder, { recursive: true });
+  }
+});
+
+// The recording as a camera gives it, 25 frames a second.
+async function play({ stdin }) {
+  stdin.on("error", () => {});
+  const film = readFileSync(join(folder, "clip.y4m"));
+  const head = film.indexOf("\n") + 1;
+  const bytes = (film.length - head) / FRAMES;
+  for (let from = 0; from < film.length && stdin.writable; from = from === 0 ? head + bytes : from + bytes) {
+    stdin.write(film.subarray(from, from === 0 ? head + bytes : from + bytes));
+    await new Promise((resolve) => setTimeout(resolve, 40));
+  }
+}
+
+async function served(words) {
+  const isLive = words.includes("-");
+  const server = spawn(HOST_SIM, ["view", ...words, "--no-open", "--json"], { cwd: folder, stdio: [isLive ? "pipe" : "ignore", "pipe", "inherit"] });
+  if (isLive) {
+    play(server);
+  }
+  const line = await new Promise((resolve) => server.stdout.once("data", resolve));
+  return { server, address: JSON.parse(line).address };
+}
+
+// A test on a window of its own, which may write no errors, nor ask anyone but host-sim for anything.
+function onWindow(name, run, { words = ["clip.y4m"], ...options } = {}) {
+  test(name, { skip: why ?? false }, async (context) => {
+    const { server, address } = await served(words);
+    const page = await browser.page(address, options);
+    try {
+      await page.until(`document.getElementById("place").value !== ""`);
+      await run(page, { server, address, context });
+      assert.deepEqual([page.errors, page.requests.filter((request) => !request.startsWith(address))], [[], []]);
+    } finally {
+      await page.close();
+      server.kill();
+    }
+  });
+}
+
+/** Where a pixel of the frame is in the window. */
+const place = (page, x, y) => page.value(`(() => {
+  const stage = document.getElementById("stage");
+  stage.scrollIntoView({ block: "center" });
+  const { left, top, width } = stage.getBoundingClientRect();
+  return [left + ${x} * width / ${SIZE.width}, top + ${y} * width / ${SIZE.width}];
+})()`);
+
+async function dragBox(page, [x, y, width, height], how = "drag") {
+  await page[how](await place(page, x, y), await place(page, x + width, y + height));
+}
+
+const command = (page) => page.text("track");
+const commands = (page, pattern) => page.until(`${pattern}.test(document.getElementById("track").textContent)`);
+const says = (page, id, pattern) => page.until(`${pattern}.test(document.getElementById("${id}").textContent) && !document.getElementById("${id}").hidden`);
+const isAt = (page, number) => page.until(`document.getElementById("place").value.startsWith("frame ${number} of ")`);
+const focus = (page) => page.value(`document.getElementById("stage").focus()`);
+const followedAll = (page) => page.until(`fetch("news?since=0").then((answer) => answer.json()).then(({ followed, progress }) => followed === ${FRAMES} && progress === null)`);
+
+async function goTo(page, number) {
+  await page.value(`location.hash = "frame=${number}"`);
+  await isAt(page, number);
+}
+
+async function keys(page, ...all) {
+  for (const [key, held] of all) {
+    await page.key(key, held);
+  }
+}
+
+async function shoot(page, name, width) {
+  await page.size(width, await page.value(`document.documentElement.scrollHeight`));
+  await new Promise((resolve) => setTimeout(resolve, 400));
+  writeFileSync(join(PACKAGE, `window-${name}.png`), await page.picture());
+}
+
+const boxes = async (page, format) => page.value(`fetch("boxes?format=${format}").then((answer) => answer.text())`);
+const parsed = (text) => text.trim().split("\n").map((line) => JSON.parse(line));
+
+for (const scheme of ["light", "dark"]) {
+  onWindow(`a box that is dragged is followed and played at once, in the ${scheme}, and the line that is shown repeats it`, async (page) => {
+    assert.match(await page.text("place"), /^frame 1 of 240/);
+    await dragBox(page, BOX);
+    await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 20`);
+    await followedAll(page);
+    await page.click("#play");
+    await commands(page, /--init 36,24,24,28 --method robust/);
+    const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
+    assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));
+    await page.until(`document.querySelector("#targets .now").textContent === "tracking"`);
+    await shoot(page, scheme, 1280);
+  }, { scheme });
+}
+
+onWindow("a drag in a later frame is a correction, which is moved, resized, removed, undone and done again", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await goTo(page, 50);
+  await dragBox(page, [60, 40, 30, 30]);
+  await commands(page, /--init 36,24,24,28 --init 60,40,30,30@50/);
+  await page.drag(await place(page, 75, 55), await place(page, 80, 58));
+  await commands(page, /@50/);
+  await commands(page, /--init 65,43,30,30@50/);
+  await page.drag(await place(page, 95, 73), await place(page, 105, 83));
+  await commands(page, /--init 65,43,40,40@50/);
+  await followedAll(page);
+  const expected = host(...(await command(page)).split(" ").slice(1), "--json").stdout;
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(expected));
+  await focus(page);
+  await page.key("Delete");
+  await commands(page, /28 --method/);
+  await page.click("#undo");
+  await commands(page, /--init 65,43,40,40@50/);
+  await page.click("#undo");
+  await commands(page, /--init 65,43,30,30@50/);
+  await page.click("#redo");
+  await commands(page, /--init 65,43,40,40@50/);
+  const events = await page.value(`[...document.querySelectorAll("#events li")].map((item) => item.textContent)`);
+  assert.deepEqual(events.slice(0, 1).concat(events.filter((text) => /^corrected/.test(text)).length), [events[0], 1]);
+  assert.match(events[0], /^locked at 0:00.0/);
+  await keys(page, ["Home"]);
+  await isAt(page, 1);
+  await keys(page, ["]"]);
+  await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 1`);
+});
+
+onWindow("a target that is lost is said to be, and a box over it locks again", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await followedAll(page);
+  const [lost] = parsed(await boxes(page, "json")).filter(({ state }) => state === "lost");
+  assert.ok(lost !== undefined, "the tracker of the paper loses it");
+  await goTo(page, lost.frame);
+  await says(page, "lost", `/^Lost since .*frame ${lost.frame}.*Drag a box over it to lock again/`);
+  await dragBox(page, [60, 40, 30, 30]);
+  await page.until(`document.getElementById("lost").hidden`);
+  await commands(page, new RegExp(`@${lost.frame} --method smr`));
+}, { words: ["clip.y4m", "--method", "smr"] });
+
+onWindow("with other settings all is followed again, and the line that is shown has them", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await page.select("reach", "6");
+  await page.click("#sweep");
+  await commands(page, /--method robust --reach 6 --without size,sweep$/);
+  await followedAll(page);
+  const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));
+  await page.select("method", "smr");
+  await commands(page, /--method smr --config camera$/);
+  await followedAll(page);
+  assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "smr", "--config", "camera", "--json").stdout));
+}, { words: ["clip.y4m", "--without", "size"] });
+
+onWindow("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX, "swipe");
+  await commands(page, /--init 36,24,24,28 /);
+  await page.click("#add");
+  await focus(page);
+  await keys(page, ["ArrowRight"], ["ArrowRight", { shift: true }]);
+  await isAt(page, 12);
+  await keys(page, ["ArrowLeft"]);
+  await isAt(page, 11);
+  await keys(page, ["Enter"], ["ArrowRight"], ["ArrowDown", { alt: true }], ["Enter"]);
+  await commands(page, /--init target2=63,46,40,30@11/);
+  await page.value(`{ const [, field] = document.querySelectorAll("#targets [type=text]"); field.value = "target1"; field.dispatchEvent(new Event("change")); }`);
+  await says(page, "said", /Another target is called target1/);
+  await page.value(`{ const [, field] = document.querySelectorAll("#targets [type=text]"); field.value = "red car"; field.dispatchEvent(new Event("change")); }`);
+  await commands(page, /--init red_car=63,46,40,30@11/);
+  await followedAll(page);
+  assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
+  const targets = new Set(parsed(await boxes(page, "json")).map(({ target }) => target));
+  assert.deepEqual([...targets].sort(), ["red_car", "target1"]);
+  await shoot(page, "narrow", 390);
+}, { width: 390, height: 844 });
+
+onWindow("a box that is refused is taken back, and why is said", async (page) => {
+  await dragBox(page, [10, 10, 0, 20]);
+  await says(page, "said", /The box has no pixels/);
+  await page.value(`fetch("targets", { method: "POST", body: "[]" })`);
+  assert.equal(await command(page), "Drag a box first.");
+});
+
+onWindow("boxes are saved, in a format that has names if there are several targets", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await commands(page, /28 --method/);
+  await page.click("#add");
+  await dragBox(page, [100, 60, 30, 30]);
+  await followedAll(page);
+  const button = (label) => page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
+  await button("OTB");
+  await says(page, "said", /expected csv, json, mot, coco or cvat/);
+  assert.match(page.errors.pop(), /400/, "the browser notes what was refused");
+  await button("CSV");
+  const file = join(browser.downloads, "clip.csv");
+  for (let wait = 0; !existsSync(file); wait += 20) {
+    assert.ok(wait < 10_000, "clip.csv was not saved");
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+  assert.equal(readFileSync(file, "utf8"), host(...(await command(page)).split(" ").slice(1), "--format", "csv").stdout);
+});
+
+onWindow("a live picture goes on, waits while a box is drawn, is followed, and can be looked through", async (page) => {
+  const number = `parseInt(document.getElementById("place").value.split(" ")[1])`;
+  await page.until(`${number} > 10`);
+  const [from, to] = [await place(page, 60, 40), await place(page, 90, 70)];
+  await page.call("Input.dispatchMouseEvent", { type: "mousePressed", x: from[0], y: from[1], button: "left", buttons: 1, clickCount: 1 });
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  const held = await page.value(number);
+  await new Promise((resolve) => setTimeout(resolve, 400));
+  assert.equal(await page.value(number), held);
+  await page.call("Input.dispatchMouseEvent", { type: "mouseMoved", x: to[0], y: to[1], button: "left", buttons: 1 });
+  await page.call("Input.dispatchMouseEvent", { type: "mouseReleased", x: to[0], y: to[1], button: "left", buttons: 0, clickCount: 1 });
+  await page.until(`/--init 60,40,30,30@\\d+/.test(document.getElementById("track").textContent)`);
+  await page.until(`${number} > ${held + 20} && document.querySelector("#targets .now").textContent === "tracking"`);
+  assert.match(await page.text("load"), /^(No frame was dropped|\d+ frames were dropped: this machine was behind)\. The picture is \d+ ms old\.$/);
+  await focus(page);
+  await page.key("ArrowLeft");
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  const here = await page.value(number);
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  assert.equal(await page.value(number), here);
+  await page.key(" ");
+  await page.until(`${number} > ${here + 10}`);
+  await page.click("#stop");
+  await says(page, "said", /^Stopped/);
+}, { words: ["-"] });
+
+onWindow("a film and a report are made, and say where they are", async (page, { context }) => {
+  if (!hasFfmpeg()) {
+    console.log("skipped: window: a film: no ffmpeg");
+    context.skip("no ffmpeg");
+    return;
+  }
+  await dragBox(page, BOX);
+  await followedAll(page);
+  for (const [label, name] of [[".mp4", /\.mp4$/], ["Report", /\.html$/]]) {
+    await page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
+    await page.until(`${name}.test(document.querySelector("#made a")?.download)`, 120);
+    assert.ok((await page.value(`fetch(document.querySelector("#made a").href).then((answer) => answer.arrayBuffer()).then(({ byteLength }) => byteLength)`)) > 1000);
+  }
+  await page.click("#firmware summary");
+  await says(page, "firmware", /Config/);
+});
+
+onWindow("another window of the same host-sim has the same targets", async (page, { address }) => {
+  await dragBox(page, BOX);
+  await commands(page, /28 --method/);
+  await followedAll(page);
+  const other = await browser.page(address);
+  await other.until(`document.getElementById("track") !== null`);
+  await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
+  await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
+  await other.close();
+});
+
+test("when host-sim has ended, the window says so and keeps what was drawn", { skip: why ?? false }, async () => {
+  const { server, address } = await served(["clip.y4m"]);
+  const page = await browser.page(address);
+  await page.until(`document.getElementById("place").value !== ""`);
+  await dragBox(page, BOX);
+  await commands(page, /36,24,24,28/);
+  server.kill();
+  await says(page, "said", /^host-sim has ended/);
+  assert.match(await command(page), /36,24,24,28/);
+  await page.close();
+});
