@@ -73,6 +73,7 @@ export class Timeline {
   #wanted = null; // the frame that the user asked for, until it is shown
   #hasCome = false; // it was shown
   #isDragged = false;
+  #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
   /** `goTo(frame)` is called when the user moves the head. */
@@ -113,8 +114,12 @@ export class Timeline {
 
   #listen() {
     this.#input.addEventListener("input", () => this.#want(Number(this.#input.value)));
-    this.#input.addEventListener("focus", () => this.#later());
-    this.#input.addEventListener("blur", () => this.#later());
+    for (const change of ["focus", "blur", "keydown"]) {
+      this.#input.addEventListener(change, () => {
+        this.#hasKeys = true;
+        this.#later();
+      });
+    }
     this.#box.addEventListener("pointerdown", (event) => {
       if (event.isPrimary && event.button === 0 && this.#shown !== null) {
         this.#box.setPointerCapture(event.pointerId);
@@ -123,6 +128,7 @@ export class Timeline {
         // The browser would take the focus away after this.
         event.preventDefault();
         this.#input.focus({ preventScroll: true });
+        this.#hasKeys = false;
       }
     });
     this.#box.addEventListener("pointermove", (event) => {
@@ -195,7 +201,7 @@ export class Timeline {
     drawFollowed(context, top + 1, width, followed === null ? EDGE : x(followed + 1));
     marks.forEach((mark) => drawMark(context, x(mark.frame + 0.5), mark.kind));
     drawHead(context, x((this.#wanted ?? frame) + 0.5), height);
-    if (this.#input.matches(":focus-visible")) {
+    if (this.#hasKeys && this.#input.matches(":focus")) {
       drawFocus(context, width, height);
     }
     if (this.#left > 0) {
