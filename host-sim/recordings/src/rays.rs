@@ -1,12 +1,15 @@
 //! Rays that meet balls and blocks in sunlight: what made scenes are drawn with.
 //!
-//! Additions, products, quotients and square roots alone, which IEEE 754 rounds alike everywhere: every machine draws the same.
+//! Sums, products, quotients, remainders and square roots alone, which IEEE 754 rounds alike everywhere: every machine draws the same.
 
 /// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
 pub type Triple = [f64; 3];
 
+/// Where it is seen.
 pub const SUN: Triple = [-0.48, 0.77, -0.42];
 const HAZE: Triple = [0.78, 0.84, 0.90];
+
+/// A color at this distance, in the sun or in the shade.
 pub fn shown(color: Triple, normal: Triple, far: f64, is_lit: bool) -> Triple {
     let sun = if is_lit { 0.75 * dot(normal, SUN).max(0.0) } else { 0.0 };
     let light = 0.42 + 0.10 * normal[1] + sun;
@@ -105,6 +108,7 @@ impl Solid {
     }
 }
 
+/// The first of them that is hit: see [`Solid::hit`].
 pub fn nearest(solids: &[Solid], from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
     solids.iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.0.total_cmp(&b.0))
 }

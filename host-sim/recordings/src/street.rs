@@ -1,7 +1,7 @@
 //! The built-in recording to look at: a street seen from a mast, drawn by code in color, with a red car to follow.
 //!
-//! 300 frames of 320x240 pixels, the same on every platform: rays are cast with additions, products, quotients and square roots alone,
-//! which IEEE 754 rounds alike everywhere. What stands still is drawn once; then each frame draws the two cars and their shadows.
+//! 300 frames of 320x240 pixels, the same on every platform: see `rays.rs`. What stands still is drawn once; then each
+//! frame draws the two cars and their shadows.
 //!
 //! | frames (from 0) | what happens |
 //! |---|---|
@@ -182,13 +182,8 @@ fn car([x, z]: [f64; 2], heading: [f64; 2], base: Triple) -> [Solid; 2] {
         match y {
             _ if is_side && round < 0.17 => [0.05; 3],
             ..0.24 => [0.05; 3],
-            0.36..0.52 if is_end => {
-                if z.abs() < 0.3 {
-                    [0.92, 0.92, 0.86]
-                } else {
-                    [0.12; 3]
-                }
-            }
+            0.36..0.52 if is_end && z.abs() < 0.3 => [0.92, 0.92, 0.86],
+            0.36..0.52 if is_end => [0.12; 3],
             0.55..0.78 if is_end && z.abs() > 0.48 && x > 0.0 => [1.0, 0.98, 0.85],
             0.55..0.78 if is_end && z.abs() > 0.48 => [0.55, 0.02, 0.02],
             _ if is_side && ((x - 0.75).abs() < 0.03 || (x + 0.45).abs() < 0.03) => base.map(|channel| channel * 0.6),
@@ -217,28 +212,18 @@ struct Road {
 impl Road {
     fn new() -> Self {
         /// Ends of bends, and between two of them the place where their tangents meet.
-        const BENDS: [[f64; 2]; 9] = [
-            [48.0, 62.0],
-            [26.0, 62.0],
-            [6.0, 62.0],
-            [-12.0, 62.0],
-            [-9.5, 48.5],
-            [-7.1, 35.5],
-            [5.0, 32.8],
-            [22.0, 29.0],
-            [39.0, 25.2],
-        ];
+        const BENDS: [f64; 18] =
+            [48.0, 62.0, 26.0, 62.0, 6.0, 62.0, -12.0, 62.0, -9.5, 48.5, -7.1, 35.5, 5.0, 32.8, 22.0, 29.0, 39.0, 25.2];
         let mut points: Vec<([f64; 2], f64)> = Vec::new();
-        for (bend, step) in
-            BENDS.windows(3).step_by(2).flat_map(|bend| (0..100).map(move |step| (bend, f64::from(step) / 100.0)))
-        {
+        let bends = BENDS.as_chunks::<2>().0.windows(3).step_by(2);
+        for (bend, step) in bends.flat_map(|bend| (0..100).map(move |step| (bend, f64::from(step) / 100.0))) {
             let between = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * step);
             let at = between(between(bend[0], bend[1]), between(bend[1], bend[2]));
             let length = points.last().map_or(0.0, |(last, length)| length + distance(*last, at));
             points.push((at, length));
         }
-        let texture = |seed, cells, levels| Texture::new(seed, cells, levels);
-        Self { points, grass: texture(11, (16, 4), (0, 255)), asphalt: texture(12, (32, 2), (0, 255)) }
+        let [grass, asphalt] = [(11, (16, 4)), (12, (32, 2))].map(|(seed, cells)| Texture::new(seed, cells, (0, 255)));
+        Self { points, grass, asphalt }
     }
 
     /// The place so far along the road, and its heading.
@@ -336,13 +321,10 @@ fn solids() -> Vec<Solid> {
 fn tree(solids: &mut Vec<Solid>, [x, z]: [f64; 2], tall: f64, wide: f64) {
     let (low, high) = ([-0.2, 0.2, 0.2], [-0.12, 0.12, 0.12]);
     solids.push(Solid::block([x, 0.0, z], [1.0, 0.0], [0.0, tall], [low, high], [0.38, 0.27, 0.18], plain));
-    for (right, up, away, reach) in [
-        (0.0, 0.0, 0.0, 1.5),
-        (-0.9, -0.5, -0.3, 1.1),
-        (0.9, -0.4, -0.2, 1.15),
-        (0.2, 0.9, 0.1, 1.1),
-        (-0.1, -0.7, -0.7, 1.1),
-    ] {
+    // Right, up, away and size of each.
+    const BALLS: [f64; 20] =
+        [0.0, 0.0, 0.0, 1.5, -0.9, -0.5, -0.3, 1.1, 0.9, -0.4, -0.2, 1.15, 0.2, 0.9, 0.1, 1.1, -0.1, -0.7, -0.7, 1.1];
+    for &[right, up, away, reach] in BALLS.as_chunks().0 {
         let place = onward([x, tall, z], [right, up, away], wide);
         solids.push(Solid::ball(place, reach * wide, [0.24, 0.46, 0.16], leaves));
     }
@@ -353,21 +335,20 @@ fn plain(base: Triple, _: Triple, _: Triple) -> Triple {
 }
 
 fn leaves(base: Triple, [x, y, z]: Triple, _: Triple) -> Triple {
-    let spots = grain(&STREET_LEAVES, 14.0 * (x + 0.6 * z), 14.0 * (y - 0.5 * z));
+    let spots = grain(&LEAVES, 14.0 * (x + 0.6 * z), 14.0 * (y - 0.5 * z));
     base.map(|channel| channel * (0.55 + 0.9 * spots))
 }
 
-static STREET_LEAVES: LazyLock<Texture> = LazyLock::new(|| Texture::new(13, (8, 4), (0, 255)));
+static LEAVES: LazyLock<Texture> = LazyLock::new(|| Texture::new(13, (8, 4), (0, 255)));
 
 /// A wall with windows and a door.
 fn front(base: Triple, [x, y, _]: Triple, normal: Triple) -> Triple {
-    const FRAME: Triple = [0.92; 3];
     let (beside, above) = (((x + 4.6) % 2.3 - 1.15).abs(), ((y - 0.3) % 2.7 - 1.3).abs());
     let is_door = (0.0..2.3).contains(&x) && y < 2.2;
     match normal[2].abs() > 0.7 {
         true if is_door && beside < 0.55 => [0.35, 0.22, 0.16],
         true if !is_door && beside < 0.5 && above < 0.65 && beside > 0.05 && above > 0.04 => [0.22, 0.28, 0.34],
-        true if !is_door && beside < 0.62 && above < 0.77 => FRAME,
+        true if !is_door && beside < 0.62 && above < 0.77 => [0.92; 3],
         _ => base,
     }
 }

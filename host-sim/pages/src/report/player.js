@@ -51,7 +51,7 @@ function drawTimeline() {
     color: strokeOf(entrant.look).color, isChosen: at === 0, states: (number) => entrant.states[number - recording.first] ?? undefined,
   }));
   timeline.draw({ first: recording.first, last: lastNumber(), frame: numberOf(frame), followed: lastNumber(), strips, marks: events, timeOf });
-  byId("eventless").hidden = events.length > recording.targets.length;
+  byId("eventless").hidden = events.some(({ kind }) => kind !== "locked" && kind !== "corrected");
   drawEvents(byId("events"), events, { timeOf, goTo: goToNumber, chosen: numberOf(frame) });
 }
 
