@@ -403,7 +403,7 @@ fn messages_are_in_peoples_words() {
     #[cfg(unix)]
     host_sim(&["track", "/dev/null", "--init", "0,0,2,2"]).refuses(&["/dev/null is a device", "`host-sim track -`"]);
     host_sim(&["track", "no/such"])
-        .refuses(&["cannot open no/such: expected a folder, a file, or one of synthetic", "there is no such file"]);
+        .refuses(&["cannot open no/such: expected a folder, a file, or one of street", "there is no such file"]);
     for (name, holds, expected) in [
         ("cut.pgm", &b"P5 9 9 255\nabc"[..], "it is cut short"),
         ("bad.png", b"not a picture", "it begins like none of them"),

@@ -357,8 +357,13 @@ async function startFilm() {
     say(last === 0 ? "There are no boxes yet: lock a target first." : "The earlier pictures of a camera are gone: no video can be made of them.");
     return;
   }
+  const before = passes;
   try {
-    const pictures = await Film.open(size, (error) => failFilm(error.message));
+    const pictures = await Film.open(size, (error) => dropFilm(`The video cannot be made: ${error.message}`));
+    if (film !== null || before !== passes) {
+      pictures.drop();
+      return;
+    }
     // Earlier boxes are forgotten.
     const first = Math.max(1, ...histories.filter(({ length }) => length === KEPT).map((history) => history.row(KEPT - 1).number));
     film = { pictures, first, next: first, last };
@@ -387,22 +392,23 @@ async function endFilm() {
   film = null;
   player.play(false);
   if (next === first) {
+    pictures.drop();
     say("The video has no frames yet.");
     return;
   }
-  save("boxes.webm", await pictures.end());
-  say(`boxes.webm has frames ${first} to ${next - 1}, without sound.`);
+  try {
+    save("boxes.webm", await pictures.end());
+    say(`boxes.webm has frames ${first} to ${next - 1}, without sound.`);
+  } catch (error) {
+    say(`The video cannot be made: ${error.message}`);
+  }
 }
 
-function failFilm(reason) {
-  dropFilm();
-  say(`The video cannot be made: ${reason}`);
-}
-
-function dropFilm() {
+function dropFilm(reason = "The video with boxes was given up.") {
   if (film !== null) {
+    film.pictures.drop();
     film = null;
-    say("The video with boxes was given up.");
+    say(reason);
   }
 }
 

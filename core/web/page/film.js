@@ -39,7 +39,7 @@ export class Film {
 
   /** A promise for room for a picture. */
   async ready() {
-    while (this.#encoder.encodeQueueSize >= MOST_WAITING) {
+    while (this.#encoder.state === "configured" && this.#encoder.encodeQueueSize >= MOST_WAITING) {
       await new Promise((resolve) => this.#free.push(resolve));
     }
   }
@@ -62,6 +62,14 @@ export class Film {
     await this.#encoder.flush();
     this.#encoder.close();
     return this.#webm.blob(this.#step);
+  }
+
+  /** Gives the film up. */
+  drop() {
+    if (this.#encoder.state !== "closed") {
+      this.#encoder.close();
+    }
+    this.#free.splice(0).forEach((go) => go());
   }
 
   #packed(chunk) {

@@ -11,8 +11,10 @@ const GAP = 1.5;
 const HAIR = 0.0005;
 // The number of pictures that wait for the trackers before the video pauses.
 const MOST_WAITING = 3;
-// The part of the speed that is tried next after a picture was skipped, and the number of pictures until more is tried.
-const SLOWER = 0.7, PATIENCE = 60;
+// After a skipped picture the video is slowed down so much, and after so many pictures without one it is as much quicker again.
+const SLOWER = 0.8, PATIENCE = 10;
+// Less would be slower than to seek each picture.
+const LEAST_PART = 0.3;
 const SLOWEST = 0.0625, FASTEST = 16; // of browsers
 // How long a picture may take after a seek, in browsers that tell its time only then.
 const LATE_MS = 100;
@@ -32,6 +34,7 @@ export class Video {
   #counted = 0; // pictures from the first one on
   #length = null;
   #step = null; // from a picture to the next one, the shortest that was seen
+  #isEnding = false;
   #mean = { step: LIKELY_STEP, count: 1 }; // over so many pictures from the first one on
   #last = null; // the picture that was sent last: { number, time }
   #queue = []; // those that wait
@@ -63,7 +66,7 @@ export class Video {
       this.stop();
       throw new Error(await this.#whyNot(isLoaded));
     }
-    video.onended = () => this.#isPlaying && this.#goBack(Infinity);
+    video.onended = () => this.#roll();
     this.#nextTick();
     const isBroken = new Promise((resolve) => (video.onerror = () => resolve(true)));
     if (await Promise.race([isBroken, this.#measure()])) {
@@ -86,15 +89,12 @@ export class Video {
   }
 
   play() {
-    this.#isPlaying = true;
+    [this.#isPlaying, this.#isEnding] = [true, false];
     this.#alone(async () => {
       const { currentTime } = this.#video;
       const { time } = this.#ahead;
       if (this.#isPlaying && (currentTime < time || currentTime >= time + (this.#step ?? 0) || this.#video.ended)) {
         (await this.#pictureAt(time + HAIR)).close();
-        if (this.#video.ended) {
-          this.#end();
-        }
       }
     });
   }
@@ -116,7 +116,7 @@ export class Video {
   seek(number) {
     const isPlaying = this.#isPlaying;
     this.pause();
-    this.#isPlaying = isPlaying;
+    [this.#isPlaying, this.#isEnding] = [isPlaying, false];
     this.#wanted = number;
     this.#alone(async () => {
       const wanted = this.#wanted;
@@ -246,7 +246,12 @@ export class Video {
 
   #roll() {
     const video = this.#video;
-    if (!this.#isPlaying || this.#seeks > 0 || this.#queue.length >= MOST_WAITING || video.ended) {
+    if (!this.#isPlaying || this.#seeks > 0 || this.#queue.length >= MOST_WAITING || this.#isEnding) {
+      return;
+    }
+    if (video.ended) {
+      // To play would begin again.
+      this.#goBack(Infinity);
       return;
     }
     this.speed = this.#speed;
@@ -355,7 +360,7 @@ export class Video {
         this.#end();
       } else {
         if (next.time < time - HAIR) {
-          [this.#part, this.#unskipped] = [this.#part * SLOWER, 0];
+          [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, LEAST_PART), 0];
         }
         this.#add(next, this.#ahead.number + 1);
       }
@@ -363,6 +368,7 @@ export class Video {
   }
 
   async #end() {
+    this.#isEnding = true;
     if (this.#ahead.number === this.#counted) {
       this.#length = this.#counted;
     }

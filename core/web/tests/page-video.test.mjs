@@ -177,6 +177,8 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     assert.equal(await page.value(`document.querySelector("#timeline input").getAttribute("aria-valuetext")`), `0:0${time} (frame ${corrected + 1})`);
     assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
     await shoot(page, `slider-${scheme}`, width);
+    // So high a window takes long to draw.
+    await page.size(width, 844);
     await filmed(page, 200);
   }, { width, height: 844, scheme });
 }
@@ -204,6 +206,11 @@ onPage("the built-in recording: its slider, events without times, and its video"
   await page.key("[");
   await page.until(`${NUMBER} < 240`);
   assert.match(await page.value(`document.querySelector("#events [aria-current]").textContent`), new RegExp(`frame ${await page.value(NUMBER)}$`));
+  // Whoever goes elsewhere gives the video up.
+  await page.click("#film");
+  await page.until(`document.getElementById("filming").value.startsWith("frame 2")`);
+  await scrub(page, 30, 100, 240);
+  assert.deepEqual([await page.value(NUMBER), await page.text("said")], [100, "The video with boxes was given up."]);
   await filmed(page, 240);
 });
 
