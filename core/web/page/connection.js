@@ -9,7 +9,10 @@ export class Connection {
   /** Whether targets are followed while the page is open. */
   follows = true;
 
-  /** What there is to see: its size, its frames, the targets. */
+  /**
+   * What there is to see: its name and size, `live`, the number of its first frame and of all `frames`, their `times` in
+   * seconds or their `rate` as far as they are known, the targets, the method that follows them, and what can be saved.
+   */
   async open() {
     const source = await (await asked("source")).json();
     return { first: 1, ...source, targets: source.targets.map(targetOf) };

@@ -7,8 +7,7 @@ import { METHODS, TITLES } from "./methods.js";
 const part = (value, unit) => (value === undefined || value === null ? "–" : (value / unit).toFixed(3));
 const whole = (value) => (value === undefined || value === null ? "–" : String(value));
 const millions = (value) => (value === undefined ? "–" : `${(value / 1e6).toFixed(2)} M`);
-/** A box as it is typed. */
-export const placed = (box) => (box ? [box.x, box.y, box.width, box.height].map((side) => Math.round(side)).join(", ") : "–");
+const placed = (box) => (box ? [box.x, box.y, box.width, box.height].map((side) => Math.round(side)).join(", ") : "–");
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 const ROWS = [

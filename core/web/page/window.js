@@ -34,7 +34,7 @@ const answers = new Answers();
 const pictures = new Pictures((number) => connection.picture(number), came, missed);
 const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
-let source; // see PROTOCOL of `host-sim view`
+let source; // see connection.js
 let kind; // recording, live or embedded
 let [first, last] = [1, 1];
 let frame = null; // the number of the frame that is wanted
@@ -557,6 +557,8 @@ function useMethod() {
   const robust = { reach: Number(byId("reach").value), size: isOn("size"), sweep: isOn("sweep"), refiner: isOn("refiner") };
   [source.method, source.options] = [method, { ...others, ...optionsOf(method, { robust, smr: { config: byId("config").value } }) }];
   trying(connection.method(source.method, source.options));
+  // It tells of the settings before.
+  byId("firmware").open = false;
   showMethod();
   draw();
 }

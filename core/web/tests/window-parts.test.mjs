@@ -5,6 +5,7 @@ import { test } from "node:test";
 import { Answers } from "../page/answers.js";
 import { gripOf } from "../page/drag.js";
 import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
+import { Pictures } from "../page/window-pictures.js";
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
 const MOVED = { ...BOX, x: 5 };
@@ -117,4 +118,32 @@ test("a box is held by its edges, its corners and its inside, and a small one ha
   const at = (x, y, box = { x: 10, y: 10, width: 40, height: 40 }) => gripOf(box, { x, y }, 5);
   assert.deepEqual([at(7, 30), at(52, 48), at(30, 30), at(30, 12)], [[-1, 0], [1, 1], [0, 0], [0, -1]]);
   assert.deepEqual([at(4, 30), at(14, 14, { x: 10, y: 10, width: 8, height: 8 })], [null, [0, 0]]);
+});
+
+test("pictures come two at a time, in the order in which they are wanted, and no more are kept than there is room for", async () => {
+  const [asked, answer, closed, missed] = [[], new Map(), [], []];
+  const load = (number) => {
+    asked.push(number);
+    return new Promise((resolve, reject) => answer.set(number, { resolve, reject }));
+  };
+  const picture = (number) => ({ width: 4096, height: 2048, close: () => closed.push(number) }); // 32 MB
+  const pictures = new Pictures(load, () => {}, (number, error) => missed.push([number, error.message]));
+  const come = async (number) => {
+    answer.get(number).resolve(picture(number));
+    await new Promise(setImmediate);
+  };
+  pictures.want([1, 2, 3, 4]);
+  assert.deepEqual(asked, [1, 2]);
+  pictures.want([9, 4, 1]);
+  await come(2);
+  assert.deepEqual([asked, pictures.get(2).width], [[1, 2, 9], 4096]);
+  await come(1);
+  answer.get(9).reject(new Error("gone"));
+  await new Promise(setImmediate);
+  assert.deepEqual([asked, missed], [[1, 2, 9, 4], [[9, "gone"]]]);
+  await come(4);
+  assert.deepEqual(closed, []);
+  pictures.want([5, 1]);
+  await come(5);
+  assert.deepEqual([closed, pictures.get(2), pictures.get(1).width], [[2], undefined, 4096], "what is wanted stays");
 });

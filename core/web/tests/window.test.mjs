@@ -216,10 +216,17 @@ onWindow("390 pixels wide, with a finger and with keys alone, several targets", 
 }, { width: 390, height: 844 });
 
 onWindow("a box that is refused is taken back, and why is said", async (page) => {
+  await page.click("#plays");
   await dragBox(page, [10, 10, 0, 20]);
   await says(page, "said", /The box has no pixels/);
-  await page.value(`fetch("targets", { method: "POST", body: "[]" })`);
-  assert.equal(await command(page), "Drag a box first.");
+  await dragBox(page, BOX);
+  await commands(page, /28 --method/);
+  await page.value(`{ const ask = fetch; window.fetch = (address, ...of) => (address === "targets" ? Promise.resolve(new Response("not this one", { status: 400 })) : ask(address, ...of)); }`);
+  await goTo(page, 30);
+  await dragBox(page, [60, 40, 30, 30]);
+  await says(page, "said", /^not this one$/);
+  await commands(page, /--init 36,24,24,28 --method robust$/);
+  await page.until(`document.getElementById("redo").disabled`);
 });
 
 onWindow("boxes are saved, in a format that has names if there are several targets", async (page) => {
