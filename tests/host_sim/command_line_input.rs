@@ -75,9 +75,9 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     let note = ["-c", "copy", "-metadata:s:v:0", "rotate=90"];
     let copied = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned).status();
     assert!(copied.unwrap().success());
-    let picture = file("frame.png");
+    let page = file("pick.html");
     let size = |video: &Path| {
-        let said = host_sim(&["frame", utf8(video), "-o", utf8(&picture), "--json"]).json();
+        let said = host_sim(&["frame", utf8(video), "-o", utf8(&page), "--json"]).json();
         (said["width"].as_u64().unwrap(), said["height"].as_u64().unwrap())
     };
     assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
@@ -252,7 +252,6 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
     for arguments in [
         &["convert", &clip, "-o", &clip][..],
         &["track", &clip, "--init", "9,9,9,9", "--out", &clip],
-        &["frame", &frames, "-o", &picture],
         &["track", &frames, "--out", &truth],
         &["report", &frames, "--png", &picture],
         &["eval", &frames, "--robustness", "--calibration", &picture],
@@ -514,8 +513,8 @@ fn the_name_of_an_output_says_what_it_is() {
         ("report", "--png", "r.jpg", "ends in .png"),
         ("demo", "--out", "r.pdf", "ends in .html, or a folder"),
         ("convert", "--out", "r.foo", "ends in .y4m, .raw, .gray, .bin, .y8 or .h, or a folder"),
-        ("frame", "--out", "f.txt", "ends in .html or .png"),
-        ("frame", "--out", "f", "ends in .html or .png"),
+        ("frame", "--out", "f.png", "ends in .html"),
+        ("frame", "--out", "f", "ends in .html"),
         ("figures", "--out", "f.png", "a folder"),
     ] {
         let sequence: &[&str] = if command == "demo" { &[] } else { &["synthetic"] };

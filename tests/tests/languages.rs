@@ -35,7 +35,7 @@ const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("answer", "JavaScript", "core/web/smr.js", &["  #answerOf({"], "\n  }"),
     ("answer", "JavaScript", TYPES, &["interface Answer {"], "\n}"),
     ("answer", "MicroPython", MODULE, &["mp_obj_t answer_of("], "\n}"),
-    ("answer", "host-sim", "host-sim/src/command/answer_line.rs", &["struct JsonLine<'a> {"], "\n}"),
+    ("answer", "host-sim", "host-sim/pages/src/export/boxes.rs", &["struct JsonLine<'a> {"], "\n}"),
     ("state", "C", HEADER, &["\nenum smr_state\n"], "\n}"),
     ("state", "Python", "core/python/package/smr/_answer.py", &["class State("], "\n\n\n"),
     ("state", "JavaScript", "core/web/smr.js", &["const State = "], "}"),

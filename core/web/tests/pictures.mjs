@@ -22,7 +22,7 @@ async function shoot(address, name, until) {
   const page = await browser.page(`${address}#frame=${FRAME}`, SIZE);
   await page.until(until);
   await new Promise((resolve) => setTimeout(resolve, 1000));
-  const { data } = await page.call("Page.captureScreenshot", { format: "jpeg", quality: 82 });
+  const { data } = await page.call("Page.captureScreenshot", { format: "jpeg", quality: 60 });
   writeFileSync(join(PROJECT, "host-sim/assets", name), Buffer.from(data, "base64"));
   await page.close();
 }
