@@ -7,6 +7,8 @@ import { lacking } from "./codec.js";
 const LIKELY_STEP = 1 / 30;
 // A gap of this many steps may hide a picture.
 const GAP = 1.5;
+// A picture may last so many steps, because their times are rounded.
+const SLACK = 1.25;
 // Less than files can tell apart.
 const HAIR = 0.0005;
 // The number of pictures that wait for the trackers before the video pauses.
@@ -16,8 +18,8 @@ const SLOWER = 0.8, PATIENCE = 10;
 // Less would be slower than to seek each picture.
 const LEAST_PART = 0.3;
 const SLOWEST = 0.0625, FASTEST = 16; // of browsers
-// How long a picture may take after a seek, in browsers that tell its time only then.
-const LATE_MS = 100;
+// How long a picture may come after its seek, and how often it is waited for.
+const LATE_MS = 150, WAITS = 2;
 
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
@@ -279,20 +281,34 @@ export class Video {
   async #pictureAt(time) {
     const video = this.#video;
     video.pause();
+    const before = this.#mediaTime;
     // If another source takes the video, or after an error, this seek has no end, and what waits for it has none.
     const how = { once: true, signal: this.#stopped.signal };
     const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
     video.currentTime = time;
     await seeked;
-    if (!this.#isTimed) {
+    let found = this.#shown();
+    for (let waits = 0; waits < WAITS && this.#isLate(found, before, time); waits++) {
+      found.close();
       await Promise.race([new Promise((resolve) => video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
+      found = this.#shown();
     }
-    return this.#shown();
+    return found;
+  }
+
+  // True if this may still be the picture of before the seek to `time`, or the one that came while it paused.
+  #isLate(found, before, time) {
+    const step = this.#step ?? LIKELY_STEP;
+    const isThere = found.time <= time + HAIR && time < found.time + SLACK * step;
+    return !this.#isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
   #shown() {
     const picture = new VideoFrame(this.#video);
-    return { picture, time: this.#isTimed ? picture.timestamp / 1e6 : this.#mediaTime, close: () => picture.close() };
+    if (this.#isTimed) {
+      this.#mediaTime = picture.timestamp / 1e6;
+    }
+    return { picture, time: this.#mediaTime, close: () => picture.close() };
   }
 
   // The picture after the one at `time`; null if there is none.
