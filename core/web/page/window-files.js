@@ -25,7 +25,7 @@ export function drawMade(place, { id, done, file, error }) {
   if (file) {
     place.replaceChildren("The file is there: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
   } else {
-    place.replaceChildren(error || `The file is being made: ${Math.floor(100 * done)} %.`);
+    place.replaceChildren(error || (done === null ? "The file is being made." : `The file is being made: ${Math.floor(100 * done)} %.`));
   }
 }
 

@@ -445,7 +445,7 @@ function about() {
 
 function load() {
   const { progress, live } = news;
-  const dropped = live && `${live.dropped === 0 ? "No frame was dropped" : `${live.dropped} frames were dropped: this machine was behind`}. The picture is ${Math.round(live.latency_ms)} ms old.`;
+  const dropped = live && `${droppedOf(live)}. The picture is ${Math.round(live.latency_ms)} ms old.`;
   const following = !live && progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
   const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
   return [dropped, following, hint].filter(Boolean).join(" ");
@@ -455,6 +455,10 @@ function write(node, text) {
   if (node.textContent !== text) {
     node.textContent = text;
   }
+}
+
+function droppedOf({ dropped }) {
+  return dropped === 0 ? "No frame was dropped" : `${dropped} ${dropped === 1 ? "frame was" : "frames were"} dropped: this machine was behind`;
 }
 
 const verbs = () => source.commands ?? (kind === "live" ? { track: "" } : { track: "", report: "-o report.html" });
