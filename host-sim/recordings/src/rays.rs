@@ -68,6 +68,13 @@ impl Solid {
         Self { origin, heading, reach: dot(corner, corner).sqrt(), faces, base, paint }
     }
 
+    /// False if its shadow lies nowhere within `reach` of a place.
+    pub fn may_shade(&self, place: Triple, reach: f64) -> bool {
+        let apart = minus(self.origin, place);
+        let along = dot(apart, SUN);
+        dot(apart, apart) - along * along / dot(SUN, SUN) < (self.reach + reach) * (self.reach + reach)
+    }
+
     fn inward(&self, [x, y, z]: Triple) -> Triple {
         let [c, s] = self.heading;
         [x * c + z * s, y, z * c - x * s]
@@ -106,6 +113,11 @@ impl Solid {
         let [c, s] = self.heading;
         Some((enter, color, [normal[0] * c - normal[2] * s, normal[1], normal[0] * s + normal[2] * c]))
     }
+}
+
+/// True if one of them is hit.
+pub fn is_met<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, along: Triple) -> bool {
+    solids.into_iter().any(|solid| solid.hit(from, along).is_some())
 }
 
 /// The first of them that is hit: see [`Solid::hit`].

@@ -12,10 +12,10 @@
 //! | 231 to 299 | it goes to the right, almost twice as wide as at first, and passes behind a lamp post |
 
 use super::random::Random;
-use super::rays::{Paint, SUN, Solid, Triple, levels, minus, mixed, nearest, onward, shown, unit};
+use super::rays::{Paint, SUN, Solid, Triple, is_met, levels, minus, mixed, nearest, onward, shown, unit};
 use super::synthetic::{PIXEL, Texture};
 use super::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, luma};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 pub const NAME: &str = "street";
 pub const LENGTH: usize = 300;
@@ -40,13 +40,27 @@ pub(super) fn sequence() -> Sequence {
     Sequence { colors, ..Sequence::made(NAME, (0..LENGTH).map(gray), (0..LENGTH).map(truth).collect()) }
 }
 
+/// The frame that was drawn last: it is asked for in gray, then in color.
+static LAST: Mutex<Option<(usize, ColorFrame)>> = Mutex::new(None);
+
 /// Frame `index`, counted from 0.
 pub fn frame(index: usize) -> ColorFrame {
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*last {
+        Some((at, frame)) if *at == index => frame.clone(),
+        _ => last.insert((index, drawn(index))).1.clone(),
+    }
+}
+
+fn drawn(index: usize) -> ColorFrame {
     let cars = cars(index);
+    // Farther from the middle of a car than this nothing of it is.
+    let may_shade = |solid: &&Solid| cars.iter().any(|car| solid.may_shade(car[0].origin, 4.0));
+    let shading: Vec<&Solid> = STREET.solids.iter().filter(may_shade).collect();
     let mut noise = Random(0x57EE_0000 + index as u64);
     let mut pixels = STREET.still.clone();
     for (x, y) in cars.iter().flat_map(|car| around(car)) {
-        pixels[place(x, y)] = mean(|ray| STREET.rays[place(x, y)][ray].with(&cars, direction(x, y, ray)));
+        pixels[place(x, y)] = mean(|ray| STREET.rays[place(x, y)][ray].with(&cars, &shading, direction(x, y, ray)));
     }
     for pixel in &mut pixels {
         let noise = noise.noise() / 2;
@@ -136,22 +150,20 @@ impl Ray {
             }
         };
         let shaded = levels(shown(color, normal, far, false));
-        let is_lit = nearest(solids, onward(EYE, along, far - 0.01), SUN).is_none();
+        let is_lit = !is_met(solids, onward(EYE, along, far - 0.01), SUN);
         Self { far, lit: if is_lit { levels(shown(color, normal, far, true)) } else { shaded }, shaded }
     }
 
-    /// The color that it shows with the cars there.
-    fn with(&self, cars: &[[Solid; 2]; 2], along: Triple) -> [u8; 3] {
+    /// The color that it shows with the cars there, which may be in the shadow of `shading`.
+    fn with(&self, cars: &[[Solid; 2]; 2], shading: &[&Solid], along: Triple) -> [u8; 3] {
         let solids = cars.as_flattened();
         match nearest(solids, EYE, along).filter(|(far, ..)| *far < self.far) {
             Some((far, color, normal)) => {
                 let at = onward(EYE, along, far - 0.01);
-                let is_lit = nearest(solids, at, SUN).is_none() && nearest(&STREET.solids, at, SUN).is_none();
+                let is_lit = !is_met(solids, at, SUN) && !is_met(shading.iter().copied(), at, SUN);
                 levels(shown(color, normal, far, is_lit))
             }
-            None if self.far < f64::INFINITY && nearest(solids, onward(EYE, along, self.far - 0.01), SUN).is_some() => {
-                self.shaded
-            }
+            None if self.far < f64::INFINITY && is_met(solids, onward(EYE, along, self.far - 0.01), SUN) => self.shaded,
             None => self.lit,
         }
     }

@@ -5,8 +5,8 @@
 //! page  <-- news, pictures --   routes  <--  news, pictures
 //! ```
 //!
-//! [`server`] lets in the page and nobody else. The page keeps the targets and their corrections, and sends them all after each change;
-//! [`following`] finds out what is to be followed again. Answers come back as [`news`]. [`pictures`] gives any frame as a JPEG.
+//! `server` lets in the page and nobody else. The page keeps the targets and their corrections, and sends them all after each change;
+//! `following` finds out what is to be followed again. Answers come back as `news`. `pictures` gives any frame as a JPEG.
 //! The page itself is core/web/page/window.html.
 
 mod camera;
