@@ -78,6 +78,7 @@ pub struct Server {
     listener: TcpListener,
     port: u16,
     token: String,
+    patience: Duration,
 }
 
 impl Server {
@@ -88,7 +89,8 @@ impl Server {
         let port = listener.local_addr()?.port();
         let mut token = [0; 16];
         getrandom::fill(&mut token).map_err(|error| anyhow::anyhow!("the system gives no random numbers: {error}"))?;
-        Ok(Self { listener, port, token: token.iter().map(|byte| format!("{byte:02x}")).collect() })
+        let token = token.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { listener, port, token, patience: PATIENCE })
     }
 
     /// The address of the page.
@@ -99,9 +101,10 @@ impl Server {
     /// Answers requests until the program ends. `answer` runs on a thread of its own and may wait.
     pub(super) fn run(self, answer: impl Fn(Request) -> Reply + Send + Sync + 'static) -> Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let door = Arc::new(Door { port: self.port, token: self.token, answer: Box::new(answer) });
+        let Self { listener, port, token, patience } = self;
+        let door = Arc::new(Door { port, token, patience, answer: Box::new(answer) });
         runtime.block_on(async {
-            let listener = tokio::net::TcpListener::from_std(self.listener)?;
+            let listener = tokio::net::TcpListener::from_std(listener)?;
             let open = Arc::new(AtomicUsize::new(0));
             loop {
                 let Ok((stream, _)) = listener.accept().await else {
@@ -120,7 +123,7 @@ impl Server {
                         async move { Ok::<_, Infallible>(door.answered(request).await) }
                     });
                     let mut server = http1::Builder::new();
-                    server.timer(TokioTimer::new()).header_read_timeout(PATIENCE).max_buf_size(1 << 16);
+                    server.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(1 << 16);
                     // That a browser goes away is no error.
                     let _ = server.serve_connection(TokioIo::new(stream), service).await;
                     open.fetch_sub(1, Ordering::SeqCst);
@@ -136,6 +139,7 @@ type Answer = Box<dyn Fn(Request) -> Reply + Send + Sync>;
 struct Door {
     port: u16,
     token: String,
+    patience: Duration,
     answer: Answer,
 }
 
@@ -149,7 +153,7 @@ impl Door {
         };
         let query = request.uri().query().unwrap_or("").to_owned();
         let read = Limited::new(request.into_body(), MOST_BYTES).collect();
-        let body = match tokio::time::timeout(PATIENCE, read).await {
+        let body = match tokio::time::timeout(self.patience, read).await {
             Ok(Ok(body)) => body.to_bytes().to_vec(),
             Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 1 MiB")),
             Err(_) => return reply(Reply::error(408, "the request does not end")),
@@ -196,7 +200,7 @@ mod tests {
 
     /// A server that answers with the path, and what it is reached by.
     fn served() -> (SocketAddr, String) {
-        let server = Server::bind().unwrap();
+        let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());
         thread::spawn(|| {
             server.run(|request| Reply::new("text/plain", format!("[{}]{}", request.path, request.body.len())))
@@ -274,7 +278,7 @@ mod tests {
         // The idle ones are closed when their time for a header is over.
         let begin = std::time::Instant::now();
         while !asked(address, &get).starts_with("HTTP/1.1 200") {
-            assert!(begin.elapsed() < 3 * PATIENCE, "the page is kept out");
+            assert!(begin.elapsed() < Duration::from_secs(20), "the page is kept out");
             thread::sleep(Duration::from_millis(100));
         }
     }
