@@ -5,13 +5,13 @@ import { spawnSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { NUMBER, PRESSED, answers, choose, downloaded, dragBox, folder, host, lines, onPage, pausedAt, replays, same, settled, shoot } from "./open-page.mjs";
-import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
 
 const BOX = "36,24,24,28";
 const DELAY = 80; // of a slow worker, in milliseconds
 const SIDE = 8; // of the squares that say the number of a frame, in pixels
 
-// The built-in recording as a video. Each frame says its number in squares at the bottom, the lowest bit first.
+// The recording `synthetic` as a video. Each frame says its number in squares at the bottom, the lowest bit first.
 function film(name, length, rate, ...options) {
   const file = join(folder, name);
   const input = ["-f", "rawvideo", "-pix_fmt", "gray", "-s", "160x120", "-r", String(rate), "-i", "-"];
@@ -21,8 +21,8 @@ function film(name, length, rate, ...options) {
 }
 
 function numbered(number) {
-  const { width, height } = BUILT_IN;
-  const frame = Buffer.from(syntheticFrame((number - 1) % BUILT_IN.length));
+  const { width, height } = SYNTHETIC;
+  const frame = Buffer.from(syntheticFrame((number - 1) % SYNTHETIC.length));
   for (let at = 0; at < SIDE * SIDE * 8; at++) {
     const [x, y] = [at % (SIDE * 8), height - 1 - Math.floor(at / (SIDE * 8))];
     frame[y * width + x] = (number >> Math.floor(x / SIDE)) & 1 ? 255 : 0;
@@ -33,7 +33,7 @@ function numbered(number) {
 /** The number that the picture says. */
 const CODE = `(() => {
   const stage = document.getElementById("stage");
-  const scale = stage.width / ${BUILT_IN.width};
+  const scale = stage.width / ${SYNTHETIC.width};
   const bright = (bit) => stage.getContext("2d").getImageData((bit + 0.5) * ${SIDE} * scale, stage.height - 4 * scale, 1, 1).data[0] > 127;
   return Array.from({ length: 8 }, (_, bit) => bright(bit) << bit).reduce((sum, one) => sum + one);
 })()`;
