@@ -196,22 +196,20 @@ async function filmed(page, length) {
 onPage("the built-in recording: its slider, events without times, and its video", async (page) => {
   await page.click("#repeat");
   await page.select("speed", "2");
-  await page.until(`document.getElementById("place").value === "frame 240 of 240" && ${PRESSED}`);
+  await page.until(`document.getElementById("place").value === "frame 300 of 300" && ${PRESSED}`);
   const events = await page.value(`[...document.querySelectorAll("#events li")].map(({ textContent }) => textContent)`);
   assert.equal(events[0], "locked at frame 1");
-  for (const kind of ["SMR lost", "SMR found"]) {
-    assert.ok(events.some((text) => new RegExp(`^${kind} at frame \\d+$`).test(text)), events.join());
-  }
+  assert.ok(events.some((text) => /^ROBUST uncertain at frame \d+$/.test(text)), events.join());
   await page.value(`document.getElementById("stage").focus()`);
   await page.key("[");
-  await page.until(`${NUMBER} < 240`);
+  await page.until(`${NUMBER} < 300`);
   assert.match(await page.value(`document.querySelector("#events [aria-current]").textContent`), new RegExp(`frame ${await page.value(NUMBER)}$`));
   // Whoever goes elsewhere gives the video up.
   await page.click("#film");
   await page.until(`document.getElementById("filming").value.startsWith("frame 2")`);
-  await scrub(page, 30, 100, 240);
+  await scrub(page, 30, 100, 300);
   assert.deepEqual([await page.value(NUMBER), await page.text("said")], [100, "The video with boxes was given up."]);
-  await filmed(page, 240);
+  await filmed(page, 300);
 });
 
 onPage("a codec that the browser lacks is named, and a damaged file is called damaged", async (page) => {
