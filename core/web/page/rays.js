@@ -1,4 +1,5 @@
-// Rays that meet balls and blocks in sunlight. host-sim/recordings/src/rays.rs is the same, step by step: so each pixel is, too.
+// Rays that meet balls and blocks in sunlight, as in host-sim/recordings/src/rays.rs: the same numbers in the same order, so that each pixel is the
+// same.
 
 // Where it is seen.
 const SUN = [-0.48, 0.77, -0.42];
@@ -96,7 +97,7 @@ export class Solid {
     return enter <= 0 || enter >= leave ? Infinity : enter;
   }
 
-  /** Whether a ray may meet it that begins so near `from`, or stays so near this ray. */
+  /** Whether it may be met by this ray, or by another that stays so near to it. */
   mayMeet(from, along, apart) {
     const [x, y, z] = [from[0] - this.#x, from[1] - this.#y, from[2] - this.#z];
     const middle = x * along[0] + y * along[1] + z * along[2];

@@ -1,5 +1,5 @@
-// The built-in recording: host-sim/recordings/src/street.rs describes it, and is the same, step by step. It is drawn here, because its noise makes
-// it large however it is packed.
+// The built-in recording: host-sim/recordings/src/street.rs describes it. Here the same numbers are computed in the same order, without those that
+// change no pixel. It is drawn as it plays, because its noise makes it large however it is packed.
 
 import { Random } from "./random.js";
 import { Shade, Solid, isShaded, levels, minus, mixed, nearest, onward, shown, unit } from "./rays.js";
@@ -25,8 +25,9 @@ export function streetFrame(index) {
   street ??= new Street();
   const data = street.still.slice();
   const cars = carsOf(index);
+  const solids = cars.flat();
   for (const [body] of cars) {
-    around(body, (x, y) => street.draw(data, x, y, cars.flat()));
+    around(body, (x, y) => street.draw(data, x, y, solids));
   }
   const random = new Random(0x57ee0000 + index);
   for (let at = 0; at < data.length; at += 4) {
@@ -143,7 +144,7 @@ class Road {
 
   /** The color of the ground. */
   color([x, , z]) {
-    const [off, along] = this.#nearest(x, z);
+    const [off, along] = this.#closest(x, z);
     const grass = grain(this.#grass, 5 * (x + 22), 3 * z);
     const asphalt = grain(this.#asphalt, 6 * (x + 22), 3 * z);
     const isZebra = along >= 89.5 && along < 92.5;
@@ -166,20 +167,18 @@ class Road {
     return mixed([0.22, 0.4, 0.14], [0.52, 0.66, 0.28], grass);
   }
 
-  // How far the road is, and how far along it.
-  #nearest(x, z) {
+  // How far the middle of the road is, and how far along it.
+  #closest(x, z) {
     let [off, along] = [Infinity, 0];
-    for (let at = 0; at < this.#points.length; at++) {
+    for (let at = 0; at < this.#points.length; ) {
       const point = this.#points[at];
       const apart = distance(point.x - x, point.z - z);
       if (apart < off) {
         off = apart;
         along = point.along;
       }
-      // None of those that follow so soon is nearer.
-      while (this.#points[at + 1]?.along < point.along + apart - off - 0.001) {
-        at++;
-      }
+      // From one point to the next it is less than 0.5 meters: those between are not nearer.
+      at += Math.max(1, Math.ceil((apart - off) / 0.5));
     }
     return [off, along];
   }
@@ -257,7 +256,7 @@ class Street {
   }
 }
 
-// Those that the rays of a pixel may meet. Farther away than 100 meters there is none: rays of a pixel are less than 0.2 meters apart.
+// Those that rays of a pixel may meet. All are within 100 meters, where these rays are less than 0.2 meters apart.
 function metBy(x, y, solids) {
   const middle = direction(x, y, Math.floor(RAYS / 2));
   return solids.filter((solid) => solid.mayMeet(EYE, middle, 0.2));

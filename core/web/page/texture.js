@@ -1,10 +1,11 @@
+// Textures: 256x256 gray levels that repeat.
+
 import { Random } from "./random.js";
 
 /** The number of units in a pixel: positions are counted in sixteenths. */
 export const PIXEL = 16;
 
-// 256x256 gray levels: random ones `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between
-// them blended.
+/** Random gray levels `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between them blended. */
 export function texture(seed, coarse, fine, darkest, brightest) {
   const random = new Random(seed);
   const grid = () => Uint8Array.from({ length: 65536 }, () => random.next());
@@ -16,8 +17,7 @@ export function texture(seed, coarse, fine, darkest, brightest) {
   });
 }
 
-// Blends the four pixels around the position, in 256ths of a gray level. It is called for every pixel, so it makes no
-// arrays.
+/** Blends the four pixels around the position, in 256ths of a gray level. It is called for every pixel, so it makes no arrays. */
 export function sample(levels, x, y) {
   const column = (x >> 4) & 255;
   const next = (column + 1) & 255;
