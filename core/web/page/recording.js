@@ -1,12 +1,10 @@
 // The built-in recording as a source of frames. No frame of it is ever dropped: it waits until the trackers are ready.
 
-import { BUILT_IN } from "./synthetic.js";
+export const BUILT_IN = { name: "street", length: 300, rate: 25, box: { x: 268, y: 101, width: 39, height: 14 } };
 
 export class Recording {
   kind = "recording";
   name = BUILT_IN.name;
-  width = BUILT_IN.width;
-  height = BUILT_IN.height;
   length = BUILT_IN.length;
   rate = BUILT_IN.rate;
   #sink;

@@ -3,7 +3,7 @@
 
 import { hasSimd, load } from "../smr.js";
 import { grayOf } from "./gray.js";
-import { BUILT_IN, syntheticFrame } from "./synthetic.js";
+import { streetFrame } from "./street.js";
 import { Targets } from "./targets.js";
 
 let targets = null;
@@ -53,11 +53,8 @@ async function unpacked(text) {
 }
 
 async function builtIn(index) {
-  const { width, height } = BUILT_IN;
-  const data = syntheticFrame(index);
-  const rgba = new Uint8ClampedArray(4 * data.length).fill(255);
-  data.forEach((level, at) => rgba.fill(level, 4 * at, 4 * at + 3));
-  return { frame: { data, width, height }, drawn: await createImageBitmap(new ImageData(rgba, width, height)) };
+  const frame = streetFrame(index);
+  return { frame, drawn: await createImageBitmap(new ImageData(frame.data, frame.width, frame.height)) };
 }
 
 // Handles requests one after the other and answers each with its number.

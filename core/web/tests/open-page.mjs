@@ -12,7 +12,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser, hasBrowser } from "./browser.mjs";
 import { PACKAGE, PROJECT } from "./library.mjs";
-import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
 
 const HOST_SIM = process.env.SMR_HOST_SIM;
 export const FRAMES = 100;
@@ -50,9 +50,9 @@ after(async () => {
   }
 });
 
-// The built-in recording as a camera gives it, in the range of video.
+// The recording `synthetic` as a camera gives it, in the range of video.
 function y4m() {
-  const { width, height, length } = BUILT_IN;
+  const { width, height, length } = SYNTHETIC;
   const colors = Buffer.alloc((width * height) / 2, 128);
   const frames = Array.from({ length }, (_, index) => [Buffer.from("FRAME\n"), syntheticFrame(index).map((gray) => 16 + (gray * 219) / 255), colors]);
   return Buffer.concat([Buffer.from(`YUV4MPEG2 W${width} H${height} F30:1 Ip C420jpeg\n`), ...frames.flat()]);

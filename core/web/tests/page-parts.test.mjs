@@ -1,9 +1,12 @@
 // The parts of the page that need no browser: the built-in recording, the ring of answers, files and command lines, how it becomes one file.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
+import { copyWindow, frameOf } from "../frame.js";
 import { bundle } from "../page/bundle.mjs";
 import { about, instructions } from "../page/cost.js";
 import { Followed } from "../page/followed.js";
@@ -11,7 +14,8 @@ import { History, KEPT, median } from "../page/history.js";
 import { SETTINGS } from "../page/methods.js";
 import { csv, json } from "../page/rows.js";
 import { commandLine } from "../page/command.js";
-import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+import { BUILT_IN } from "../page/recording.js";
+import { streetFrame } from "../page/street.js";
 import { PROJECT } from "./library.mjs";
 
 // What modules ask a browser for as soon as they are there.
@@ -26,17 +30,38 @@ const ANSWER = {
   box: BOX, fineBox: FINE, state: "tracking", confidence: 65535, ratio: 21845, runnerUpRatio: null, alpha: 10, scale: 65536, foundAgain: false, work: 9,
 };
 
-test("every pixel of the built-in recording is that of host-sim", () => {
-  const source = readFileSync(join(PROJECT, "host-sim/recordings/src/synthetic.rs"), "utf8");
+test("the built-in recording has the colors of host-sim", () => {
+  const source = readFileSync(join(PROJECT, "host-sim/recordings/src/street.rs"), "utf8");
   const expected = BigInt(source.match(/assert_eq!\(fnv, (0x\w+),/)[1].replaceAll("_", ""));
+  const indices = source.match(/let bytes = \[(.*?)\]/)[1].split(",").map(Number);
   // FNV-1a of 64 bits.
   let hash = 0xcbf29ce484222325n;
-  for (let index = 0; index < BUILT_IN.length; index++) {
-    for (const pixel of syntheticFrame(index)) {
-      hash = ((hash ^ BigInt(pixel)) * 0x100000001b3n) & 0xffffffffffffffffn;
+  for (const index of indices) {
+    for (const level of streetFrame(index).data.filter((_, at) => at % 4 < 3)) {
+      hash = ((hash ^ BigInt(level)) * 0x100000001b3n) & 0xffffffffffffffffn;
     }
   }
   assert.equal(hash, expected);
+});
+
+const hostSim = process.env.SMR_HOST_SIM;
+test("the gray that trackers see of it is that of host-sim, in all frames", { skip: hostSim === undefined && "no host-sim: run .ci/web" }, () => {
+  const folder = mkdtempSync(join(tmpdir(), "smr-street-"));
+  try {
+    const file = join(folder, "street.raw");
+    const { status, stderr } = spawnSync(hostSim, ["convert", BUILT_IN.name, "--out", file], { encoding: "utf8" });
+    assert.equal(status, 0, stderr);
+    const expected = readFileSync(file);
+    const size = expected.length / BUILT_IN.length;
+    for (let index = 0; index < BUILT_IN.length; index++) {
+      const frame = frameOf(streetFrame(index));
+      const gray = Buffer.alloc(size);
+      copyWindow(frame, { x: 0, y: 0, width: frame.width, height: frame.height }, gray);
+      assert.ok(gray.equals(expected.subarray(index * size, (index + 1) * size)), `frame ${index + 1}`);
+    }
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 });
 
 test("the ring keeps the last answers, and a lock takes the place of the answer in its frame", () => {
@@ -109,8 +134,8 @@ test("command lines are those of host-sim", () => {
   assert.equal(commandLine("smr", SETTINGS, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
   assert.match(commandLine("robust", settings, [one], file), /--method robust --reach 6 --without size,sweep,refiner$/);
   assert.match(commandLine("smr", settings, [one], file), /--method smr$/);
-  const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "synthetic" });
-  assert.equal(two, "host-sim track synthetic --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");
+  const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "street" });
+  assert.equal(two, "host-sim track street --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");
 });
 
 test("locks are made again, also one that was under way when the recording started again", () => {

@@ -8,15 +8,15 @@ import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
 import { PACKAGE } from "./library.mjs";
-import { BUILT_IN, syntheticFrame } from "../page/synthetic.js";
+import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
 
-const FACTOR = 4; // of the built-in recording
+const FACTOR = 4; // of the recording `synthetic`
 const LENGTH = 160; // until then the target is in the picture
 const FRAMES = Number(process.argv[2] ?? 3000);
 const FIRST = 1000;
 
 function writeCamera(file) {
-  const [width, height] = [FACTOR * BUILT_IN.width, FACTOR * BUILT_IN.height];
+  const [width, height] = [FACTOR * SYNTHETIC.width, FACTOR * SYNTHETIC.height];
   const out = openSync(file, "w");
   writeSync(out, `YUV4MPEG2 W${width} H${height} F60:1 Ip C420jpeg\n`);
   const colors = Buffer.alloc((width * height) / 2, 128);
@@ -26,7 +26,7 @@ function writeCamera(file) {
     const gray = syntheticFrame(index);
     const luma = Buffer.alloc(width * height);
     for (let y = 0; y < height; y++) {
-      const row = Math.floor(y / FACTOR) * BUILT_IN.width;
+      const row = Math.floor(y / FACTOR) * SYNTHETIC.width;
       for (let x = 0; x < width; x++) {
         luma[y * width + x] = 16 + (gray[row + Math.floor(x / FACTOR)] * 219) / 255;
       }

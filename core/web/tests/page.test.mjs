@@ -16,11 +16,11 @@ onPage("the built-in recording moves at once, and its answers are those of host-
   await page.select("speed", "2");
   await pausedAt(page, FRAMES + 1);
   for (const [method, ...options] of [["robust"], ["smr", "--config", "camera"]]) {
-    const expected = host("track", "synthetic", "--method", method, ...options, "--json");
+    const expected = host("track", "street", "--method", method, ...options, "--json");
     const found = await answers(page, method);
     assert.ok(found.length > FRAMES);
     same(found, lines(expected.stdout).map((line) => JSON.parse(line)), method);
-    const csv = lines(host("track", "synthetic", "--method", method, ...options, "--format", "csv").stdout);
+    const csv = lines(host("track", "street", "--method", method, ...options, "--format", "csv").stdout);
     const saved = lines(readFileSync(await downloaded(page, "csv", `boxes-${method}.csv`), "utf8"));
     assert.deepEqual(saved.map(columns(method)), csv.slice(0, saved.length).map(columns(method)));
     const [program, ...words] = (await page.text("command")).split(" ");
@@ -72,8 +72,8 @@ onPage("a page of 390 pixels, by keys alone, with several targets", async (page)
   await page.key(" ");
   await pausedAt(page, 60);
   const [, x, y, width, height, frame] = (await page.text("command")).match(/--init 2=(\d+),(\d+),(\d+),(\d+)@(\d+)/).map(Number);
-  assert.deepEqual([x, y, width, height], [67, 49, 29, 25]);
-  const expected = host("track", "synthetic", "--init", "1=36,24,24,28", "--init", `2=${x},${y},${width},${height}@${frame}`, "--init", `3=40,80,20,20@${frame}`, "--json");
+  assert.deepEqual([x, y, width, height], [133, 97, 59, 49]);
+  const expected = host("track", "street", "--init", "1=268,101,39,14", "--init", `2=${x},${y},${width},${height}@${frame}`, "--init", `3=40,80,20,20@${frame}`, "--json");
   const found = await answers(page, "robust");
   assert.deepEqual(found, lines(expected.stdout).slice(0, found.length).map((line) => JSON.parse(line)));
   assert.equal(await page.value(`document.documentElement.scrollWidth <= innerWidth`), true);
@@ -92,7 +92,7 @@ onPage("locks are repeated when a recording starts again, with other settings to
   await page.click("#play");
   await pausedAt(page, next + 10);
   const command = await page.text("command");
-  assert.match(command, /--init 36,24,24,28 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep,refiner$/);
+  assert.match(command, /--init 268,101,39,14 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep,refiner$/);
   const expected = lines(host(...command.split(" ").slice(1), "--json").stdout).map((line) => JSON.parse(line));
   same(await answers(page, "robust"), expected, "robust");
 });
