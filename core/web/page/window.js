@@ -68,9 +68,10 @@ function goTo(number) {
   }
 }
 
-// While the user drags the slider, a picture on the way is better than an old one.
+// While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
 function came(number) {
-  if (number === frame || shown === null || Math.abs(number - frame) < Math.abs(shown - frame)) {
+  const isNearer = shown === null ? kind === "live" : Math.abs(number - frame) < Math.abs(shown - frame);
+  if (number === frame || isNearer) {
     show(number);
   }
 }

@@ -95,7 +95,20 @@ const commands = (page, pattern) => page.until(`${pattern}.test(document.getElem
 const says = (page, id, pattern) => page.until(`${pattern}.test(document.getElementById("${id}").textContent) && !document.getElementById("${id}").hidden`);
 const isAt = (page, number) => page.until(`document.getElementById("place").value.startsWith("frame ${number} of ")`);
 const focus = (page) => page.value(`document.getElementById("stage").focus()`);
-const followedAll = (page) => page.until(`fetch("news?since=0").then((answer) => answer.json()).then(({ followed, progress }) => followed === ${FRAMES} && progress === null)`);
+// What the line says has arrived at host-sim.
+const HEARD = `fetch("source").then((answer) => answer.json()).then(({ targets, method, options }) => {
+  const line = document.getElementById("track").textContent;
+  const inits = targets.flatMap(({ locks }) => locks.map(({ frame, box }) => box.join() + (frame === 1 ? "" : "@" + frame)));
+  const chosen = Object.entries(options).map(([name, value]) => "--" + name + " " + value);
+  const all = [...inits, "--method " + method, ...chosen];
+  return all.length === line.match(/--/g)?.length && all.every((one) => line.includes(one));
+})`;
+const FOLLOWED = `fetch("news?since=0").then((answer) => answer.json()).then(({ followed, progress }) => followed === ${FRAMES} && progress === null)`;
+
+async function followedAll(page) {
+  await page.until(HEARD);
+  await page.until(FOLLOWED);
+}
 
 async function goTo(page, number) {
   await page.value(`location.hash = "frame=${number}"`);
