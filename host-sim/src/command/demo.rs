@@ -36,8 +36,8 @@ impl Demo {
                 out,
                 "The trackers were locked on a car of the built-in recording `{}`: it passes behind a tree, turns, and meets\n\
                  another like it. Open {} in a browser to see which of them follows it.\n\n\
-                 Your own video, with a box to start from (left, top, width, height):\n  \
-                 {program} frame video.mp4 -o pick.html    # open it, drag a box, copy the line that it shows\n  \
+                 Your own video, in the browser or with a box to start from (left, top, width, height):\n  \
+                 {program} view video.mp4    # drag a box, and it is followed\n  \
                  {program} track video.mp4 --init 150,100,40,48 --video boxes.mp4\n  \
                  {program} report video.mp4 --init 150,100,40,48 --out report.html\n\n\
                  All commands: {program} --help",

@@ -70,8 +70,8 @@ enum Command {
     Demo(demo::Demo),
     /// Open a recording in the browser: drag a box, see it followed, go to any frame, correct it, and take the result away
     ///
-    /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video is there within
-    /// half a second. host-sim serves until it is ended (Ctrl+C).
+    /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video can be reached
+    /// at once. host-sim serves until it is ended (Ctrl+C).
     #[command(after_help = "Examples:
   host-sim view clip.mp4
   host-sim view sequences/car --no-open")]

@@ -8,8 +8,10 @@ use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::{Robust, robust};
 use smr_evaluation::{MethodKind, Variant};
+use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{Camera, Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
+use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
 use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Seekable, Start, is_live, is_seekable};
 use std::ffi::OsString;
@@ -57,8 +59,9 @@ struct Opened {
 }
 
 /// The formats of boxes that the page offers.
-const FORMATS: [&str; 9] = ["csv", "json", "tld", "otb", "vot", "got10k", "mot", "coco", "cvat"];
-const FILMS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
+fn formats() -> Vec<String> {
+    Format::value_variants().iter().map(choice_name).collect()
+}
 
 impl View {
     pub fn run(self) -> Result<Outcome> {
@@ -75,8 +78,8 @@ impl View {
             name: name.clone(),
             size,
             words: shlex::try_join(words.iter().map(String::as_str))?,
-            formats: FORMATS.to_vec(),
-            films: if !is_live && has_ffmpeg() { FILMS.to_vec() } else { Vec::new() },
+            formats: formats(),
+            films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
             made: Arc::new(Made::new()?),
@@ -179,7 +182,7 @@ impl Wish for Desk {
 
     fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
-            bail!("{format:?} is no format of boxes: expected one of {}", FORMATS.join(", "));
+            bail!("{format:?} is no format of boxes: expected one of {}", formats().join(", "));
         };
         let targets = followed.rows();
         ensure!(

@@ -60,7 +60,7 @@ struct Kept {
     dropped: usize,
     latency_ms: f64,
     begin: Instant,
-    /// It ended, with this error if it was not asked to.
+    /// Why it ended; `None` while frames come.
     ended: Option<String>,
     stopped: bool,
 }
@@ -107,7 +107,7 @@ impl Shared {
                     let number = kept.newest;
                     drop(kept);
                     self.came.notify_all();
-                    // A picture that comes while another one is encoded is left out.
+                    // While one picture is encoded, the next ones are left out.
                     if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, color)) {
                         break;
                     }
@@ -168,7 +168,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// True the first time.
+    /// Returns true at the first call only.
     const fn tell_end(&mut self) -> bool {
         !std::mem::replace(&mut self.has_told, true)
     }
@@ -219,7 +219,7 @@ impl Source for Camera {
         Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
     }
 
-    /// Of a frame without a picture, the picture before it.
+    /// If the frame has no picture, this is the picture before it.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
         let nearest = kept.pictures.range(..=number).next_back();

@@ -54,12 +54,12 @@ pub struct Row {
     pub time: Option<f64>,
 }
 
-/// What one lock, and a tracker of one setting, makes a segment of.
+/// Identifies a segment: its target, its lock, and the settings of the tracker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    /// Of the trackers' settings.
+    /// Counts the changes of the trackers' settings.
     edition: u32,
 }
 
@@ -67,7 +67,7 @@ struct Segment {
     key: Key,
     /// One for each frame from the lock on; `None` of a frame that was dropped.
     rows: VecDeque<Option<Row>>,
-    /// How many rows before them are not kept any more.
+    /// The number of older rows that were dropped.
     gone: usize,
     /// The tracker refused a frame: nothing follows.
     failed: bool,
@@ -86,7 +86,7 @@ impl Segment {
 
 /// The segments that are kept for undo and redo, beside those in use.
 const SPARE: usize = 24;
-/// A gap of at most so many frames is read through rather than sought over.
+/// A gap of at most this many frames is read; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
 /// The most rows that a segment of a camera keeps: five minutes of 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
@@ -172,12 +172,12 @@ impl State {
         }
     }
 
-    /// Makes segments for what is new, and forgets the oldest of those that nobody asks for.
+    /// Makes the segments that are missing, and drops the oldest of those that no target asks for.
     fn arrange(&mut self) {
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
         for &key in &plan {
             match self.segments.iter().position(|segment| segment.key == key) {
-                // The last are those that were used last.
+                // The list is in the order of use.
                 Some(at) => {
                     let segment = self.segments.remove(at);
                     self.segments.push(segment);
@@ -387,7 +387,7 @@ impl Followed {
         }
     }
 
-    /// There is no frame behind `number`: so it was read, or nothing behind it can be.
+    /// Notes that `number` is the last frame: the recording ends there, or cannot be read any further.
     fn ends(&self, number: usize, error: Option<&anyhow::Error>) {
         let mut state = self.state();
         state.last = Some(number);
@@ -411,7 +411,7 @@ impl Followed {
         let is_live = source.live().is_some();
         let (due, variant): (Vec<Task>, Variant) = {
             let state = self.state();
-            // A camera's frames that nobody had time for are passed over, once a target is locked.
+            // After the lock, a tracker may skip frames of a camera.
             let waits =
                 |task: &Task| task.next == number || is_live && task.key.lock.0 < task.next && task.next < number;
             let due = state.tasks().into_iter().filter(waits).collect();
@@ -437,7 +437,6 @@ impl Followed {
                     Item::Row { target, frame: number }
                 }
                 Ok(None) => continue,
-                // One refused frame is one message.
                 Err(error) => {
                     segment.failed = true;
                     Item::Said(messages::of(&error))

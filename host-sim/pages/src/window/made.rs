@@ -35,7 +35,7 @@ pub(super) struct Progress {
     error: Option<String>,
 }
 
-/// The most that is made at a time.
+/// The most files that are made at a time.
 const MOST: usize = 2;
 
 /// The files of a window. They are removed when the program ends.
@@ -69,7 +69,7 @@ impl Made {
         self.folder.path().join(format!("{id}-{name}"))
     }
 
-    /// Begins to make a file. `tell` is called with its number when it got on.
+    /// Begins to make a file. `tell` is called with its number after each step.
     /// Errors: Too much is being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;
@@ -104,7 +104,7 @@ impl Made {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);
         for (count, _) in printed.enumerate() {
-            // A hundred steps are enough to look at.
+            // The page needs no more than a hundred steps.
             if lines > 0 && count.is_multiple_of(lines.div_ceil(100)) {
                 #[allow(clippy::cast_precision_loss)] // far below 2^52
                 let done = (count as f64 / lines as f64).min(0.99);

@@ -13,11 +13,11 @@ pub(super) enum Item {
     Said(String),
     /// How many frames there are, or their times, changed.
     Frames,
-    /// Something that is made for the user got on.
+    /// A file that is being made for the user has progressed.
     Made(u32),
 }
 
-/// The most items that are remembered. Beyond it the list is made anew of what is true now.
+/// The most items in the list. When it is full, it is replaced by all that is true now.
 const MOST: usize = 1 << 20;
 /// The most answers in one reply.
 const PORTION: usize = 5000;

@@ -11,9 +11,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub const SIDE: u16 = 1280;
 /// The most bytes of pictures that are kept.
 const MOST_BYTES: usize = 96 << 20;
-/// Frames that are nearer than this are read through.
+/// A frame at most this far ahead is reached by reading on; others need a seek.
 const NEAR: usize = 24;
-/// Who steps back wants the frames before, too.
+/// A user who steps back will want earlier frames, so the seek goes this much further.
 const BEFORE: usize = 12;
 
 /// A recording as the source of a window.
@@ -57,7 +57,7 @@ impl Source for Recorded {
         if !next.is_some_and(|next| (next..next + NEAR).contains(&number)) {
             let steps_back = number < pictures.last && pictures.last - number < NEAR;
             let from = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
-            // The former one ends first.
+            // This ends the former ffmpeg before the next one starts.
             pictures.reader = None;
             pictures.reader = Some((from, self.recording.color_from(from, SIDE).ok()?));
         }
@@ -84,7 +84,7 @@ impl Pictures {
         }
     }
 
-    /// What is farthest from the newest goes first.
+    /// Keeps a picture. If there are too many bytes, the pictures farthest from it go.
     fn keep(&mut self, number: usize, picture: &Arc<Vec<u8>>) {
         self.bytes += picture.len();
         if let Some(before) = self.kept.insert(number, Arc::clone(picture)) {

@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// How long a page waits for news before it asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// News are gathered for so long, so that a page is not told of each frame alone.
+/// News is gathered for this long, so that one reply tells of several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
 /// What the command line does for a window.
@@ -44,7 +44,7 @@ pub struct Window {
     /// The source and its options, as they are typed.
     pub words: String,
     /// The formats of boxes and of videos.
-    pub formats: Vec<&'static str>,
+    pub formats: Vec<String>,
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
