@@ -1,6 +1,7 @@
-/* Stands in for the Camera library of the mbed core: its names and types, and a picture in RGB565 of a square that goes to the right. */
+/* Stands in for the Camera library of the mbed core: its names and types, and the square in RGB565. */
 #pragma once
 #include <Arduino.h>
+#include "square.h"
 
 enum { CAMERA_GRAYSCALE = 0, CAMERA_BAYER = 1, CAMERA_RGB565 = 2 };
 enum { CAMERA_R320x240 = 1 };
@@ -22,10 +23,8 @@ public:
   {
     for (int y = 0; y < 240; y++) {
       for (int x = 0; x < 320; x++) {
-        int u = x - 136 - taken * 2, v = y - 96;
-        bool inside = u >= 0 && u < 48 && v >= 0 && v < 48;
         // The same five bits in red, green and blue are a gray pixel.
-        int level = inside ? 16 + (u / 6 * 7 + v / 6 * 11 + u / 6 * (v / 6) * 5) % 16 : (x / 8 * 5 + y / 8 * 3 + x / 8 * (y / 8)) % 8;
+        int level = square_level(x, y, taken);
         int pixel = level << 11 | level << 6 | level;
         buffer.getBuffer()[(y * 320 + x) * 2] = static_cast<uint8_t>(pixel >> 8);
         buffer.getBuffer()[(y * 320 + x) * 2 + 1] = static_cast<uint8_t>(pixel);
