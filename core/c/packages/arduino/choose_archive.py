@@ -1,6 +1,7 @@
 """Chooses the libsmr.a for a board. PlatformIO runs this before it builds a program with the library."""
 
 import glob
+import os
 
 Import("env")  # noqa: F821 (from PlatformIO)
 
@@ -15,4 +16,4 @@ found = [path for cpu in cpus if cpu for path in glob.glob(f"src/{cpu}/{archive}
 if not found:
     print(f"SMRTracker has no src/{cpus[0] or cpus[-1]}/{archive}. Xtensa (ESP32, S2, S3): see its README.")
     env.Exit(1)  # noqa: F821
-env.Append(LIBPATH=[found[0].rpartition("/")[0]], LIBS=["smr"])  # noqa: F821
+env.Append(LIBPATH=[os.path.dirname(os.path.abspath(found[0]))], LIBS=["smr"])  # noqa: F821
