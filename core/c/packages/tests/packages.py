@@ -37,20 +37,20 @@ def chosen(flags, board):
 
 
 def kconfig():
-    """Kconfig must have no warning, and CONFIG_SMR must be there for a Cortex-M only."""
+    """Kconfig must have no warning, and CONFIG_SMR must be there for a Cortex-M, and not for 64 bits of Arm."""
     try:
         import kconfiglib
     except ImportError:
         return print("skipped: Kconfig: no kconfiglib")
     os.environ["srctree"] = f"{out}/zephyr/smr"
-    for cpu, value in (("CPU_CORTEX_M", "y"), ("XTENSA", "n")):
+    for cpu, value in (("CPU_CORTEX_M", "y"), ("ARM64", "n")):
         with open(f"{out}/tests/Kconfig", "w") as file:
-            file.writelines(f"config {name}\n\tbool\n\tdefault {'y' if name == cpu else 'n'}\n" for name in ("CPU_CORTEX_M", "RISCV", "64BIT", "XTENSA"))
+            file.writelines(f"config {name}\n\tbool\n\tdefault {'y' if name == cpu else 'n'}\n" for name in ("CPU_CORTEX_M", "RISCV", "64BIT", "XTENSA", "ARM64"))
             file.write('source "Kconfig"\n')
         read = kconfiglib.Kconfig(f"{out}/tests/Kconfig", warn_to_stderr=False)
         read.syms["SMR"].set_value("y")
         assert read.syms["SMR"].str_value == value and not read.warnings, read.warnings
-    print("Kconfig: CONFIG_SMR is there for a Cortex-M, and not for Xtensa")
+    print("Kconfig: CONFIG_SMR is there for a Cortex-M, and not for 64 bits of Arm")
 
 
 os.chdir(f"{out}/SMRTracker")
