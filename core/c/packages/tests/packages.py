@@ -1,4 +1,7 @@
-"""Tests choose_archive.py and Kconfig as they were assembled: packages.py FOLDER. It stands in for PlatformIO, and reads Kconfig with kconfiglib."""
+"""Tests library.properties, choose_archive.py and Kconfig as they were assembled: packages.py FOLDER.
+
+It stands in for PlatformIO, and reads Kconfig with kconfiglib.
+"""
 
 import contextlib
 import io
@@ -45,7 +48,8 @@ def kconfig():
     os.environ["srctree"] = f"{out}/zephyr/smr"
     for cpu, value in (("CPU_CORTEX_M", "y"), ("ARM64", "n")):
         with open(f"{out}/tests/Kconfig", "w") as file:
-            file.writelines(f"config {name}\n\tbool\n\tdefault {'y' if name == cpu else 'n'}\n" for name in ("CPU_CORTEX_M", "RISCV", "64BIT", "XTENSA", "ARM64"))
+            for name in ("CPU_CORTEX_M", "RISCV", "64BIT", "XTENSA", "ARM64"):
+                file.write(f"config {name}\n\tbool\n\tdefault {'y' if name == cpu else 'n'}\n")
             file.write('source "Kconfig"\n')
         read = kconfiglib.Kconfig(f"{out}/tests/Kconfig", warn_to_stderr=False)
         read.syms["SMR"].set_value("y")
@@ -54,6 +58,11 @@ def kconfig():
 
 
 os.chdir(f"{out}/SMRTracker")
+with open("library.properties") as file:
+    properties = dict(line.rstrip("\n").split("=", 1) for line in file)
+missing = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "architectures", "includes"} - properties.keys()
+assert not missing and os.path.isfile("src/" + properties["includes"]), missing
+
 m7 = ["-mthumb", "-mcpu=cortex-m7"]
 assert chosen(m7 + ["-mfpu=fpv5-d16", "-mfloat-abi=softfp"], {}) == "cortex-m7"
 assert chosen(m7 + ["-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"], {}) == "cortex-m7/fpv5-d16-hard"
