@@ -11,10 +11,10 @@ smr-core, bit for bit.
 from ._answer import Answer, Box, State
 from ._evaluate import evaluate
 from ._group import Group
-from ._smr import Paper, Recording, Robust, Tracker, recordings
+from ._smr import Paper, Recording, Robust, Tracker, __version__, recordings
 
 __all__ = [
-    "Answer", "Box", "Group", "Paper", "Recording", "Robust", "State", "Tracker", "evaluate", "recordings", "restore",
+    "Answer", "Box", "Group", "Paper", "Recording", "Robust", "State", "Tracker", "__version__", "evaluate", "recordings", "restore",
 ]  # fmt: skip
 
 
