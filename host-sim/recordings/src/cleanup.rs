@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -231,11 +231,20 @@ fn end_by(signal: i32) -> ! {
         // What is not there any more has its name, or is gone already.
         let _ = match thing {
             Thing::File(file) => fs::remove_file(file),
-            Thing::Folder(folder) => fs::remove_dir_all(folder),
+            Thing::Folder(folder) => remove_folder(folder),
             Thing::Process(_) => Ok(()),
         };
     }
     std::process::exit(128 + signal)
+}
+
+/// Removes a folder into which other threads may still write: under its new name they do not find it.
+fn remove_folder(folder: &Path) -> io::Result<()> {
+    let gone = folder.with_extension("gone");
+    match fs::rename(folder, &gone) {
+        Ok(()) => fs::remove_dir_all(gone),
+        Err(_) => fs::remove_dir_all(folder),
+    }
 }
 
 /// To be called before an error is told: once a signal has come, errors are those of what it removed, and it ends this program.
@@ -264,6 +273,23 @@ mod tests {
         made.persist(folder.path().join("name")).unwrap();
         drop(kept);
         assert_eq!(count(), 0);
+    }
+
+    // Windows renames no folder in which a file is open.
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_goes_while_pictures_are_written_into_it() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join(".smr-pictures");
+        fs::create_dir(&folder).unwrap();
+        let write = |number: u32| fs::write(folder.join(number.to_string()), "a picture");
+        (0..100).try_for_each(write).unwrap();
+        thread::scope(|scope| {
+            let writer = scope.spawn(|| (100..50_000).try_for_each(write));
+            remove_folder(&folder).unwrap();
+            assert!(writer.join().unwrap().is_err());
+        });
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
     }
 
     #[cfg(unix)]
