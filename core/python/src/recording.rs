@@ -11,9 +11,7 @@ use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::{
-    BoundingBox, ColorFrames, Colors, FFMPEG_PATIENCE, Frames, Now, OpenOptions, Sequence, messages,
-};
+use smr_recordings::{BoundingBox, ColorFrames, Colors, FFMPEG_PATIENCE, Frames, Now, OpenOptions, Sequence, messages};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -73,7 +71,8 @@ impl Recording {
         self.start.map(four)
     }
 
-    /// The box of each frame, None where the target is hidden; None without ground truth.
+    /// The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
+    /// truth.
     #[getter]
     fn truth(&self) -> Option<Vec<Option<Four>>> {
         let truth = self.truth.as_ref()?;
@@ -154,7 +153,7 @@ pub fn start_beside(path: PathBuf) -> PyResult<Option<Four>> {
     Ok(smr_recordings::start_beside(&path).map_err(refused)?.map(four))
 }
 
-/// The recordings in folders, as host-sim finds them.
+/// The recordings in folders, as host-sim finds them: a path each. Raises ValueError if there is none.
 #[pyfunction]
 pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
@@ -171,7 +170,8 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
+/// takes many recordings, and says what `starts` may be.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,
