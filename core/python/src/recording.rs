@@ -153,7 +153,7 @@ pub fn start_beside(path: PathBuf) -> PyResult<Option<Four>> {
     Ok(smr_recordings::start_beside(&path).map_err(refused)?.map(four))
 }
 
-/// The recordings in folders, as host-sim finds them: a path each. Raises ValueError if there is none.
+/// The recordings in folders, as host-sim finds them: a path each. Raises ValueError if a folder has none.
 #[pyfunction]
 pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)

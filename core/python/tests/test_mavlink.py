@@ -3,6 +3,7 @@
 import math
 import os
 import random
+import signal
 import socket
 import subprocess
 import sys
@@ -242,3 +243,15 @@ def test_without_pymavlink_it_says_what_to_install(tmp_path):
     command = [sys.executable, "-m", "smr.mavlink", "synthetic", "udpout:127.0.0.1:1"]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment)
     assert (ran.returncode, ran.stderr) == (2, "error: there is no module pymavlink: pip install smr-tracker[mavlink]\n")
+
+
+def test_an_interrupt_ends_it_quietly():
+    # A job in the background is started with interrupts ignored, and passes that on.
+    script = "import runpy, signal, sys\n" \
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
+        "sys.argv = ['smr.mavlink', 'synthetic', 'udpout:127.0.0.1:1', '--repeat']\n" \
+        "runpy.run_module('smr.mavlink', run_name='__main__')\n"  # fmt: skip
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert "Ctrl-C ends it" in running.stderr.readline()
+        running.send_signal(signal.SIGINT)
+        assert (running.wait(timeout=30), running.stdout.read(), running.stderr.read()) == (130, "", "")

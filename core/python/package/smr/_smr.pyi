@@ -180,7 +180,7 @@ def start_beside(path: _Path) -> Optional[_Four]:
     Raises ValueError if a file with boxes cannot be read.
     """
 def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
-    """The recordings in folders, as host-sim finds them: a path each. Raises ValueError if there is none."""
+    """The recordings in folders, as host-sim finds them: a path each. Raises ValueError if a folder has none."""
 def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
     """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
     takes many recordings, and says what `starts` may be.
