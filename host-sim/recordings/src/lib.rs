@@ -269,8 +269,11 @@ fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
     Ok(Sequence { name, frames, length, first: 1, init, truth, colors })
 }
 
+/// The box of each frame.
+type Truth = Vec<Option<BoundingBox>>;
+
 /// The ground truth that lies in a folder, and the box to start from.
-fn boxes_in(folder: &Path) -> Result<(Option<Vec<Option<BoundingBox>>>, Option<BoundingBox>)> {
+fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);

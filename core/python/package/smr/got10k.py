@@ -15,8 +15,9 @@ from . import Robust
 from ._benchmark import Target
 
 try:
+    import six  # noqa: F401  The toolkit's experiments import it, and do not ask pip for it.
     from got10k.trackers import Tracker
-except ImportError as error:  # The toolkit imports six, and does not ask pip for it.
+except ImportError as error:
     raise ImportError(f"there is no module {error.name}: pip install smr-tracker[got10k]", name=error.name) from None
 
 
