@@ -85,6 +85,7 @@ fn a_sequence_for_the_vot_toolkit_keeps_the_pixels_and_says_what_it_lacks() {
     assert!(bare.out.contains("groundtruth.txt, sequence; added to"), "{}", bare.out);
     assert_eq!(fs::read_to_string(sequences.join("bare/groundtruth.txt")).unwrap().lines().count(), 1);
     assert_eq!(fs::read_to_string(sequences.join("list.txt")).unwrap(), "whole\nbare\n");
+    assert!(fs::read_to_string(folder.path().join("config.yaml")).unwrap().starts_with("registry:\n- trackers.ini\n"));
 
     let picture = folder.path().join("picture.pgm");
     fs::write(&picture, b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();

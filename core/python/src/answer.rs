@@ -12,18 +12,18 @@ fn class<'py>(py: Python<'py>, cell: &'static PyOnceLock<Py<PyAny>>, name: &str)
     Ok(found.bind(py))
 }
 
-/// A `Box` in whole pixels.
+/// A `Box`.
 pub fn whole<'py>(py: Python<'py>, rect: Rect) -> PyResult<Bound<'py, PyAny>> {
     static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     class(py, &BOX, "Box")?.call1((rect.x, rect.y, rect.width, rect.height))
 }
 
-/// A `Box` in fractions of a pixel.
+/// A `FineBox`.
 fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
-    static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static FINE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pixels = |number: i32| f64::from(number) / 256.0;
     let size = |number: u32| f64::from(number) / 256.0;
-    class(py, &BOX, "Box")?.call1((pixels(rect.x), pixels(rect.y), size(rect.width), size(rect.height)))
+    class(py, &FINE, "FineBox")?.call1((pixels(rect.x), pixels(rect.y), size(rect.width), size(rect.height)))
 }
 
 /// Converts a ratio in units of 1/65535 to a float.

@@ -19,7 +19,14 @@ mod tracker;
 mod _smr {
     #[pymodule_export]
     use super::{
-        recording::{Recording, measure, recordings},
+        recording::{Recording, measure, recordings, start_beside},
         tracker::{Paper, Robust, Tracker},
     };
+    use pyo3::prelude::*;
+
+    /// The version of the workspace, which the wheel has, too.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

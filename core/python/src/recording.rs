@@ -4,72 +4,94 @@ use crate::answer::to_python;
 use crate::options;
 use crate::target::{Target, refused};
 use crate::tracker::{Tracker, bounding_box};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::messages;
-use smr_recordings::{BoundingBox, Frames, OpenOptions, Sequence};
+use smr_recordings::{BoundingBox, ColorFrames, Colors, FFMPEG_PATIENCE, Frames, Now, OpenOptions, Sequence, messages};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 fn open(path: &Path) -> anyhow::Result<Sequence> {
-    smr_recordings::open(path, &OpenOptions::default())
+    smr_recordings::open(path, &OpenOptions { takes_live: true, ..OpenOptions::default() })
 }
 
-type Four = (f64, f64, f64, f64);
+pub type Four = (f64, f64, f64, f64);
 
 fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A recording as host-sim reads it: a folder of pictures, a video (if ffmpeg is installed), Y4M, or a built-in one
-/// such as "synthetic".
+/// A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
+/// Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
 ///
-/// Iterating over it decodes its frames, gray (height, width) arrays, one at a time.
+/// Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
+/// with `color=True`. Of a camera or an address, each frame is the newest: those that came while the last one was in
+/// use are dropped.
+///
+/// Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
+/// opened; iterating raises OSError at a damaged frame, or if a camera fails.
 #[pyclass(frozen, module = "smr")]
 pub struct Recording {
     path: PathBuf,
     /// The name of the folder or file.
     #[pyo3(get)]
     name: String,
+    /// True of a camera and of an address, whose frames have no end and come at their own time.
+    #[pyo3(get)]
+    is_live: bool,
     start: Option<BoundingBox>,
     truth: Option<Vec<Option<BoundingBox>>>,
+    color: bool,
+    /// A live source is opened once: the first iteration takes it.
+    live: Mutex<Option<(Frames, Colors)>>,
 }
 
 #[pymethods]
 impl Recording {
     #[new]
-    fn new(path: PathBuf) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, color = false))]
+    fn new(py: Python<'_>, path: PathBuf, color: bool) -> PyResult<Self> {
         if path == Path::new("-") {
             return Err(PyValueError::new_err("standard input can be read only once: expected a file or a folder"));
         }
-        let Sequence { name, init, truth, .. } = open(&path).map_err(refused)?;
-        Ok(Self { path, name, start: init, truth })
+        let is_live = smr_recordings::is_live(&path);
+        let Sequence { name, init, truth, frames, colors, .. } = py.detach(|| open(&path)).map_err(refused)?;
+        let live = Mutex::new(is_live.then_some((frames, colors)));
+        Ok(Self { path, name, is_live, start: init, truth, color, live })
     }
 
-    /// The box to start from, which lies beside the recording: (x, y, width, height), or None.
+    /// The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None.
     #[getter]
     fn start(&self) -> Option<Four> {
         self.start.map(four)
     }
 
-    /// The box of each frame, None where the target is hidden; None without ground truth.
+    /// The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
+    /// truth.
     #[getter]
     fn truth(&self) -> Option<Vec<Option<Four>>> {
         let truth = self.truth.as_ref()?;
         Some(truth.iter().map(|shown| shown.map(four)).collect())
     }
 
-    fn __iter__(&self) -> PyResult<GrayFrames> {
-        Ok(GrayFrames(Mutex::new(open(&self.path).map_err(refused)?.frames)))
+    fn __iter__(&self, py: Python<'_>) -> PyResult<Decoded> {
+        let kept = self.live.lock().ok().and_then(|mut live| live.take());
+        let opened = || kept.map_or_else(|| open(&self.path).map(|sequence| (sequence.frames, sequence.colors)), Ok);
+        let (gray, colors) = py.detach(opened).map_err(refused)?;
+        let now = colors.now();
+        let color = self.color.then(|| colors.open(1, FFMPEG_PATIENCE));
+        Ok(Decoded(Mutex::new(Stream { gray, color, now })))
     }
 
-    /// The figures of `host-sim eval` for any tracker's boxes: one for each frame, or None where it has no answer.
+    /// The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
+    ///
+    /// `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
+    /// ValueError without ground truth, or if the number of boxes differs from it.
     fn score<'py>(&self, py: Python<'py>, boxes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let truth = self.truth.as_ref();
         let truth = truth.ok_or_else(|| PyValueError::new_err(format!("{}: no ground truth beside it", self.name)))?;
@@ -84,25 +106,54 @@ impl Recording {
 }
 
 #[pyclass(frozen)]
-struct GrayFrames(Mutex<Frames>);
+struct Decoded(Mutex<Stream>);
+
+struct Stream {
+    gray: Frames,
+    color: Option<ColorFrames>,
+    /// Of a live source.
+    now: Option<Now>,
+}
+
+impl Stream {
+    /// The next frame: its rows, columns and colors, and their bytes. `None` after the last one.
+    fn next(&mut self) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
+        let Some(gray) = self.gray.next().transpose()? else {
+            return self.now.as_ref().and_then(Now::ended).map_or(Ok(None), |reason| Err(anyhow::anyhow!(reason)));
+        };
+        let [rows, columns] = [gray.height, gray.width].map(usize::from);
+        let Some(color) = &mut self.color else { return Ok(Some(([rows, columns, 1], gray.pixels))) };
+        let (frame, _) = color.next(&gray);
+        let bytes = frame.pixels.into_iter().flat_map(|[red, green, blue]| [blue, green, red]).collect();
+        Ok(Some(([rows, columns, 3], bytes)))
+    }
+}
 
 #[pymethods]
-impl GrayFrames {
+impl Decoded {
     fn __iter__(slf: Py<Self>) -> Py<Self> {
         slf
     }
 
-    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
-        let next = py.detach(|| self.0.lock().map(|mut frames| frames.next()).ok().flatten());
-        let Some(frame) = next.transpose().map_err(|error| PyOSError::new_err(messages::of(&error)))? else {
+    fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<u8>>>> {
+        let next = py.detach(|| self.0.lock().map_or(Ok(None), |mut stream| stream.next()));
+        let Some((shape, bytes)) = next.map_err(|error| PyOSError::new_err(messages::of(&error)))? else {
             return Ok(None);
         };
-        let shape = [usize::from(frame.height), usize::from(frame.width)];
-        PyArray1::from_vec(py, frame.pixels).reshape(shape).map(Some)
+        let shape = if shape[2] == 1 { &shape[..2] } else { &shape[..] };
+        PyArray1::from_vec(py, bytes).reshape(shape).map(Some)
     }
 }
 
-/// The recordings in folders, as host-sim finds them.
+/// The box to start from that lies beside a file, (x, y, width, height) in pixels, or None. Its frames are not read.
+///
+/// Raises ValueError if a file with boxes cannot be read.
+#[pyfunction]
+pub fn start_beside(path: PathBuf) -> PyResult<Option<Four>> {
+    Ok(smr_recordings::start_beside(&path).map_err(refused)?.map(four))
+}
+
+/// The recordings in folders, as host-sim finds them: a path each. Raises ValueError if a folder has none.
 #[pyfunction]
 pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
@@ -119,7 +170,8 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
+/// takes many recordings, and says what `starts` may be.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,

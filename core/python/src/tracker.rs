@@ -14,7 +14,7 @@ use std::sync::{Mutex, MutexGuard};
 /// Follows one target. `Paper` and `Robust` are its kinds.
 ///
 /// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides
-/// will do. The lock of Python is free while a call works; do not write to the frame then.
+/// will do. OpenCV is not needed. The lock of Python is free while a call works; do not write to the frame then.
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
@@ -24,20 +24,46 @@ pub struct Tracker {
 
 /// The tracker of the paper: fast, for a target that keeps its size.
 ///
-/// `preset` is "camera" or "paper". The options are numbers of `smr_core::paper::Config` in Rust: `window` and
-/// `window_limit` as (x, y) in pixels, `k` as (numerator, denominator), `first_threshold`, `least_threshold`,
-/// `padding`, `growth`, `neighbourhood`, `update_zone` as (left, top, right, bottom), `gate_tracking`, `gate_leaving`,
-/// `gate_returning` and `gate_lost` as (numerator, denominator), `gate_lead`, `least_ratio` (of 65535),
-/// `runner_up_always`.
+/// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
+/// it. Numbers are whole; `options` shows those in use.
+///
+/// - `window`: (x, y), the radius of the search around the last place, in pixels, 0 to 65535.
+/// - `window_limit`: (x, y), the largest radius while the target is lost, in pixels. At least `window`.
+/// - `growth`: how much the radius grows in each frame while the target is lost, in pixels, 0 to 65535.
+/// - `padding`: how far a box may leave the frame, in pixels, 0 to 65535.
+/// - `neighbourhood`: the runner-up lies more than this many pixels from the peak, in x or in y, 0 to 65535.
+/// - `update_zone`: (left, top, right, bottom), how far a box must keep from the edges of the frame for the tracker to
+///   learn from it, in pixels, 0 to 65535.
+/// - `k`: (numerator, denominator), the next threshold as a part of the largest difference of two pixels. More than 0.
+/// - `first_threshold`: of the first update, in gray levels, 1 to 255. Pixels that differ by less are similar.
+/// - `least_threshold`: of all later updates, in gray levels, 0 to 255. 0 and 1 set no bound.
+/// - `gate_tracking`: (numerator, denominator), the score of the peak over that of the runner-up that is needed inside
+///   the frame. Below 1 every peak is accepted. Each part is 0 to 65535, the denominator at least 1.
+/// - `gate_leaving`: the same for a box that is partly outside the frame.
+/// - `gate_returning`: the same after a box was partly outside the frame.
+/// - `gate_lost`: the same to find a lost target again.
+/// - `gate_lead`: the lead over the runner-up that is enough without any of these, in similar pixels, 0 to 65535.
+/// - `least_ratio`: the least similarity of an accepted peak, in units of 1/65535, 0 to 65535. 0 also turns off the
+///   detection of a covered lens.
+/// - `runner_up_always`: True searches the runner-up in every frame, which takes more time, False where it decides.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust", which is without the refiner. In firmware: `Config::refined()` and
-/// `Config::robust()` in Rust, `smr_config_refined` and `smr_config_robust` in C. The options are numbers of
-/// `smr_core::robust::Config` in Rust: `reach`, `size`, `sweep`, `refiner`, `patience`, `lost_below`,
-/// `uncertain_below`, `learning_rate`, `early_rate`.
+/// `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
+/// whole; `options` shows those in use.
+///
+/// - `reach`: the radius of the search in cells, 4 to 8. A cell is a tenth of the root of the target's area.
+/// - `size`: True if the box follows the target's size.
+/// - `sweep`: True to search a lost target in the whole frame, False to search around its last place.
+/// - `refiner`: True if a small learned network corrects the box. It can also make the state uncertain or lost.
+/// - `patience`: the part of its value that the confidence keeps in each frame, in units of 1/256, 0 to 255. A higher
+///   one holds on for longer, also to errors.
+/// - `lost_below`: the confidence below which the target is lost, in units of 1/65535, 0 to 65535.
+/// - `uncertain_below`: the confidence below which it is uncertain, in the same units. At least `lost_below`.
+/// - `learning_rate`: how fast the filter learns, in units of 1/256, 0 (never) to 256.
+/// - `early_rate`: how fast the template of the first frame learns, in units of 1/1024, 0 (never) to 1024.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
@@ -90,7 +116,8 @@ impl Tracker {
 impl Tracker {
     /// Starts to follow what is in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
     ///
-    /// Forgets any target before. May be called at any time. Fractions are rounded to whole pixels.
+    /// Forgets any target before. May be called at any time. Fractions are rounded to whole pixels. Raises ValueError if
+    /// the box does not lie inside, or its size does not suit the tracker.
     fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
@@ -122,18 +149,18 @@ impl Tracker {
         Ok(quality.map(|quality| answer::of_one(quality.value())))
     }
 
-    /// The part of the frame that the next update reads, or None without a target.
+    /// The part of the frame that the next update reads, in whole pixels, or None without a target.
     fn window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// A second part that the next update reads to search for a lost target, or None.
+    /// A second part that the next update reads to search for a lost target, in whole pixels, or None.
     fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. Pixels,
-    /// and fractions of 1/256.
+    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. In
+    /// pixels, rounded to 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -162,7 +189,7 @@ impl Tracker {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
     }
 
-    /// The options by their names.
+    /// All options by their names, with the preset: `type(tracker)(**tracker.options)` makes one that is alike.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let options = self.target()?.keywords(py)?;

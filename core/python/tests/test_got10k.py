@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 
 import numpy
 import pytest
@@ -110,3 +111,10 @@ def test_a_box_that_reaches_out_of_the_picture_is_cut():
     for outside in [(30, 2, 3, 3), (1, 1, 0, 5), (-3, 1, 3, 4), (1, 1, 0.2, 5), (float("nan"), 1, 2, 3)]:
         with pytest.raises(ValueError, match=r"^the box .* has no pixel in the frame of 20x12 pixels$"):
             inside(outside, frame)
+
+
+def test_without_six_it_says_what_to_install(tmp_path):
+    (tmp_path / "six.py").write_text("raise ModuleNotFoundError('six', name='six')\n")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "MPLBACKEND": "Agg"}
+    ran = subprocess.run([sys.executable, "-c", "import smr.got10k"], capture_output=True, text=True, env=environment)
+    assert ran.stderr.endswith("ImportError: there is no module six: pip install smr-tracker[got10k]\n")

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import os
 import pathlib
 
 import numpy as np
@@ -9,6 +10,34 @@ import pytest
 import smr
 
 STUBS = pathlib.Path(smr.__file__).with_name("_smr.pyi")
+SOURCE = pathlib.Path(__file__).parents[1] / "package/smr/_smr.pyi"
+
+
+def with_texts(stubs):
+    """The stubs with the documentation that the extension has at run time."""
+    lines = stubs.splitlines()
+    classes = [(smr, node) for node in ast.parse(stubs).body if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
+    members = [(getattr(smr._smr, node.name), member) for _, node in classes for member in node.body if isinstance(member, ast.FunctionDef)]
+    nodes = [(smr._smr if owner is smr else owner, node) for owner, node in classes + members if not node.name.startswith("_")]
+    for owner, node in sorted(nodes, key=lambda of: -of[1].lineno):
+        first, end = node.body[0], node.lineno
+        if isinstance(first, ast.Expr):  # What is there: a text, or `...`
+            before, end = lines[first.lineno - 1][: first.col_offset], first.lineno
+            lines[first.lineno - 1 : first.end_lineno] = [before.rstrip()] if before.strip() else []
+            end -= not before.strip()
+        indent = " " * (node.col_offset + 4)
+        text = f'"""{inspect.getdoc(getattr(owner, node.name))}'.splitlines()
+        lines[end:end] = [(indent + line).rstrip() for line in [*text[:-1], text[-1] + '"""' if len(text) == 1 else text[-1]]]
+        if len(text) > 1:
+            lines.insert(end + len(text), indent + '"""')
+    return "\n".join(lines) + "\n"
+
+
+def test_the_stubs_have_the_texts_of_the_extension():
+    if os.environ.get("SMR_RECORD"):
+        SOURCE.write_text(with_texts(SOURCE.read_text()))
+    else:
+        assert STUBS.read_text() == with_texts(STUBS.read_text())
 
 
 def test_everything_is_documented_and_typed():
@@ -19,7 +48,7 @@ def test_everything_is_documented_and_typed():
         assert name in typed, name
         assert inspect.getdoc(getattr(smr._smr, name)), name
         if isinstance(typed[name], ast.ClassDef):
-            members = {node.name for node in typed[name].body}
+            members = {node.name for node in typed[name].body if isinstance(node, ast.FunctionDef)}
             public = {member for member in vars(getattr(smr._smr, name)) if not member.startswith("_")}
             assert public <= members, public - members
             for member in public:
@@ -33,9 +62,11 @@ def test_options_are_those_of_the_stubs():
     tree = ast.parse(STUBS.read_text())
     for make in (smr.Paper, smr.Robust):
         (node,) = (node for node in tree.body if getattr(node, "name", "") == make.__name__)
-        new = next(member for member in node.body if member.name == "__new__")
+        new = next(member for member in node.body if getattr(member, "name", "") == "__new__")
         named = {argument.arg for argument in new.args.args[1:] + new.args.kwonlyargs}
         assert named == set(make().options)
+        texts = [line.split("`")[1] for line in inspect.getdoc(make).splitlines() if line.startswith("- `")]
+        assert sorted(texts) == sorted(named - {"preset"})
         assert make(**make().options).options == make().options
 
 

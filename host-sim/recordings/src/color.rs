@@ -164,7 +164,7 @@ impl Colors {
     }
 }
 
-type Source = Box<dyn Iterator<Item = (ColorFrame, Option<Moment>)>>;
+type Source = Box<dyn Iterator<Item = (ColorFrame, Option<Moment>)> + Send>;
 
 /// Frames in color, one for each gray one.
 pub struct ColorFrames(Source);

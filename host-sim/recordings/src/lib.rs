@@ -264,11 +264,25 @@ fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
 }
 
 fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
+    let (truth, init) = boxes_in(folder)?;
+    let Source { frames, length, colors } = source;
+    Ok(Sequence { name, frames, length, first: 1, init, truth, colors })
+}
+
+/// The box of each frame.
+type Truth = Vec<Option<BoundingBox>>;
+
+/// The ground truth that lies in a folder, and the box to start from.
+fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
-    let Source { frames, length, colors } = source;
-    Ok(Sequence { name, frames, length, first: 1, init, truth, colors })
+    Ok((truth, init))
+}
+
+/// The box to start from that lies beside a file, for those who read its frames by other means than [`open`].
+pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
+    Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
 
 /// `.` and `..` have names too.

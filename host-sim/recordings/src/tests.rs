@@ -128,6 +128,20 @@ mod folders {
         assert_eq!(open(Path::new("synthetic"), &options).unwrap().init, Some(asked));
     }
 
+    /// A video is a file as any other: what ffmpeg would decode does not matter here.
+    #[test]
+    fn a_file_starts_from_the_box_beside_it() {
+        let folder = folder();
+        let file = folder.path().join("x.y4m");
+        fs::write(&file, b"YUV4MPEG2 W4 H3 Cmono\nFRAME\n\0\0\0\0\0\0\0\0\0\0\0\0").unwrap();
+        write(&folder, "init.txt", b"0,0,2,2");
+        let expected = Some("0,0,2,2".parse().unwrap());
+        assert_eq!(open_plain(&file).unwrap().init, expected);
+        assert_eq!(start_beside(&folder.path().join("x.mp4")).unwrap(), expected);
+        write(&folder, "init.txt", b"0,0");
+        assert!(start_beside(&file).unwrap_err().to_string().contains("init.txt"));
+    }
+
     #[test]
     fn a_frame_of_another_size_is_named() {
         let folder = folder();

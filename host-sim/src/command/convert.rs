@@ -26,8 +26,8 @@ pub struct Convert {
     ///
     /// png, pgm, y4m, raw, h and vot keep every pixel. otb and got10k are JPEG of the best quality, since their toolkits read nothing else.
     /// vot, otb and got10k are of one sequence, in the folder OUT. They need ground truth for each frame, the first one included; without, only
-    /// the box to start from is written, and host-sim says so. If the folder above OUT is new or has a list.txt, as toolkits want it of a
-    /// folder of sequences, vot and got10k add the name of OUT to that list.
+    /// the box to start from is written, and host-sim says so. vot and got10k add the name of OUT to list.txt beside it, which their toolkits
+    /// read. If OUT lies in a folder called sequences, vot writes config.yaml above that folder, a workspace of the VOT toolkit; an existing one stays.
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print a JSON object instead of a line

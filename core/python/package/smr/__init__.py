@@ -4,17 +4,18 @@
     tracker.init(frame, (x, y, width, height))
     ok, box = tracker.update(next_frame)
 
-Frames are numpy arrays of uint8: gray (height, width), or BGR (height, width, 3) as OpenCV gives them. The answers are those of the Rust crate
+Frames are numpy arrays of uint8: gray (height, width), or BGR (height, width, 3) as OpenCV gives them. OpenCV itself is not needed. The answers are those of the Rust crate
 smr-core, bit for bit.
 """
 
-from ._answer import Answer, Box, State
+from ._answer import Answer, Box, FineBox, State
 from ._evaluate import evaluate
 from ._group import Group
-from ._smr import Paper, Recording, Robust, Tracker, recordings
+from ._smr import Paper, Recording, Robust, Tracker, __version__, recordings
 
 __all__ = [
-    "Answer", "Box", "Group", "Paper", "Recording", "Robust", "State", "Tracker", "evaluate", "recordings", "restore",
+    "Answer", "Box", "FineBox", "Group", "Paper", "Recording", "Robust", "State", "Tracker", "__version__", "evaluate", "recordings",
+    "restore",
 ]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import os
 import sys
 
 from . import Answer, Box, Paper, Recording, Robust, State
+from ._smr import start_beside
 
 os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")  # This program says in a line of its own what is wrong.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -61,7 +62,7 @@ def opened(source):
     if cv2 and os.path.isfile(source):
         capture = cv2.VideoCapture(source)
         if capture.isOpened():
-            return captured(capture), None, max(1, round(1000 / (capture.get(cv2.CAP_PROP_FPS) or 30)))
+            return captured(capture), start_beside(source), max(1, round(1000 / (capture.get(cv2.CAP_PROP_FPS) or 30)))
     recording = Recording(source)
     return iter(recording), recording.start, 33
 

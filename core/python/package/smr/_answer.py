@@ -20,7 +20,16 @@ STATES = tuple(State)
 
 
 class Box(NamedTuple):
-    """A box in pixels: the left and the top edge, the width and the height."""
+    """A box in whole pixels: the left and the top edge, the width and the height."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+class FineBox(NamedTuple):
+    """A box in pixels, in steps of 1/256."""
 
     x: float
     y: float
@@ -32,9 +41,9 @@ class Answer(NamedTuple):
     """Where the target is, and how reliable that is. Confidence and ratios are 0 to 1."""
 
     box: Box
-    """In whole pixels. Of a lost target: `Paper` gives the last box that it accepted, `Robust` its best guess."""
-    fine_box: Box
-    """The same box in steps of 1/256 pixel. `Paper` always gives whole pixels."""
+    """Where the target is. Of a lost one: `Paper` gives the last box that it accepted, `Robust` its best guess."""
+    fine_box: FineBox
+    """The same box, finer. `Paper` always gives whole pixels."""
     state: State
     confidence: float
     """How sure the tracker is of the box."""
@@ -43,7 +52,7 @@ class Answer(NamedTuple):
     runner_up_ratio: Optional[float]
     """The ratio of the runner-up, or None if no decision depended on it. Always None from `Robust`."""
     alpha: Optional[int]
-    """The threshold of the frame in gray levels. None from `Robust`."""
+    """The threshold of the frame in gray levels, 1 to 255. None from `Robust`."""
     scale: float
     """The size of the target divided by its size at `init`. Always 1 from `Paper`."""
     found_again: bool

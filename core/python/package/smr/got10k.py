@@ -1,4 +1,4 @@
-"""A tracker for the GOT-10k toolkit (`pip install got10k`), whose experiments also run OTB, VOT, UAV123 and others.
+"""A tracker for the GOT-10k toolkit (`pip install smr-tracker[got10k]`, or `got10k` and `six`), whose experiments also run OTB, VOT, UAV123 and others.
 
     from got10k.experiments import ExperimentOTB
     from smr.got10k import SmrTracker
@@ -10,10 +10,15 @@ gray levels in a few pixels. While the target is lost, the box is the one where 
 """
 
 import numpy
-from got10k.trackers import Tracker
 
 from . import Robust
 from ._benchmark import Target
+
+try:
+    import six  # noqa: F401  The toolkit's experiments import it, and do not ask pip for it.
+    from got10k.trackers import Tracker
+except ImportError as error:
+    raise ImportError(f"there is no module {error.name}: pip install smr-tracker[got10k]", name=error.name) from None
 
 
 def gray(image):

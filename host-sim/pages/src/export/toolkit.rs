@@ -87,14 +87,20 @@ pub(super) fn files(format: Format, about: &About<'_>) -> Vec<(&'static str, Str
     files
 }
 
-/// The list of sequences that a folder with this one and others has, if the toolkit reads one.
-///
-/// A folder above `out` that has such a list, or is not there yet, is taken for one of sequences.
+/// The list of sequences in the folder that has this one and others, if the toolkit reads one.
 pub(super) fn list(format: Format, out: &Path) -> Option<PathBuf> {
-    let above = out.parent().filter(|above| !above.as_os_str().is_empty())?;
-    let list = above.join("list.txt");
-    let reads_one = matches!(format, Format::Vot | Format::Got10k);
-    (reads_one && (list.is_file() || !above.exists())).then_some(list)
+    matches!(format, Format::Vot | Format::Got10k).then(|| out.with_file_name("list.txt"))
+}
+
+/// Writes the configuration of a workspace of the VOT toolkit, if `list` lies in a folder called `sequences`, where
+/// workspaces have theirs, and there is none yet.
+///
+/// Its stack names no data set, so the toolkit downloads nothing. The experiment is the one that version 0.9 can run.
+pub(super) fn configure(format: Format, list: &Path) -> Result<()> {
+    const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
+    let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);
+    let config = above.map(|above| above.with_file_name("config.yaml")).filter(|config| !config.exists());
+    config.map_or(Ok(()), |config| output::write(&config, WORKSPACE.as_bytes()))
 }
 
 /// Adds the sequence `name` to `list`, if it is not in it.

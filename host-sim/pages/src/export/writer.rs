@@ -1,6 +1,6 @@
 //! A recording as files that this program, others, and firmware read.
 
-use super::toolkit::{About, enlist};
+use super::toolkit::{About, configure, enlist};
 use super::{c_array, pgm, png, toolkit};
 use anyhow::Result;
 use serde::Serialize;
@@ -169,7 +169,10 @@ impl Writer {
             written.boxes.push(file);
         }
         folder.finish()?;
-        written.list.as_ref().map_or(Ok(()), |list| enlist(list, &name))?;
+        if let Some(list) = &written.list {
+            enlist(list, &name)?;
+            configure(format, list)?;
+        }
         Ok(written)
     }
 }
@@ -239,7 +242,7 @@ mod tests {
             let out = above.path().join("clip");
             let written = of_toolkit(&out, format, Some(&hidden()));
             assert!(out.join(first).is_file() && written.boxes.iter().all(|name| out.join(name).is_file()));
-            assert_eq!(written.list, None, "the folder above is not one of sequences");
+            assert_eq!(written.list.is_some(), format != Format::Otb);
             let read = smr_recordings::open(&out, &OpenOptions::default()).unwrap();
             assert_eq!((read.init, read.truth), (hidden()[0], Some(hidden())), "{format:?}");
             let frames: Vec<GrayFrame> = read.frames.map(Result::unwrap).collect();
@@ -273,7 +276,8 @@ mod tests {
     #[test]
     fn a_folder_of_sequences_gets_a_list() {
         let above = tempfile::tempdir().unwrap();
-        let (sequences, list) = (above.path().join("new"), above.path().join("new/list.txt"));
+        let (sequences, config) = (above.path().join("sequences"), above.path().join("config.yaml"));
+        let list = sequences.join("list.txt");
         for (name, format) in [("b", Format::Vot), ("a", Format::Got10k), ("c", Format::Otb)] {
             let mut writer = Writer::create(&sequences.join(name), format, name, truth()[0]).unwrap();
             writer.frame(&synthetic::frames().next().unwrap()).unwrap();
@@ -281,9 +285,14 @@ mod tests {
             assert_eq!(written.list.is_some(), format != Format::Otb);
         }
         assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\n");
+        assert!(fs::read_to_string(&config).unwrap().contains("\nsequences: sequences\n"));
+        fs::write(&config, "the user's own").unwrap();
         fs::remove_dir_all(sequences.join("a")).unwrap();
         of_toolkit(&sequences.join("a"), Format::Vot, None);
         assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\nclip\n");
+        assert_eq!(fs::read_to_string(&config).unwrap(), "the user's own");
+        of_toolkit(&above.path().join("others/a"), Format::Vot, None);
+        assert_eq!(fs::read_dir(above.path()).unwrap().count(), 3, "another folder is not one of a workspace");
     }
 
     #[test]

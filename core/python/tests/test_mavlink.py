@@ -1,0 +1,257 @@
+"""`python -m smr.mavlink` with pymavlink as the ground station, over the loopback address."""
+
+import math
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+import smr
+
+pytest.importorskip("pymavlink", reason="skipped: MAVLink: no pymavlink")
+from smr import mavlink as program  # noqa: E402
+from smr.mavlink import Camera, connected, mavlink, mavutil  # noqa: E402
+
+STATUS = "CAMERA_TRACKING_IMAGE_STATUS"
+RECORDING = smr.Recording("synthetic")
+FRAMES = list(RECORDING)
+HEIGHT, WIDTH = FRAMES[0].shape
+TRACK = mavlink.MAV_CMD_CAMERA_TRACK_RECTANGLE
+POINT = mavlink.MAV_CMD_CAMERA_TRACK_POINT
+STOP = mavlink.MAV_CMD_CAMERA_STOP_TRACKING
+INTERVAL = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
+REQUEST = mavlink.MAV_CMD_REQUEST_MESSAGE
+ACCEPTED, DENIED, UNSUPPORTED = mavlink.MAV_RESULT_ACCEPTED, mavlink.MAV_RESULT_DENIED, mavlink.MAV_RESULT_UNSUPPORTED
+OWN = (1, 100)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as held:
+        held.bind(("127.0.0.1", 0))
+        return held.getsockname()[1]
+
+
+def parts(box):
+    """A box in pixels as a rectangle of MAVLink."""
+    x, y, width, height = box
+    return x / WIDTH, y / HEIGHT, (x + width) / WIDTH, (y + height) / HEIGHT
+
+
+class Station:
+    """A ground station beside a camera in the same process: what one sends, the other has."""
+
+    def __init__(self, camera, port, system):
+        self.camera = camera
+        self.link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=system, source_component=190, dialect="common")
+        self.link.mav.heartbeat_send(mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, 0)
+        camera.poll()
+
+    def heard(self, kind):
+        """All messages of this kind that have come."""
+        found = []
+        while self.link.select(0):
+            message = self.link.recv_msg()
+            found += [message] if message and message.get_type() == kind else []
+        return found
+
+    def ask(self, command, *parameters, to=OWN):
+        """The result that the camera gives, None if it says nothing. What else it says is in `after`."""
+        self.link.mav.command_long_send(*to, command, 0, *parameters, *[0] * (7 - len(parameters)))
+        self.camera.poll()
+        answers, self.after = [], []
+        while self.link.select(0):
+            message = self.link.recv_msg()
+            (answers if message.get_type() == "COMMAND_ACK" else self.after).append(message)
+        assert len(answers) <= 1 and all(answer.command == command for answer in answers)
+        assert all((answer.target_system, answer.target_component) == (self.link.source_system, 190) for answer in answers)
+        return answers[0].result if answers else None
+
+
+@pytest.fixture
+def world():
+    """A camera that looks at the first frame, and makers of ground stations."""
+    port, links = free_port(), []
+    options = type("", (), {"connection": f"udpin:127.0.0.1:{port}", "baud": 57600, "system_id": OWN[0], "component": OWN[1]})
+    camera = Camera(connected(options), smr.Robust())
+    camera.show(FRAMES[0])
+
+    def station(system):
+        links.append(Station(camera, port, system))
+        return links[-1]
+
+    yield camera, station
+    for link in (camera.connection, *(one.link for one in links)):
+        link.close()
+
+
+def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
+    camera, station = world
+    one, other = station(255), station(254)
+    assert one.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
+    assert [message.get_type() for message in one.after] == [STATUS]
+    other.heard(STATUS)
+    tracker = smr.Robust()
+    tracker.init(FRAMES[0], RECORDING.start)
+    for frame, truth in zip(FRAMES[1:80], RECORDING.truth[1:80]):
+        camera.show(frame)
+        # Both stations hear of each frame, also the one that has asked for nothing.
+        (status,), (same,) = one.heard(STATUS), other.heard(STATUS)
+        assert status.get_msgbuf() == same.get_msgbuf() and (status.get_srcSystem(), status.get_srcComponent()) == OWN
+        assert status.tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
+        assert status.tracking_mode == mavlink.CAMERA_TRACKING_MODE_RECTANGLE
+        assert status.target_data == mavlink.CAMERA_TRACKING_TARGET_DATA_IN_STATUS
+        found = (status.rec_top_x, status.rec_top_y, status.rec_bottom_x, status.rec_bottom_y)
+        assert found == pytest.approx(parts(tracker.follow(frame).fine_box), abs=1e-6)
+        assert truth is None or found == pytest.approx(parts(truth), abs=0.05)
+    for _ in range(20):
+        camera.show(FRAMES[0] * 0)  # The lens is covered.
+    status = one.heard(STATUS)[-1]
+    assert (status.tracking_status, status.target_data) == (mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR, 0)
+    assert all(map(math.isnan, (status.rec_top_x, status.rec_bottom_y, status.point_x, status.radius)))
+    for frame in FRAMES[80:100]:
+        camera.show(frame)
+    assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
+    for _ in range(20):
+        camera.show(FRAMES[0] * 0)
+    # The other station asks for it again, by a point in it, and stops.
+    camera.show(FRAMES[0])
+    x, y, width, height = RECORDING.start
+    other.heard(STATUS)
+    assert other.ask(POINT, (x + width / 2) / WIDTH, (y + height / 2) / HEIGHT, 0.07) == ACCEPTED
+    camera.show(FRAMES[1])
+    status = one.heard(STATUS)[-1]
+    assert (status.tracking_status, status.tracking_mode) == (1, mavlink.CAMERA_TRACKING_MODE_POINT)
+    assert (status.point_x * WIDTH, status.point_y * HEIGHT) == pytest.approx((x + width / 2, y + height / 2), abs=4)
+    assert status.radius == pytest.approx(0.07, abs=0.02)
+    assert other.ask(STOP) == ACCEPTED
+    assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_IDLE
+    camera.show(FRAMES[2])
+    assert one.heard(STATUS) == []
+    said = capsys.readouterr().err.splitlines()
+    assert [line.split(": ")[1].split(" ")[0] for line in said] == ["following", "lost", "found", "lost", "following", "stopped"]
+    assert said[0] == f"frame 1: following {program.place(RECORDING.start)}"
+
+
+def test_it_says_what_it_can(world):
+    one = world[1](255)
+    for command in [(REQUEST, 259), (mavlink.MAV_CMD_REQUEST_CAMERA_INFORMATION, 1)]:
+        assert one.ask(*command) == ACCEPTED
+        (information,) = one.after
+        assert information.get_type() == "CAMERA_INFORMATION"
+        assert (information.resolution_h, information.resolution_v) == (WIDTH, HEIGHT)
+        assert information.flags == 512 | 1024
+        assert bytes(information.vendor_name).rstrip(b"\0") == b"smr"
+    assert world[0].connection.mav.srcComponent == mavlink.MAV_COMP_ID_CAMERA
+
+
+def test_the_heartbeat_is_that_of_a_camera(world):
+    camera, station = world
+    one = station(255)
+    camera.beaten = -math.inf
+    camera.poll()
+    camera.poll()
+    (heartbeat,) = one.heard("HEARTBEAT")
+    assert (heartbeat.type, heartbeat.autopilot) == (mavlink.MAV_TYPE_CAMERA, mavlink.MAV_AUTOPILOT_INVALID)
+
+
+NAN, INF = float("nan"), float("inf")
+
+
+def test_nonsense_is_refused_and_changes_nothing(world):
+    camera, station = world
+    one = station(255)
+    assert one.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
+    saved = camera.tracker.save()
+    for command, result in [
+        ((TRACK, NAN, 0.1, 0.2, 0.2), DENIED),
+        ((TRACK, 0.1, 0.1, INF, 0.2), DENIED),
+        ((TRACK, 0.2, 0.1, 0.1, 0.2), DENIED),
+        ((TRACK, -0.1, 0.1, 0.2, 0.2), DENIED),
+        ((TRACK, 0.9, 0.9, 1.1, 1.1), DENIED),
+        ((TRACK, 0.5, 0.5, 0.50001, 0.50001), DENIED),
+        ((TRACK,), DENIED),
+        ((POINT, 1.5, 0.5), DENIED),
+        ((POINT, NAN, 0.5), DENIED),
+        ((POINT, 0.5, 0.5, -1), DENIED),
+        ((INTERVAL, 275, NAN), DENIED),
+        ((INTERVAL, 275, -2), DENIED),
+        ((INTERVAL, 30, 1000), UNSUPPORTED),
+        ((REQUEST, 30), UNSUPPORTED),
+        ((REQUEST, NAN), UNSUPPORTED),
+        ((mavlink.MAV_CMD_IMAGE_START_CAPTURE,), UNSUPPORTED),
+        ((65535,), UNSUPPORTED),
+    ]:
+        assert one.ask(*command) == result, command
+    for other in [(1, 101), (2, 100), (1, 1)]:
+        assert one.ask(TRACK, 0.1, 0.1, 0.2, 0.2, to=other) is None
+    pick = random.Random(46)
+    for length in (1, 7, 60, 280, 280, 280):
+        for first in (b"\xfd", b"\xfe", b""):
+            one.link.write(first + pick.randbytes(length))
+    camera.poll()
+    assert camera.tracker.save() == saved
+    assert one.ask(STOP) == ACCEPTED  # Also by the other message that commands come in:
+    one.link.mav.command_int_send(*OWN, 0, TRACK, 0, 0, *parts(RECORDING.start), 0, 0, 0)
+    camera.poll()
+    assert [answer.result for answer in one.heard("COMMAND_ACK")] == [ACCEPTED] and camera.state == smr.State.TRACKING
+
+
+def test_the_interval_is_that_which_was_asked_for(world):
+    camera, station = world
+    one = station(255)
+    assert one.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
+    for microseconds, count in [(-1, 0), (1e9, 0), (0, 9)]:
+        assert one.ask(INTERVAL, 275, microseconds) == ACCEPTED
+        for frame in FRAMES[1:10]:
+            camera.show(frame)
+        assert len(one.heard(STATUS)) == count
+
+
+def run(*arguments):
+    command = [sys.executable, "-m", "smr.mavlink", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=30)
+
+
+def test_the_program_sends_until_the_recording_ends():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ground:
+        ground.bind(("127.0.0.1", 0))
+        port = ground.getsockname()[1]
+        ran = run("border", f"udpout:127.0.0.1:{port}", "--rate", "1000", "--preset", "camera", "--system-id", "7", "--component", "101")
+        assert (ran.returncode, ran.stdout) == (0, "")
+        assert ran.stderr == f"border: camera 7/101 at udpout:127.0.0.1:{port}; Ctrl-C ends it\n"
+        assert mavlink.MAVLink(None).parse_char(ground.recv(300)).get_type() == "HEARTBEAT"
+
+
+@pytest.mark.parametrize("arguments, reason", [
+    (["/no/such.mp4", "udpout:127.0.0.1:1"], "error: cannot open /no/such.mp4: "),
+    (["synthetic", "udpout:nowhere"], "error: cannot connect to udpout:nowhere: "),
+    (["synthetic", "/dev/no-such-port"], "error: cannot connect to /dev/no-such-port: "),
+])  # fmt: skip
+def test_bad_input_is_one_line_and_exit_code_2(arguments, reason):
+    ran = run(*arguments)
+    assert (ran.returncode, ran.stdout) == (2, "")
+    assert ran.stderr.startswith(reason) and ran.stderr.count("\n") == 1
+
+
+def test_without_pymavlink_it_says_what_to_install(tmp_path):
+    (tmp_path / "pymavlink.py").write_text("raise ImportError\n")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    command = [sys.executable, "-m", "smr.mavlink", "synthetic", "udpout:127.0.0.1:1"]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment)
+    assert (ran.returncode, ran.stderr) == (2, "error: there is no module pymavlink: pip install smr-tracker[mavlink]\n")
+
+
+def test_an_interrupt_ends_it_quietly():
+    # A job in the background is started with interrupts ignored, and passes that on.
+    script = "import runpy, signal, sys\n" \
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
+        "sys.argv = ['smr.mavlink', 'synthetic', 'udpout:127.0.0.1:1', '--repeat']\n" \
+        "runpy.run_module('smr.mavlink', run_name='__main__')\n"  # fmt: skip
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert "Ctrl-C ends it" in running.stderr.readline()
+        running.send_signal(signal.SIGINT)
+        assert (running.wait(timeout=30), running.stdout.read(), running.stderr.read()) == (130, "", "")
