@@ -64,29 +64,12 @@ Cflags: -I\${prefix}/include${definitions[*]/#/ -D}
 Libs: -L\${prefix}/lib -lsmr -Wl,--gc-sections $libraries
 END
 
-cat >"$prefix/lib/cmake/smr/smr-config.cmake" <<END
+cp "$here"/packages/cmake/smr-config{,-version}.cmake "$prefix/lib/cmake/smr"
+cat >"$prefix/lib/cmake/smr/smr-installed.cmake" <<END
+set(smr_LIBRARY "\${smr_prefix}/lib/libsmr.a")
 set(smr_REFINER $refiner)
-get_filename_component(smr_prefix "\${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
-if(NOT TARGET smr::smr)
-  add_library(smr::smr STATIC IMPORTED)
-  set_target_properties(smr::smr PROPERTIES
-    IMPORTED_LOCATION "\${smr_prefix}/lib/libsmr.a"
-    INTERFACE_INCLUDE_DIRECTORIES "\${smr_prefix}/include"
-    INTERFACE_COMPILE_DEFINITIONS "$(IFS=';'; echo "${definitions[*]}")"
-    INTERFACE_LINK_LIBRARIES "-Wl,--gc-sections;${libraries// /;}")
-endif()
-END
-
-cat >"$prefix/lib/cmake/smr/smr-config-version.cmake" <<END
-set(PACKAGE_VERSION "$version")
-# Before 1.0 every minor version may change the interface.
-if(PACKAGE_FIND_VERSION VERSION_EQUAL PACKAGE_VERSION)
-  set(PACKAGE_VERSION_EXACT TRUE)
-endif()
-if("\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}" VERSION_EQUAL "${version%.*}" AND
-   NOT PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION)
-  set(PACKAGE_VERSION_COMPATIBLE TRUE)
-endif()
+set(smr_DEFINITIONS "$(IFS=';'; echo "${definitions[*]}")")
+set(smr_LIBRARIES "${libraries// /;}")
 END
 
 with=

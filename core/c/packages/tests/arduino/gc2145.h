@@ -1,0 +1,3 @@
+/* Stands in for the sensor of the Nicla Vision. */
+#pragma once
+class GC2145 : public ImageSensor {};

@@ -1,0 +1,75 @@
+"""Tests library.properties, choose_archive.py and Kconfig as they were assembled: packages.py FOLDER.
+
+It stands in for PlatformIO, and reads Kconfig with kconfiglib.
+"""
+
+import contextlib
+import io
+import os
+import runpy
+import sys
+
+out = sys.argv[1]
+
+
+class Environment(dict):
+    """What choose_archive.py asks PlatformIO for."""
+
+    added = None
+
+    def BoardConfig(self):
+        return self["board"]
+
+    def Flatten(self, flags):
+        return flags
+
+    def Append(self, **added):
+        self.added = added
+
+    def Exit(self, status):
+        raise SystemExit(status)
+
+
+def chosen(flags, board):
+    """The folder that choose_archive.py adds for a board, below src."""
+    env = Environment(CCFLAGS=flags, board=board)
+    runpy.run_path("choose_archive.py", init_globals={"Import": lambda name: None, "env": env})
+    (folder,) = env.added["LIBPATH"]
+    assert os.path.isfile(f"{folder}/libsmr.a") and env.added["LIBS"] == ["smr"]
+    return os.path.relpath(folder, "src")
+
+
+def kconfig():
+    """Kconfig must have no warning, and CONFIG_SMR must be there for a Cortex-M, and not for 64 bits of Arm."""
+    try:
+        import kconfiglib
+    except ImportError:
+        return print("skipped: Kconfig: no kconfiglib")
+    os.environ["srctree"] = f"{out}/zephyr/smr"
+    for cpu, value in (("CPU_CORTEX_M", "y"), ("ARM64", "n")):
+        with open(f"{out}/tests/Kconfig", "w") as file:
+            for name in ("CPU_CORTEX_M", "RISCV", "64BIT", "XTENSA", "ARM64"):
+                file.write(f"config {name}\n\tbool\n\tdefault {'y' if name == cpu else 'n'}\n")
+            file.write('source "Kconfig"\n')
+        read = kconfiglib.Kconfig(f"{out}/tests/Kconfig", warn_to_stderr=False)
+        read.syms["SMR"].set_value("y")
+        assert read.syms["SMR"].str_value == value and not read.warnings, read.warnings
+    print("Kconfig: CONFIG_SMR is there for a Cortex-M, and not for 64 bits of Arm")
+
+
+os.chdir(f"{out}/SMRTracker")
+with open("library.properties") as file:
+    properties = dict(line.rstrip("\n").split("=", 1) for line in file)
+missing = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "architectures", "includes"} - properties.keys()
+assert not missing and os.path.isfile("src/" + properties["includes"]), missing
+
+m7 = ["-mthumb", "-mcpu=cortex-m7"]
+assert chosen(m7 + ["-mfpu=fpv5-d16", "-mfloat-abi=softfp"], {}) == "cortex-m7"
+assert chosen(m7 + ["-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"], {}) == "cortex-m7/fpv5-d16-hard"
+assert chosen([], {"build.cpu": "cortex-m0plus", "build.mcu": "rp2040"}) == "cortex-m0plus"
+assert chosen(["-march=rv32imac"], {"build.mcu": "esp32c6"}) == "esp32c6"
+with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.suppress(SystemExit):
+    chosen([], {"build.mcu": "esp32s3"})
+assert "no src/esp32s3/libsmr.a" in said.getvalue()
+print("choose_archive.py: 4 boards have an archive, and Xtensa is refused")
+kconfig()

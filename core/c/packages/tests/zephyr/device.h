@@ -1,0 +1,8 @@
+/* Stands in for Zephyr's devices: there is one, which is ready. */
+#pragma once
+#include <stdbool.h>
+struct device { int unused; };
+static const struct device the_camera;
+#define DT_CHOSEN(name) name
+#define DEVICE_DT_GET(node) (&the_camera)
+static inline bool device_is_ready(const struct device *device) { return device == &the_camera; }
