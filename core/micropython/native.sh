@@ -47,6 +47,6 @@ printf '#include <stdint.h>\ntypedef uintptr_t mp_off_t;\n' >"$work/names.h"
 # mpy_ld.py has no place for a variable of Rust: on a host there is one, which processor this is. It goes to the code, which can be written there.
 variables=$(readelf -SW "$work/module.o" | sed -n 's/.* \(\.bss\.[^ ]*\) .*/--set-section-flags \1=alloc,load,data,contents --rename-section \1=.rodata.variable/p')
 # shellcheck disable=SC2086 # one argument for each word
-"${gcc%gcc}objcopy" --strip-debug -R .eh_frame -R '.ARM.ex*' -R '.rel.ARM.ex*' -R '.init_array*' $variables "$work/module.o"
+"${gcc%gcc}objcopy" --strip-unneeded -R .eh_frame -R '.ARM.ex*' -R '.rel.ARM.ex*' -R '.init_array*' $variables "$work/module.o"
 "${mpy_ld[@]}" --qstrs "$work/names.h" -o "$file" "$work/module.o" >"$work/log" || { cat "$work/log" >&2; exit 1; }
 printf '%s: %d bytes\n' "${file##*/}" "$(stat -c %s "$file")"
