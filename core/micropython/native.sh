@@ -4,7 +4,8 @@
 # ARCH is the processor as MicroPython names it: armv6m, armv7emsp, rv32imc or x64 (Linux). MICROPYTHON is the folder of MicroPython's source, and
 # FILE is what to write. --refiner builds it with the refiner.
 #
-# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and what .ci/target-cargo needs.
+# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and for other processors what
+# .ci/target-cargo needs.
 set -euo pipefail
 
 usage() { echo "usage: core/micropython/native.sh [--refiner] armv6m|armv7emsp|rv32imc|x64 MICROPYTHON FILE" >&2; exit 2; }
@@ -18,10 +19,14 @@ fi
 arch=$1 micropython=$(realpath "$2") file=$(realpath -m "$3")
 headers=()
 case $arch in
-  armv6m) target=thumbv6m-none-eabi gcc=arm-none-eabi-gcc flags=(-mthumb -mcpu=cortex-m0plus) ;;
-  armv7emsp) target=thumbv7em-none-eabihf gcc=arm-none-eabi-gcc flags=(-mthumb -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard) ;;
-  rv32imc) target=riscv32imc-unknown-none-elf gcc=riscv64-unknown-elf-gcc flags=(-march=rv32imac -mabi=ilp32 -mno-relax) headers=(--specs=picolibc.specs) ;;
-  x64) target=x86_64-unknown-linux-gnu gcc=gcc flags=() ;;
+  armv6m) cargo=(.ci/target-cargo thumbv6m-none-eabi) gcc=arm-none-eabi-gcc flags=(-mthumb -mcpu=cortex-m0plus) ;;
+  armv7emsp)
+    cargo=(.ci/target-cargo thumbv7em-none-eabihf) gcc=arm-none-eabi-gcc
+    flags=(-mthumb -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard) ;;
+  rv32imc)
+    cargo=(.ci/target-cargo riscv32imc-unknown-none-elf) gcc=riscv64-unknown-elf-gcc
+    flags=(-march=rv32imac -mabi=ilp32 -mno-relax) headers=(--specs=picolibc.specs) ;;
+  x64) cargo=(cargo) gcc=gcc flags=() ;;
   *) usage ;;
 esac
 cd "$(dirname "$0")/../.."
@@ -31,7 +36,7 @@ trap 'rm -rf "$work"' EXIT
 # The code runs wherever it is loaded. A folder for each processor, because flags of rustc would rebuild what another one has built.
 built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 library=$(CARGO_TARGET_DIR=$built/micropython/$arch CARGO_PROFILE_FIRMWARE_DEBUG=false RUSTFLAGS="-Crelocation-model=pic" \
-  .ci/target-cargo "$target" rustc -p smr-c --crate-type staticlib --profile firmware --locked --quiet "${features[@]}" \
+  "${cargo[@]}" rustc -p smr-c --crate-type staticlib --profile firmware --locked --quiet "${features[@]}" \
   --message-format json-render-diagnostics | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 
 # As in py/dynruntime.mk. Sections and jump tables of their own would put the start of the module elsewhere, and need libgcc.

@@ -24,20 +24,19 @@ def look(frame):
     return (width // 2 - 20, height // 2 - 20, 40, 40)
 
 
-def is_lost(answer):
-    return answer is None or (template is not None and answer.state == smr.LOST)
-
-
 tracker = smr.Robust()
-answer = None
+following = False
 while True:
     frame = sensor.snapshot()
-    if is_lost(answer):
+    if not following:
         box = look(frame)
-        if box is None:
-            continue
-        tracker.lock(frame, frame.width(), frame.height(), box)
+        if box is not None:
+            tracker.lock(frame, frame.width(), frame.height(), box)
+            following = True
+        continue
     answer = tracker.update(frame)
     if answer.state != smr.LOST:
         frame.draw_rectangle(answer.box)
         print(answer.box, answer.confidence * 100 // 65535, "%")
+    elif template is not None:
+        following = False
