@@ -16,7 +16,7 @@ if [ "${1:-}" = --refiner ]; then
   shift
 fi
 [ $# -eq 3 ] || usage
-arch=$1 micropython=$(realpath "$2") file=$(realpath -m "$3")
+arch=$1 micropython=$(realpath "$2") file=$(realpath -ms "$3")
 headers=()
 case $arch in
   armv6m) cargo=(.ci/target-cargo thumbv6m-none-eabi) gcc=arm-none-eabi-gcc flags=(-mthumb -mcpu=cortex-m0plus) ;;

@@ -10,3 +10,4 @@ mod programs;
 mod pursuit;
 mod readme;
 mod readout;
+mod versions;
