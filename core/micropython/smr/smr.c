@@ -3,12 +3,19 @@
 //
 // Memory is on MicroPython's heap. What a tracker remembers is in its Python object, because the garbage collector moves nothing. The scratch
 // memory of each kind of tracker, and the gray pixels of a camera in color, are allocated once and shared; a root pointer keeps them.
+//
+// The same source makes a part of the firmware and a native module, which is a file.
 
+#ifdef MICROPY_ENABLE_DYNRUNTIME
+#include "native.h"
+#else
 #include "py/objtuple.h"
 #include "py/runtime.h"
+#define TABLE static const
+#endif
 #include "smr.h"
 
-#if !MICROPY_MODULE_BUILTIN_INIT
+#if !defined(MICROPY_ENABLE_DYNRUNTIME) && !MICROPY_MODULE_BUILTIN_INIT
 #error "the module smr needs MICROPY_MODULE_BUILTIN_INIT: after a soft reset it must forget its memory"
 #endif
 
@@ -30,10 +37,17 @@ typedef struct {
     size_t size; // bytes there
 } shared_t;
 
+#ifdef MICROPY_ENABLE_DYNRUNTIME
+shared_t smr_shared;
+mp_obj_full_type_t smr_type_paper, smr_type_robust;
+#define SHARED (&smr_shared)
+#else
 MP_REGISTER_ROOT_POINTER(void *smr_shared);
 #define SHARED ((shared_t *)MP_STATE_VM(smr_shared))
-
 extern const mp_obj_type_t smr_type_paper, smr_type_robust;
+#endif
+#define PAPER ((const mp_obj_type_t *)&smr_type_paper)
+#define ROBUST ((const mp_obj_type_t *)&smr_type_robust)
 
 // Errors
 
@@ -72,18 +86,18 @@ static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, qstr name)
 }
 
 static smr_rect box_of(mp_obj_t value) {
-    mp_obj_t *items;
-    mp_obj_get_array_fixed_n(value, 4, &items);
+    mp_obj_t items[4]; // the last one first
+    mp_unpack_sequence(value, 4, items);
     return (smr_rect) {
-        number(items[0], -LARGEST, LARGEST, MP_QSTR_x), number(items[1], -LARGEST, LARGEST, MP_QSTR_y),
-        number(items[2], 0, UINT16_MAX, MP_QSTR_width), number(items[3], 0, UINT16_MAX, MP_QSTR_height),
+        number(items[3], -LARGEST, LARGEST, MP_QSTR_x), number(items[2], -LARGEST, LARGEST, MP_QSTR_y),
+        number(items[1], 0, UINT16_MAX, MP_QSTR_width), number(items[0], 0, UINT16_MAX, MP_QSTR_height),
     };
 }
 
 static smr_radius radius_of(mp_obj_t value) {
-    mp_obj_t *items;
-    mp_obj_get_array_fixed_n(value, 2, &items);
-    return (smr_radius) { number(items[0], 0, UINT16_MAX, MP_QSTR_x), number(items[1], 0, UINT16_MAX, MP_QSTR_y) };
+    mp_obj_t items[2];
+    mp_unpack_sequence(value, 2, items);
+    return (smr_radius) { number(items[1], 0, UINT16_MAX, MP_QSTR_x), number(items[0], 0, UINT16_MAX, MP_QSTR_y) };
 }
 
 static mp_obj_t rect(mp_int_t x, mp_int_t y, mp_int_t width, mp_int_t height) {
@@ -164,37 +178,37 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
 
 // Trackers
 
-// Numbers of the configuration: the name of the argument, the tracker that has it, and its place.
-static const struct {
-    qstr name;
-    const mp_obj_type_t *type; // NULL: both
-    uint16_t place;
-    uint8_t bytes;
-} options[] = {
-    #define OPTION(name, type, field) { MP_QSTR_##name, type, offsetof(smr_config, field), sizeof(((smr_config *)NULL)->field) }
-    OPTION(plain_loop, NULL, plain_loop),
-    OPTION(first_threshold, &smr_type_paper, paper.first_threshold),
-    OPTION(least_threshold, &smr_type_paper, paper.least_threshold),
-    OPTION(padding, &smr_type_paper, paper.padding),
-    OPTION(growth, &smr_type_paper, paper.growth),
-    OPTION(neighbourhood, &smr_type_paper, paper.neighbourhood),
-    OPTION(least_ratio, &smr_type_paper, paper.gate.least_ratio),
-    OPTION(runner_up_always, &smr_type_paper, paper.runner_up_always),
-    OPTION(reach, &smr_type_robust, robust.reach),
-    OPTION(size, &smr_type_robust, robust.size),
-    OPTION(sweep, &smr_type_robust, robust.sweep),
-    OPTION(refiner, &smr_type_robust, robust.refiner),
-    OPTION(patience, &smr_type_robust, robust.patience),
-    OPTION(lost_below, &smr_type_robust, robust.lost_below),
-    OPTION(uncertain_below, &smr_type_robust, robust.uncertain_below),
-    OPTION(learning_rate, &smr_type_robust, robust.learning_rate),
-    OPTION(early_rate, &smr_type_robust, robust.early_rate),
-    #undef OPTION
-};
-
-static void set_option(smr_config *config, const mp_obj_type_t *type, qstr name, mp_obj_t value) {
+static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t keyword, mp_obj_t value) {
+    // Numbers of the configuration: the name of the argument, the tracker that has it, and its place.
+    TABLE struct {
+        qstr name;
+        const mp_obj_type_t *type; // NULL: both
+        uint16_t place;
+        uint8_t bytes;
+    } options[] = {
+        #define OPTION(name, type, field) { MP_QSTR_##name, type, offsetof(smr_config, field), sizeof(((smr_config *)NULL)->field) }
+        OPTION(plain_loop, NULL, plain_loop),
+        OPTION(first_threshold, PAPER, paper.first_threshold),
+        OPTION(least_threshold, PAPER, paper.least_threshold),
+        OPTION(padding, PAPER, paper.padding),
+        OPTION(growth, PAPER, paper.growth),
+        OPTION(neighbourhood, PAPER, paper.neighbourhood),
+        OPTION(least_ratio, PAPER, paper.gate.least_ratio),
+        OPTION(runner_up_always, PAPER, paper.runner_up_always),
+        OPTION(reach, ROBUST, robust.reach),
+        OPTION(size, ROBUST, robust.size),
+        OPTION(sweep, ROBUST, robust.sweep),
+        OPTION(refiner, ROBUST, robust.refiner),
+        OPTION(patience, ROBUST, robust.patience),
+        OPTION(lost_below, ROBUST, robust.lost_below),
+        OPTION(uncertain_below, ROBUST, robust.uncertain_below),
+        OPTION(learning_rate, ROBUST, robust.learning_rate),
+        OPTION(early_rate, ROBUST, robust.early_rate),
+        #undef OPTION
+    };
     for (size_t i = 0; i < MP_ARRAY_SIZE(options); i++) {
-        if (options[i].name != name || (options[i].type != NULL && options[i].type != type)) {
+        const qstr name = options[i].name;
+        if (keyword != MP_OBJ_NEW_QSTR(name) || (options[i].type != NULL && options[i].type != type)) {
             continue;
         }
         uint8_t *place = (uint8_t *)config + options[i].place;
@@ -205,18 +219,17 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, qstr name,
         }
         return;
     }
-    mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %q"), type->name, name);
+    mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %s"), type->name, mp_obj_str_get_str(keyword));
 }
 
 static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
-    const qstr name = mp_obj_is_str(value) ? mp_obj_str_get_qstr(value) : MP_QSTRnull;
-    if (is_paper && name == MP_QSTR_camera) {
+    if (is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_camera))) {
         check(smr_config_camera(config));
-    } else if (is_paper && name == MP_QSTR_paper) {
+    } else if (is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_paper))) {
         check(smr_config_paper(config));
-    } else if (!is_paper && name == MP_QSTR_robust) {
+    } else if (!is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_robust))) {
         check(smr_config_robust(config));
-    } else if (!is_paper && name == MP_QSTR_refined) {
+    } else if (!is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_refined))) {
         check(smr_config_refined(config));
     } else if (is_paper) {
         mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'camera' or 'paper'"));
@@ -227,7 +240,7 @@ static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
 
 // The configuration of the keyword arguments: the preset first, whatever their order.
 static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_obj_t *keywords) {
-    const bool is_paper = type == &smr_type_paper;
+    const bool is_paper = type == PAPER;
     smr_config config;
     check(is_paper ? smr_config_camera(&config) : smr_config_robust(&config));
     for (size_t i = 0; i < count; i++) {
@@ -236,14 +249,13 @@ static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_ob
         }
     }
     for (size_t i = 0; i < count; i++) {
-        const qstr name = mp_obj_str_get_qstr(keywords[2 * i]);
-        const mp_obj_t value = keywords[2 * i + 1];
-        if (is_paper && name == MP_QSTR_window) {
+        const mp_obj_t keyword = keywords[2 * i], value = keywords[2 * i + 1];
+        if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window)) {
             config.paper.window = radius_of(value);
-        } else if (is_paper && name == MP_QSTR_window_limit) {
+        } else if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window_limit)) {
             config.paper.window_limit = radius_of(value);
-        } else if (name != MP_QSTR_preset) {
-            set_option(&config, type, name, value);
+        } else if (keyword != MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
+            set_option(&config, type, keyword, value);
         }
     }
     return config;
@@ -253,7 +265,7 @@ static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, 
     mp_arg_check_num(n_args, n_kw, 0, 0, true);
     const smr_config config = config_of(type, n_kw, args);
     const size_t size = smr_target_size(&config), room = smr_workspace_size(&config);
-    void **workspace = &SHARED->workspaces[type == &smr_type_robust];
+    void **workspace = &SHARED->workspaces[type == ROBUST];
     if (*workspace == NULL) {
         *workspace = m_new(uint8_t, room);
     }
@@ -268,7 +280,7 @@ static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, 
 // lock(buffer, width, height, box, format=GRAY8, stride=0) -> quality
 static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     enum { BUFFER, WIDTH, HEIGHT, BOX, FORMAT, STRIDE };
-    static const mp_arg_t allowed[] = {
+    TABLE mp_arg_t allowed[] = {
         { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_width, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_height, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
@@ -300,7 +312,7 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
 static MP_DEFINE_CONST_FUN_OBJ_KW(lock_obj, 1, lock);
 
 static mp_obj_t answer_of(const smr_answer *answer) {
-    static const qstr names[] = {
+    TABLE qstr names[] = {
         MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha,
         MP_QSTR_scale, MP_QSTR_found_again,
     };
@@ -321,7 +333,7 @@ static mp_obj_t answer_of(const smr_answer *answer) {
 // update(buffer, format=GRAY8, stride=0) -> answer
 static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     enum { BUFFER, FORMAT, STRIDE };
-    static const mp_arg_t allowed[] = {
+    TABLE mp_arg_t allowed[] = {
         { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
         { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
@@ -407,15 +419,40 @@ static mp_obj_t sweep_window(mp_obj_t self_in) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_1(sweep_window_obj, sweep_window);
 
-static const mp_rom_map_elem_t methods_table[] = {
-    { MP_ROM_QSTR(MP_QSTR_lock), MP_ROM_PTR(&lock_obj) },
-    { MP_ROM_QSTR(MP_QSTR_update), MP_ROM_PTR(&update_obj) },
-    { MP_ROM_QSTR(MP_QSTR_moved), MP_ROM_PTR(&moved_obj) },
-    { MP_ROM_QSTR(MP_QSTR_save), MP_ROM_PTR(&save_obj) },
-    { MP_ROM_QSTR(MP_QSTR_restore), MP_ROM_PTR(&restore_obj) },
-    { MP_ROM_QSTR(MP_QSTR_window), MP_ROM_PTR(&window_obj) },
-    { MP_ROM_QSTR(MP_QSTR_sweep_window), MP_ROM_PTR(&sweep_window_obj) },
-};
+// The names in the classes and in the module.
+#define METHODS(METHOD) METHOD(lock) METHOD(update) METHOD(moved) METHOD(save) METHOD(restore) METHOD(window) METHOD(sweep_window)
+#define NUMBERS(NUMBER) \
+    NUMBER(TRACKING) NUMBER(LEAVING) NUMBER(UNCERTAIN) NUMBER(LOST) \
+    NUMBER(GRAY8) NUMBER(YUYV) NUMBER(UYVY) NUMBER(RGB565_BE) NUMBER(RGB565_LE) NUMBER(BAYER8) NUMBER(GRAY10) \
+    NUMBER(POOR_QUALITY)
+
+#ifdef MICROPY_ENABLE_DYNRUNTIME
+
+static void add_type(mp_obj_full_type_t *type, qstr name, mp_obj_t methods) {
+    type->base.type = &mp_type_type;
+    type->name = name;
+    MP_OBJ_TYPE_SET_SLOT(type, make_new, make_new, 0);
+    MP_OBJ_TYPE_SET_SLOT(type, locals_dict, MP_OBJ_TO_PTR(methods), 1);
+    mp_store_global(name, MP_OBJ_FROM_PTR(type));
+}
+
+// Every import of a module that is not in sys.modules loads the file anew, with its own variables.
+mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *args) {
+    MP_DYNRUNTIME_INIT_ENTRY
+    const mp_obj_t methods = mp_obj_new_dict(0);
+    #define METHOD(name) mp_obj_dict_store(methods, MP_OBJ_NEW_QSTR(MP_QSTR_##name), MP_OBJ_FROM_PTR(&name##_obj));
+    METHODS(METHOD)
+    add_type(&smr_type_paper, MP_QSTR_Paper, methods);
+    add_type(&smr_type_robust, MP_QSTR_Robust, methods);
+    #define NUMBER(name) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_SMALL_INT(SMR_##name));
+    NUMBERS(NUMBER)
+    MP_DYNRUNTIME_INIT_EXIT
+}
+
+#else
+
+#define METHOD(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_PTR(&name##_obj) },
+static const mp_rom_map_elem_t methods_table[] = { METHODS(METHOD) };
 static MP_DEFINE_CONST_DICT(methods, methods_table);
 
 MP_DEFINE_CONST_OBJ_TYPE(smr_type_paper, MP_QSTR_Paper, MP_TYPE_FLAG_NONE, make_new, make_new, locals_dict, &methods);
@@ -439,11 +476,8 @@ static const mp_rom_map_elem_t globals_table[] = {
     { MP_ROM_QSTR(MP_QSTR___init__), MP_ROM_PTR(&init_obj) },
     { MP_ROM_QSTR(MP_QSTR_Paper), MP_ROM_PTR(&smr_type_paper) },
     { MP_ROM_QSTR(MP_QSTR_Robust), MP_ROM_PTR(&smr_type_robust) },
-    #define NUMBER(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(SMR_##name) }
-    NUMBER(TRACKING), NUMBER(LEAVING), NUMBER(UNCERTAIN), NUMBER(LOST),
-    NUMBER(GRAY8), NUMBER(YUYV), NUMBER(UYVY), NUMBER(RGB565_BE), NUMBER(RGB565_LE), NUMBER(BAYER8), NUMBER(GRAY10),
-    NUMBER(POOR_QUALITY),
-    #undef NUMBER
+    #define NUMBER(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(SMR_##name) },
+    NUMBERS(NUMBER)
 };
 static MP_DEFINE_CONST_DICT(globals, globals_table);
 
@@ -452,3 +486,5 @@ const mp_obj_module_t smr_module = {
     .globals = (mp_obj_dict_t *)&globals,
 };
 MP_REGISTER_MODULE(MP_QSTR_smr, smr_module);
+
+#endif

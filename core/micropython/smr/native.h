@@ -1,0 +1,65 @@
+// What smr.c needs of MicroPython in a native module (smr.mpy), where py/dynruntime.h is all there is. A few functions of the runtime are missing
+// there, and get their names here.
+
+#include <stdarg.h>
+#include "py/dynruntime.h"
+
+// Names and types are known only when the module is loaded, so tables are built by the function that reads them.
+#define TABLE const
+
+#define mp_unpack_sequence mp_fun_table.unpack_sequence
+
+bool mp_obj_equal(mp_obj_t one, mp_obj_t other) {
+    return mp_binary_op(MP_BINARY_OP_EQUAL, one, other) == mp_const_true;
+}
+
+void *m_malloc0(size_t size) {
+    return memset(m_malloc(size), 0, size);
+}
+
+#define vstr_init_len(vstr, size) ((vstr)->buf = m_malloc(size), (vstr)->len = (size))
+
+mp_obj_t mp_obj_new_bytes_from_vstr(vstr_t *vstr) {
+    const mp_obj_t bytes = mp_obj_new_bytes((const byte *)vstr->buf, vstr->len);
+    m_free(vstr->buf);
+    return bytes;
+}
+
+// A text of limited length.
+typedef struct {
+    size_t length;
+    char text[128];
+} message_t;
+
+static void add_text(void *data, const char *text, size_t length) {
+    message_t *message = data;
+    for (size_t i = 0; i < length && message->length < sizeof(message->text); i++) {
+        message->text[message->length++] = text[i];
+    }
+}
+
+void mp_raise_msg_varg(const mp_obj_type_t *type, mp_rom_error_text_t format, ...) {
+    message_t message = { 0 };
+    const mp_print_t print = { &message, add_text };
+    va_list values;
+    va_start(values, format);
+    mp_vprintf(&print, format, values);
+    va_end(values);
+    nlr_raise(mp_obj_new_exception_arg1(type, mp_obj_new_str(message.text, message.length)));
+}
+
+// The class of answers. Like every variable of a native module it must not be static.
+mp_obj_t smr_answer_class;
+
+mp_obj_t mp_obj_new_attrtuple(const qstr *names, size_t count, const mp_obj_t *items) {
+    if (smr_answer_class == MP_OBJ_NULL) {
+        const mp_obj_t fields = mp_obj_new_list(0, NULL);
+        for (size_t i = 0; i < count; i++) {
+            mp_obj_list_append(fields, MP_OBJ_NEW_QSTR(names[i]));
+        }
+        const mp_obj_t collections = mp_import_name(MP_QSTR_collections, mp_const_none, MP_OBJ_NEW_SMALL_INT(0));
+        const mp_obj_t arguments[] = { MP_OBJ_NEW_QSTR(MP_QSTR_answer), fields };
+        smr_answer_class = mp_call_function_n_kw(mp_load_attr(collections, MP_QSTR_namedtuple), 2, 0, arguments);
+    }
+    return mp_call_function_n_kw(smr_answer_class, count, 0, items);
+}
