@@ -118,8 +118,13 @@ fn has(text: &str, before: &[&str], end: &str, word: &str) -> bool {
     let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
     before.iter().any(|before| {
         let (_, after) = text.split_once(before).unwrap_or_else(|| panic!("no {before}"));
-        let part = after.split(end).next().unwrap_or(after).lines();
-        let mut code = part.filter(|line| !line.trim_start().starts_with(['/', '*']));
+        let part = after.split(end).next().unwrap_or(after);
+        // Without the texts of Python.
+        let mut code = part
+            .split("\"\"\"")
+            .step_by(2)
+            .flat_map(str::lines)
+            .filter(|line| !line.trim_start().starts_with(['/', '*']));
         code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))
     })
 }
