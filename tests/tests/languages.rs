@@ -40,7 +40,7 @@ const PLACES: &[(&str, &str, &str, &[&str], &str)] = &[
     ("state", "Python", "core/python/package/smr/_answer.py", &["class State("], "\n\n\n"),
     ("state", "JavaScript", "core/web/smr.js", &["const State = "], "}"),
     ("state", "JavaScript", TYPES, &["const State: {"], "\n}"),
-    ("state", "MicroPython", MODULE, &["globals_table[] = {"], "\n}"),
+    ("state", "MicroPython", MODULE, &["#define NUMBERS(NUMBER)"], "\n\n"),
     ("state", "host-sim", "host-sim/evaluation/src/method.rs", &["fn name_of("], "\n}"),
 ];
 
