@@ -9,7 +9,7 @@ use std::fmt::Write;
 macro_rules! modules {
     ($($name:literal)*) => {
         /// File name and text of each.
-        pub const MODULES: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../../core/web/page/", $name)))),*];
+        pub const MODULES: &[(&str, &str)] = &[$(($name, include_str!(concat!(env!("SMR_FRONT_END"), "/", $name)))),*];
     };
 }
 
@@ -39,11 +39,11 @@ modules! {
     "window.js"
 }
 
-const WINDOW: &str = include_str!("../../../core/web/page/window.html");
+const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
 const STYLES: [&str; 3] = [
     include_str!("report/base.css"),
-    include_str!("../../../core/web/page/page.css"),
-    include_str!("../../../core/web/page/window.css"),
+    include_str!(concat!(env!("SMR_FRONT_END"), "/page.css")),
+    include_str!(concat!(env!("SMR_FRONT_END"), "/window.css")),
 ];
 
 /// The page of the window, which ends with these elements.
