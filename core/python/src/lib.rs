@@ -24,9 +24,13 @@ mod _smr {
     };
     use pyo3::prelude::*;
 
-    /// The version of the workspace, which the wheel has, too.
+    /// Loads numpy, and adds the version of the workspace, which the wheel has, too.
+    ///
+    /// Otherwise the first array would load numpy, and panic if Ctrl-C is pressed meanwhile.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.py().import("numpy")?;
+        numpy::PyArray1::<u8>::zeros(module.py(), 0, false);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

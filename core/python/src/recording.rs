@@ -30,7 +30,7 @@ fn four(of: BoundingBox) -> Four {
 /// Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
 ///
 /// Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
-/// with `color=True`. Of a camera or an address, each frame is the newest: those that came while the last one was in
+/// with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
 /// use are dropped.
 ///
 /// Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
@@ -41,7 +41,7 @@ pub struct Recording {
     /// The name of the folder or file.
     #[pyo3(get)]
     name: String,
-    /// True of a camera and of an address, whose frames have no end and come at their own time.
+    /// True for a camera or an address: its frames have no end, and come at their own time.
     #[pyo3(get)]
     is_live: bool,
     start: Option<BoundingBox>,
@@ -111,7 +111,7 @@ struct Decoded(Mutex<Stream>);
 struct Stream {
     gray: Frames,
     color: Option<ColorFrames>,
-    /// Of a live source.
+    /// Says why a live source has ended.
     now: Option<Now>,
 }
 

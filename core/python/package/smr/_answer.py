@@ -41,7 +41,7 @@ class Answer(NamedTuple):
     """Where the target is, and how reliable that is. Confidence and ratios are 0 to 1."""
 
     box: Box
-    """Where the target is. Of a lost one: `Paper` gives the last box that it accepted, `Robust` its best guess."""
+    """Where the target is. When it is lost, `Paper` gives the last box that it accepted, `Robust` its best guess."""
     fine_box: FineBox
     """The same box, finer. `Paper` always gives whole pixels."""
     state: State

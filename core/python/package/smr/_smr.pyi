@@ -145,7 +145,7 @@ class Recording:
     Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
 
     Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
-    with `color=True`. Of a camera or an address, each frame is the newest: those that came while the last one was in
+    with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
     use are dropped.
 
     Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
@@ -157,7 +157,7 @@ class Recording:
         """The name of the folder or file."""
     @property
     def is_live(self) -> bool:
-        """True of a camera and of an address, whose frames have no end and come at their own time."""
+        """True for a camera or an address: its frames have no end, and come at their own time."""
     @property
     def start(self) -> Optional[_Four]:
         """The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None."""

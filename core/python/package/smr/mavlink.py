@@ -26,8 +26,8 @@ except ImportError:
     sys.exit(2)
 
 PRESETS = {"refined": Robust, "robust": Robust, "camera": Paper, "paper": Paper}
-RADIUS = 0.05  # Of a point that comes without one: part of the width of the frame.
-LEAST_SIDE = 16  # Of the box around a point, in pixels: a smaller one has too little to be known by.
+RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
+LEAST_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
 MOST_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
 HEARTBEAT = 1.0  # In seconds, as MAVLink wants it.
 
@@ -45,7 +45,7 @@ class Camera:
     def __init__(self, connection, tracker):
         self.connection, self.tracker = connection, tracker
         self.frame, self.number, self.mode = None, 0, mavlink.CAMERA_TRACKING_MODE_NONE
-        self.state = None  # Of the target in the last frame; None without a target.
+        self.state = None  # The target's in the last frame; None without a target.
         self.interval = 0.0  # Seconds between two messages of the status; infinite for none.
         self.sent = self.beaten = -math.inf  # When the last one was sent, and the last heartbeat.
         self.begun = time.monotonic()
@@ -159,7 +159,7 @@ class Camera:
         self.connection.mav.camera_information_send(milliseconds, vendor, model, version, *optics, width, height, 0, flags, 0, b"")
 
     def send_status(self, box, at_once=False):
-        """Of a lost target there is no place: an autopilot must not steer by an old one."""
+        """Sends where the target is. A lost target has no place: an autopilot must not steer by an old one."""
         now = time.monotonic()
         if math.isinf(self.interval) or (now - self.sent < self.interval and not at_once):
             return
