@@ -107,7 +107,8 @@ impl Convert {
 }
 
 fn line(report: &Report) -> String {
-    let Report { out, written: Written { frames, width, height, bytes, boxes, list }, format, init, .. } = report;
+    let Report { out, written: Written { frames, width, height, bytes, boxes, list, config }, format, init, .. } =
+        report;
     let mut line = format!("{}: {frames} frames of {width}x{height}, {bytes} bytes", out.display());
     if format == "raw" {
         line += &format!(", read with --size {width}x{height}");
@@ -119,6 +120,9 @@ fn line(report: &Report) -> String {
     }
     if let Some(list) = list {
         line += &format!("; added to {}", list.display());
+    }
+    if let Some(config) = config {
+        line += &format!("; workspace {}", config.display());
     }
     line + "\n"
 }

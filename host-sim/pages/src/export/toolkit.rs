@@ -93,14 +93,14 @@ pub(super) fn list(format: Format, out: &Path) -> Option<PathBuf> {
 }
 
 /// Writes the configuration of a workspace of the VOT toolkit, if `list` lies in a folder called `sequences`, where
-/// workspaces have theirs, and there is none yet.
+/// workspaces have theirs, and there is none yet. Returns the file.
 ///
 /// Its stack names no data set, so the toolkit downloads nothing. The experiment is the one that version 0.9 can run.
-pub(super) fn configure(format: Format, list: &Path) -> Result<()> {
+pub(super) fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);
     let config = above.map(|above| above.with_file_name("config.yaml")).filter(|config| !config.exists());
-    config.map_or(Ok(()), |config| output::write(&config, WORKSPACE.as_bytes()))
+    config.map(|config| output::write(&config, WORKSPACE.as_bytes()).map(|()| config)).transpose()
 }
 
 /// Adds the sequence `name` to `list`, if it is not in it.

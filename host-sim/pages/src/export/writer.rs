@@ -80,6 +80,8 @@ pub struct Written {
     pub boxes: Vec<&'static str>,
     /// The list of sequences that it was added to.
     pub list: Option<PathBuf>,
+    /// The configuration of a workspace of the VOT toolkit, if it made one.
+    pub config: Option<PathBuf>,
 }
 
 impl Writer {
@@ -171,7 +173,7 @@ impl Writer {
         folder.finish()?;
         if let Some(list) = &written.list {
             enlist(list, &name)?;
-            configure(format, list)?;
+            written.config = configure(format, list)?;
         }
         Ok(written)
     }
@@ -283,6 +285,7 @@ mod tests {
             writer.frame(&synthetic::frames().next().unwrap()).unwrap();
             let written = writer.finish(None).unwrap();
             assert_eq!(written.list.is_some(), format != Format::Otb);
+            assert_eq!(written.config.is_some(), format == Format::Vot);
         }
         assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\n");
         assert!(fs::read_to_string(&config).unwrap().contains("\nsequences: sequences\n"));
