@@ -59,11 +59,14 @@ impl Replayed for Smr {
 }
 
 impl Replayed for Robust {
-    const METHOD: u32 = 1;
+    const METHOD: u32 = if cfg!(feature = "refiner") { 2 } else { 1 };
     const BOUNDS: (u32, u16) = (0, 0);
     type Buffer = [u8; ROBUST_BUFFER];
 
     fn numbers() -> robust::Config {
+        #[cfg(feature = "refiner")]
+        let mut config = robust::Config::refined();
+        #[cfg(not(feature = "refiner"))]
         let mut config = robust::Config::robust();
         config.backend = BACKEND;
         config

@@ -8,7 +8,8 @@
 //!
 //! Two files in the working folder of QEMU. All numbers are 32 bits, little-endian.
 //!
-//! The firmware reads `frames.smr`: `SMRF`, version, method (0 smr, 1 robust), work of a step (0: all at once), width,
+//! The firmware reads `frames.smr`: `SMRF`, version, method (0 smr, 1 robust, 2 robust with
+//! its refiner, if the firmware is built with the feature `refiner`), work of a step (0: all at once), width,
 //! height, number of frames, then left, top, width and height of the box to lock on in the first frame. The frames
 //! follow: 8-bit gray, rows without gaps.
 //!

@@ -39,6 +39,6 @@ impl EmulatorOptions {
     pub fn setup(&self, machine: Machine) -> Setup {
         let patience = Duration::from_secs(self.timeout.get().into());
         let program = self.qemu.clone().unwrap_or_else(|| machine.emulator().0.to_owned());
-        Setup { program, machine, patience }
+        Setup { program, machine, patience, traces: false }
     }
 }

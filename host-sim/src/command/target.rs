@@ -4,17 +4,19 @@ use super::number::whole;
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
 use super::{Outcome, tell};
+use crate::emulator::cycles::{self, Estimate, program::Program, trace};
 use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
-use crate::emulator::{Recording, Report};
-use anyhow::Result;
+use crate::emulator::{Follow, Recording, Report};
+use anyhow::{Context, Result, anyhow};
 use serde::Serialize;
 use smr_evaluation::CoreKind;
 use smr_recordings::output::Exchange;
 use std::io::{self, Write};
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
+use std::thread;
 
 #[derive(Debug, clap::Args)]
 pub struct Target {
@@ -27,6 +29,12 @@ pub struct Target {
     /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
+    /// The robust tracker with its refiner
+    #[arg(long)]
+    refiner: bool,
+    /// Estimate cycles, updates a second on some chips, and where the cycles go; needs LLVM (Debian: llvm-19)
+    #[arg(long, conflicts_with = "step")]
+    cycles: bool,
     /// The firmware, built from core/examples/replay [default: built now, with .ci/target-cargo]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
@@ -48,32 +56,65 @@ struct Measured<'a> {
     sizes: Sizes,
     /// Statics and stack.
     ram: Option<u32>,
+    /// On each processor that this firmware is for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cycles: Option<Vec<Estimate>>,
 }
 
 impl Target {
     pub fn run(self) -> Result<Outcome> {
-        let step = self.step.map_or(0, NonZeroU32::get);
+        let Self { method, refiner, .. } = self;
+        let follow = Follow { method, refiner, step: self.step.map_or(0, NonZeroU32::get) };
+        follow.check()?;
         let sequence = self.recording.open(&self.sequence)?;
         let target = sequence.start()?;
         let elf = match &self.elf {
             Some(elf) => elf.clone(),
-            None => firmware::build("replay", self.qemu.machine, "")?,
+            None => firmware::build("replay", self.qemu.machine, if refiner { "refiner" } else { "" })?,
         };
         let sizes = Sizes::of(&elf)?;
+        let program = self.cycles.then(|| cycles::program(self.qemu.machine, &elf)).transpose()?;
         let folder = Exchange::create()?;
-        let method = (self.method, step);
-        let recording = Recording::write(&sequence.name, method, sequence.frames, target, folder.path())?;
-        let mut qemu = Qemu::start(&self.qemu.setup(), &elf, folder.path(), Stdio::null())?;
-        let report = recording.compare(&mut qemu, folder.path())?;
+        let recording = Recording::write(&sequence.name, follow, sequence.frames, target, folder.path())?;
+        let (report, spans) = self.compare(&recording, &elf, program.as_ref(), folder.path())?;
+        let of_program = |program: Program| cycles::estimates(self.qemu.machine, &program, &spans, report.counts.len());
+        // After a difference the firmware was ended.
+        let cycles = program.filter(|_| report.difference.is_none()).map(of_program).transpose()?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
-        let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram };
+        let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram, cycles };
         tell(self.json, &measured, |measured, out| describe(measured, out))?;
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+
+    /// Runs the firmware, and traces what ran if `traced` is to be found in the trace.
+    fn compare(
+        &self,
+        recording: &Recording,
+        elf: &Path,
+        traced: Option<&Program>,
+        folder: &Path,
+    ) -> Result<(Report, Vec<trace::Span>)> {
+        let setup = self.qemu.setup().tracing(traced.is_some());
+        let output = if traced.is_some() { Stdio::piped() } else { Stdio::null() };
+        let mut qemu = Qemu::start(&setup, elf, folder, output)?;
+        let reader = traced.map(|program| {
+            let (mark, trace) = (program.mark()?, qemu.log().context("QEMU's trace is piped")?);
+            anyhow::Ok(thread::spawn(move || trace::spans(trace, mark)))
+        });
+        let reader = reader.transpose()?;
+        let report = recording.compare(&mut qemu, folder)?;
+        // Ends the trace, too.
+        drop(qemu);
+        let spans = match reader {
+            Some(reader) => reader.join().map_err(|_| anyhow!("QEMU's trace cannot be read"))??,
+            None => Vec::new(),
+        };
+        Ok((report, spans))
     }
 }
 
 fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
-    let Measured { machine, report, sizes, ram } = measured;
+    let Measured { machine, report, sizes, ram, cycles } = measured;
     let Report { origin, sequence, frames, instructions, longest_step, work, .. } = report;
     let Report { target_bytes, workspace_bytes, buffer_bytes, .. } = report;
     writeln!(out, "{sequence} on {machine}, {}: {frames} frames answered as on the host, bit for bit", origin.method)?;
@@ -103,5 +144,44 @@ fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
             longest_step.median, longest_step.max
         )?;
     }
-    writeln!(out, "  work of an update: median {}, at most {}", work.median, work.max)
+    writeln!(out, "  work of an update: median {}, at most {}", work.median, work.max)?;
+    match cycles {
+        Some(estimates) => describe_cycles(measured, estimates, out),
+        None => Ok(()),
+    }
+}
+
+fn describe_cycles(measured: &Measured<'_>, estimates: &[Estimate], out: &mut impl Write) -> io::Result<()> {
+    let million = |cycles: u64| cycles as f64 / 1e6;
+    writeln!(out, "  estimated cycles, in millions, without waits for memory, caches and branches predicted wrongly:")?;
+    for Estimate { processor, lock, update, per_instruction, unknown, chips, .. } in estimates {
+        let [median, max] = [update.median, update.max].map(million);
+        writeln!(
+            out,
+            "    {processor}: lock {:.2}, update median {median:.3}, at most {max:.3}; {per_instruction:.2} an instruction{}",
+            million(*lock),
+            if *unknown > 0.0 { format!(", {:.2} % not known", 100.0 * unknown) } else { String::new() },
+        )?;
+        for cycles::Chip { chip, megahertz, updates_a_second, at_least } in chips {
+            writeln!(
+                out,
+                "      {chip} at {megahertz} MHz: {updates_a_second:.0} updates a second, at least {at_least:.0}"
+            )?;
+        }
+    }
+    let Report { target_bytes, workspace_bytes, buffer_bytes, stack, .. } = measured.report;
+    writeln!(
+        out,
+        "  for this, memory without waits must hold: target {target_bytes} bytes, workspace {workspace_bytes}, pixels of the \
+         window up to {buffer_bytes}, stack {}, code and constants up to {}",
+        // The firmware has all three on its stack.
+        stack.map_or(0, |stack| stack.used.saturating_sub(target_bytes + workspace_bytes + buffer_bytes)),
+        measured.sizes.flash
+    )?;
+    let Some(Estimate { processor, functions, .. }) = estimates.first() else { return Ok(()) };
+    writeln!(out, "  where the cycles of the updates go on the {processor}, and the cycles of an instruction there:")?;
+    for cycles::Share { function, cycles, per_instruction } in functions {
+        writeln!(out, "    {:4.1} %  {per_instruction:.2}  {function}", 100.0 * cycles)?;
+    }
+    Ok(())
 }

@@ -3,9 +3,11 @@
 //! - [`protocol`]: the bytes that both sides exchange.
 //! - [`qemu`]: the emulator as a process that ends whatever happens.
 //! - [`firmware`]: how the firmware is built, and what it takes of a chip.
+//! - [`cycles`]: an estimate of its cycles, by the blocks of code that QEMU traces.
 //!
 //! The firmware says at its start what it has room for, and with which window it searches: the host does the same.
 
+pub mod cycles;
 pub mod firmware;
 pub mod protocol;
 pub mod qemu;
@@ -63,6 +65,31 @@ pub struct Difference {
     pub host: String,
 }
 
+/// Which tracker follows, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Follow {
+    pub method: CoreKind,
+    /// The robust tracker with its refiner.
+    pub refiner: bool,
+    /// The work of a step; 0 is all at once.
+    pub step: u32,
+}
+
+impl Follow {
+    /// Errors: a refiner for another tracker than the robust one.
+    pub fn check(self) -> Result<()> {
+        ensure!(!self.refiner || self.method == CoreKind::Robust, "--refiner: expected --method robust");
+        Ok(())
+    }
+
+    /// What a report says of it.
+    fn parameters(self) -> Map<String, serde_json::Value> {
+        let step = (self.step > 0).then(|| ("step".to_owned(), self.step.into()));
+        let refiner = self.refiner.then(|| ("refiner".to_owned(), true.into()));
+        step.into_iter().chain(refiner).collect()
+    }
+}
+
 /// A recording as the firmware gets it: written into QEMU's folder.
 pub struct Recording {
     name: String,
@@ -70,18 +97,18 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Writes `frames` into `folder`, to be followed by `method` in steps of so much work; 0 is all at once.
+    /// Writes `frames` into `folder`.
     /// Errors: The frames', fewer than two of them, or the disk's.
     pub fn write(
         name: &str,
-        (method, step): (CoreKind, u32),
+        follow: Follow,
         frames: impl Iterator<Item = Result<GrayFrame>>,
         target: Rect,
         folder: &Path,
     ) -> Result<Self> {
         let cannot_write = || format!("cannot write {} for QEMU", protocol::FRAMES);
         let mut file = BufWriter::new(File::create(folder.join(protocol::FRAMES)).with_context(cannot_write)?);
-        let mut header = Header { method, step, width: 0, height: 0, frames: 0, target };
+        let mut header = Header { follow, width: 0, height: 0, frames: 0, target };
         file.write_all(&header.bytes()).with_context(cannot_write)?;
         for frame in frames {
             let frame = frame?;
@@ -108,9 +135,8 @@ impl Recording {
         };
         hello.check(&self.header)?;
         let mut host = Host::lock(self.header, hello.radius, folder).with_context(|| self.name.clone())?;
-        let step = Some(self.header.step).filter(|&step| step > 0).map(|step| ("step".to_owned(), step.into()));
         let mut report = Report {
-            origin: Origin::new(self.header.method.into(), Map::from_iter(step)),
+            origin: Origin::new(self.header.follow.method.into(), self.header.follow.parameters()),
             sequence: self.name.clone(),
             frames: 0,
             difference: None,
@@ -193,9 +219,10 @@ impl<T: Target> Follows for Tracker<T> {
 }
 
 /// The tracker as the firmware has it.
-fn tracker(method: CoreKind, radius: u16) -> Result<Box<dyn Follows>> {
-    Ok(match method {
+fn tracker(follow: Follow, radius: u16) -> Result<Box<dyn Follows>> {
+    Ok(match follow.method {
         CoreKind::Smr => Box::new(Tracker::<Paper>::new(paper::Config::camera_within(radius))?),
+        CoreKind::Robust if follow.refiner => Box::new(Tracker::<Robust>::new(robust::Config::refined())?),
         CoreKind::Robust => Box::new(Tracker::<Robust>::new(robust::Config::robust())?),
     })
 }
@@ -213,10 +240,10 @@ impl Host {
         frames.read_exact(&mut header.bytes())?;
         let pixels = vec![0; usize::from(header.width) * usize::from(header.height)];
         let frame = GrayFrame { width: header.width, height: header.height, pixels };
-        let mut host = Self { tracker: tracker(header.method, radius)?, frames, frame };
+        let mut host = Self { tracker: tracker(header.follow, radius)?, frames, frame };
         host.read()?;
         let bounds = host.frame.frame().bounds();
-        let refused = |error| Refused::or(error, header.method.into(), header.target, bounds);
+        let refused = |error| Refused::or(error, header.follow.method.into(), header.target, bounds);
         host.tracker.lock(&host.frame, header.target).map_err(refused)?;
         Ok(host)
     }

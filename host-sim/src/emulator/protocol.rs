@@ -1,5 +1,6 @@
 //! What host and firmware tell each other, byte by byte: `core/examples/replay/main.rs` describes it.
 
+use super::Follow;
 use crate::replay::answer_values;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use serde::Serialize;
@@ -24,9 +25,7 @@ pub const RECORD: usize = 80;
 /// The beginning of [`FRAMES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Header {
-    pub method: CoreKind,
-    /// The work of a step; 0 is all at once.
-    pub step: u32,
+    pub follow: Follow,
     pub width: u16,
     pub height: u16,
     pub frames: u32,
@@ -36,13 +35,13 @@ pub struct Header {
 impl Header {
     /// As it stands in the file.
     pub fn bytes(&self) -> [u8; 44] {
-        let Self { method, step, width, height, frames, target } = *self;
+        let Self { follow, width, height, frames, target } = *self;
         let place = [target.x, target.y].map(i32::cast_unsigned);
         let size = [target.width, target.height].map(u32::from);
         let magic = u32::from_le_bytes(*b"SMRF");
         let [left, top, across, down] = [place[0], place[1], size[0], size[1]];
         let (width, height) = (width.into(), height.into());
-        let words = [magic, VERSION, number_of(method), step, width, height, frames, left, top, across, down];
+        let words = [magic, VERSION, number_of(follow), follow.step, width, height, frames, left, top, across, down];
         let mut bytes = [0; 44];
         for (bytes, word) in bytes.chunks_exact_mut(4).zip(words) {
             bytes.copy_from_slice(&word.to_le_bytes());
@@ -52,10 +51,10 @@ impl Header {
 }
 
 /// As it stands in both files.
-const fn number_of(method: CoreKind) -> u32 {
-    match method {
+const fn number_of(follow: Follow) -> u32 {
+    match follow.method {
         CoreKind::Smr => 0,
-        CoreKind::Robust => 1,
+        CoreKind::Robust => 1 + follow.refiner as u32,
     }
 }
 
@@ -156,7 +155,7 @@ impl Hello {
     /// it will be. How much the robust tracker reads is known only on the way.
     pub fn check(&self, header: &Header) -> Result<()> {
         ensure!(
-            self.method == number_of(header.method),
+            self.method == number_of(header.follow),
             "the firmware does not follow by the method that was asked for"
         );
         let reach = 2 * u32::from(self.radius);
@@ -284,8 +283,7 @@ mod tests {
 
     fn header(width: u16, height: u16) -> Header {
         Header {
-            method: CoreKind::Smr,
-            step: 0,
+            follow: Follow { method: CoreKind::Smr, refiner: false, step: 0 },
             width: 320,
             height: 240,
             frames: 2,
@@ -330,7 +328,8 @@ mod tests {
 
     #[test]
     fn another_method_is_noticed() {
-        let header = Header { method: CoreKind::Robust, ..header(9, 9) };
+        let robust = Follow { method: CoreKind::Robust, refiner: false, step: 0 };
+        let header = Header { follow: robust, ..header(9, 9) };
         assert!(error(hello().check(&header)).contains("method"));
     }
 }

@@ -1,5 +1,6 @@
 //! QEMU as a process: started with firmware, watched, and ended whatever happens.
 
+use super::cycles::trace;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use smr_core::similarity::Backend;
@@ -80,6 +81,16 @@ pub struct Setup {
     pub machine: Machine,
     /// How long nothing may happen.
     pub patience: Duration,
+    /// Writes a trace of what runs to its standard output. It is then far slower.
+    pub traces: bool,
+}
+
+impl Setup {
+    /// With a trace, or without. A trace takes up to ten times as long.
+    pub fn tracing(self, traces: bool) -> Self {
+        let patience = if traces { 10 * self.patience } else { self.patience };
+        Self { traces, patience, ..self }
+    }
 }
 
 /// A running QEMU. Dropped, it is ended and reaped.
@@ -102,6 +113,9 @@ impl Qemu {
             // Without firmware of its own before ours.
             command.args(["-bios", "none"]);
         }
+        if setup.traces {
+            command.args(trace::OPTIONS);
+        }
         command.args(["-semihosting-config", "enable=on,target=native,chardev=log", "-kernel"]).arg(elf);
         command.current_dir(folder).stdin(Stdio::null()).stdout(log).stderr(Stdio::piped());
         let process = match Process::start(&mut command) {
@@ -115,7 +129,7 @@ impl Qemu {
         Ok(Self { process, said, setup: setup.clone() })
     }
 
-    /// What the firmware logs, if that was piped.
+    /// What the firmware logs, or the trace, if that was piped.
     pub fn log(&mut self) -> Option<ChildStdout> {
         self.process.output()
     }

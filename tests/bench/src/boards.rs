@@ -2,10 +2,10 @@
 //! boxes. Where the fastest backend is that of words of four pixels, the plain loops are measured beside it.
 
 use anyhow::Result;
-use host_sim::emulator::Recording;
 use host_sim::emulator::firmware;
 use host_sim::emulator::protocol::TooBig;
 use host_sim::emulator::qemu::{Qemu, Setup};
+use host_sim::emulator::{Follow, Recording};
 use host_sim::percentiles::Spread;
 use serde::{Serialize, Serializer};
 use smr_core::similarity::Backend;
@@ -56,7 +56,8 @@ pub fn measure(
         let target = sequence.start()?;
         let folder = Exchange::create()?;
         let Sequence { name, frames, .. } = sequence;
-        let recording = Recording::write(&name, (method, 0), frames, target, folder.path())?;
+        let recording =
+            Recording::write(&name, Follow { method, refiner: false, step: 0 }, frames, target, folder.path())?;
         let mut qemu = Qemu::start(setup, &elf, folder.path(), Stdio::null())?;
         let report = match recording.compare(&mut qemu, folder.path()) {
             Err(error) if error.is::<TooBig>() => {
