@@ -4,6 +4,8 @@
 mod check;
 mod convert;
 mod demo;
+#[cfg(feature = "emulator")]
+mod estimates;
 mod eval;
 mod events;
 mod exit_code;

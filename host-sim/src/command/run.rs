@@ -1,7 +1,8 @@
 //! `host-sim run`: any firmware in QEMU, its log decoded; what `cargo run` of an example does.
 
-use super::Outcome;
 use super::qemu_options::QemuOptions;
+use super::{Outcome, estimates, tell};
+use crate::emulator::cycles;
 use crate::emulator::qemu::Qemu;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
@@ -20,6 +21,12 @@ pub struct Run {
     /// The firmware
     #[arg(value_name = "ELF")]
     elf: PathBuf,
+    /// Instead of the log, estimate the cycles between each two calls of `smr_ticks`: a lock, then updates; needs LLVM (Debian: llvm-19)
+    #[arg(long)]
+    cycles: bool,
+    /// Print the estimate as JSON
+    #[arg(long, requires = "cycles")]
+    json: bool,
     #[command(flatten)]
     qemu: QemuOptions,
 }
@@ -30,6 +37,9 @@ impl Run {
         let elf = input::bytes(&self.elf, &input::FIRMWARE);
         let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
         ensure!(elf.starts_with(ELF), "{name} is not firmware: expected an ELF file of 32 bits");
+        if self.cycles {
+            return self.estimate();
+        }
         let table = Table::parse(&elf)
             .map_err(|_| anyhow!("{name}: what describes its log is damaged: expected firmware as it was linked"))?;
         // Firmware may write files where it runs: here.
@@ -37,6 +47,17 @@ impl Run {
         let log = qemu.log().context("QEMU's standard output is piped")?;
         print(&mut qemu, &input::chunks(|| Ok(log)), table.as_ref())?;
         Ok(if qemu.verdict()? { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+
+    fn estimate(&self) -> Result<Outcome> {
+        let machine = self.qemu.machine;
+        let program = cycles::program(machine, &self.elf)?;
+        let mut qemu = Qemu::start(&self.qemu.setup().tracing(true), &self.elf, ".".as_ref(), Stdio::piped())?;
+        let reader = cycles::reader(&mut qemu, &program)?;
+        let holds = qemu.verdict()?;
+        let estimates = cycles::estimates(machine, &program, &reader.spans()?)?;
+        tell(self.json, &estimates, |estimates, out| estimates::describe(estimates, out))?;
+        Ok(if holds { Outcome::Holds } else { Outcome::CheckFailed })
     }
 }
 

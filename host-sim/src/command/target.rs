@@ -3,12 +3,12 @@
 use super::number::whole;
 use super::qemu_options::QemuOptions;
 use super::recording_options::RecordingOptions;
-use super::{Outcome, tell};
+use super::{Outcome, estimates, tell};
 use crate::emulator::cycles::{self, Estimate, program::Program, trace};
 use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Follow, Recording, Report};
-use anyhow::{Context, Result, anyhow};
+use anyhow::Result;
 use serde::Serialize;
 use smr_evaluation::CoreKind;
 use smr_recordings::output::Exchange;
@@ -16,7 +16,6 @@ use std::io::{self, Write};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::thread;
 
 #[derive(Debug, clap::Args)]
 pub struct Target {
@@ -77,9 +76,10 @@ impl Target {
         let folder = Exchange::create()?;
         let recording = Recording::write(&sequence.name, follow, sequence.frames, target, folder.path())?;
         let (report, spans) = self.compare(&recording, &elf, program.as_ref(), folder.path())?;
-        let of_program = |program: Program| cycles::estimates(self.qemu.machine, &program, &spans, report.counts.len());
-        // After a difference the firmware was ended.
-        let cycles = program.filter(|_| report.difference.is_none()).map(of_program).transpose()?;
+        // The first measurement is the calibration. After a difference the firmware was ended.
+        let spans = spans.get(1..).filter(|_| report.difference.is_none());
+        let cycles = program.zip(spans).map(|(program, spans)| cycles::estimates(self.qemu.machine, &program, spans));
+        let cycles = cycles.transpose()?;
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
         let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram, cycles };
         tell(self.json, &measured, |measured, out| describe(measured, out))?;
@@ -97,18 +97,11 @@ impl Target {
         let setup = self.qemu.setup().tracing(traced.is_some());
         let output = if traced.is_some() { Stdio::piped() } else { Stdio::null() };
         let mut qemu = Qemu::start(&setup, elf, folder, output)?;
-        let reader = traced.map(|program| {
-            let (mark, trace) = (program.mark()?, qemu.log().context("QEMU's trace is piped")?);
-            anyhow::Ok(thread::spawn(move || trace::spans(trace, mark)))
-        });
-        let reader = reader.transpose()?;
+        let reader = traced.map(|program| cycles::reader(&mut qemu, program)).transpose()?;
         let report = recording.compare(&mut qemu, folder)?;
         // Ends the trace, too.
         drop(qemu);
-        let spans = match reader {
-            Some(reader) => reader.join().map_err(|_| anyhow!("QEMU's trace cannot be read"))??,
-            None => Vec::new(),
-        };
+        let spans = reader.map_or(Ok(Vec::new()), cycles::Reader::spans)?;
         Ok((report, spans))
     }
 }
@@ -145,43 +138,14 @@ fn describe(measured: &Measured<'_>, out: &mut impl Write) -> io::Result<()> {
         )?;
     }
     writeln!(out, "  work of an update: median {}, at most {}", work.median, work.max)?;
-    match cycles {
-        Some(estimates) => describe_cycles(measured, estimates, out),
-        None => Ok(()),
-    }
-}
-
-fn describe_cycles(measured: &Measured<'_>, estimates: &[Estimate], out: &mut impl Write) -> io::Result<()> {
-    let million = |cycles: u64| cycles as f64 / 1e6;
-    writeln!(out, "  estimated cycles, in millions, without waits for memory, caches and branches predicted wrongly:")?;
-    for Estimate { processor, lock, update, per_instruction, unknown, chips, .. } in estimates {
-        let [median, max] = [update.median, update.max].map(million);
-        writeln!(
-            out,
-            "    {processor}: lock {:.2}, update median {median:.3}, at most {max:.3}; {per_instruction:.2} an instruction{}",
-            million(*lock),
-            if *unknown > 0.0 { format!(", {:.2} % not known", 100.0 * unknown) } else { String::new() },
-        )?;
-        for cycles::Chip { chip, megahertz, updates_a_second, at_least } in chips {
-            writeln!(
-                out,
-                "      {chip} at {megahertz} MHz: {updates_a_second:.0} updates a second, at least {at_least:.0}"
-            )?;
-        }
-    }
-    let Report { target_bytes, workspace_bytes, buffer_bytes, stack, .. } = measured.report;
+    let Some(estimates) = cycles else { return Ok(()) };
+    estimates::describe(estimates, out)?;
     writeln!(
         out,
         "  for this, memory without waits must hold: target {target_bytes} bytes, workspace {workspace_bytes}, pixels of the \
          window up to {buffer_bytes}, stack {}, code and constants up to {}",
         // The firmware has all three on its stack.
-        stack.map_or(0, |stack| stack.used.saturating_sub(target_bytes + workspace_bytes + buffer_bytes)),
-        measured.sizes.flash
-    )?;
-    let Some(Estimate { processor, functions, .. }) = estimates.first() else { return Ok(()) };
-    writeln!(out, "  where the cycles of the updates go on the {processor}, and the cycles of an instruction there:")?;
-    for cycles::Share { function, cycles, per_instruction } in functions {
-        writeln!(out, "    {:4.1} %  {per_instruction:.2}  {function}", 100.0 * cycles)?;
-    }
-    Ok(())
+        report.stack.map_or(0, |stack| stack.used.saturating_sub(target_bytes + workspace_bytes + buffer_bytes)),
+        sizes.flash
+    )
 }

@@ -11,14 +11,15 @@ pub mod processor;
 pub mod program;
 pub mod trace;
 
-use super::qemu::Machine;
+use super::qemu::{Machine, Qemu};
 use crate::percentiles::Spread;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail};
 use processor::Processor;
 use program::Program;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::thread::{self, JoinHandle};
 use trace::{Block, Runs, Span};
 
 /// The functions that are named, those with the most cycles first.
@@ -73,18 +74,34 @@ pub fn program(machine: Machine, elf: &Path) -> Result<Program> {
     Program::of(elf, processor.name)
 }
 
-/// What was measured in a run of the firmware `replay`: its calibration, the lock, and each update.
-/// Errors: other spans than these, or no LLVM.
-pub fn estimates(machine: Machine, program: &Program, spans: &[Span], updates: usize) -> Result<Vec<Estimate>> {
-    let [_calibration, lock, rest @ ..] = spans else {
-        bail!("the trace has {} spans: --cycles wants the firmware `replay`", spans.len())
+/// Reads the trace of a running QEMU in a thread of its own, to its end.
+/// Errors: the program does not measure.
+pub fn reader(qemu: &mut Qemu, program: &Program) -> Result<Reader> {
+    let (mark, trace) = (program.mark()?, qemu.log().context("QEMU's trace is piped")?);
+    Ok(Reader(thread::spawn(move || trace::spans(trace, mark))))
+}
+
+/// What reads a trace.
+pub struct Reader(JoinHandle<Result<Vec<Span>>>);
+
+impl Reader {
+    /// All measurements, once QEMU has ended.
+    pub fn spans(self) -> Result<Vec<Span>> {
+        self.0.join().map_err(|_| anyhow!("QEMU's trace cannot be read"))?
+    }
+}
+
+/// What the first measurement, the lock, and the others, the updates, take on each processor of `machine`.
+/// Errors: there is none, or no LLVM.
+pub fn estimates(machine: Machine, program: &Program, spans: &[Span]) -> Result<Vec<Estimate>> {
+    let [lock, updates @ ..] = spans else {
+        bail!("the firmware measured nothing: it calls {} never twice", trace::MARK)
     };
-    ensure!(rest.len() == updates, "{} spans for {updates} updates: --cycles wants the firmware `replay`", rest.len());
-    let blocks: BTreeSet<Block> = spans[1..].iter().flat_map(|span| span.keys().copied()).collect();
+    let blocks: BTreeSet<Block> = spans.iter().flat_map(|span| span.keys().copied()).collect();
     let codes: Vec<(Block, Vec<&str>)> = blocks.into_iter().map(|block| (block, program.code(block))).collect();
     let on = |processor: &'static Processor| -> Result<Estimate> {
         let costs = processor.costs(&codes)?;
-        Ok(estimate(processor, program, &costs, lock, rest))
+        Ok(estimate(processor, program, &costs, lock, updates))
     };
     Processor::of(machine).map(on).collect()
 }
