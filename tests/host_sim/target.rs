@@ -207,3 +207,69 @@ fn firmware_that_is_none_is_refused() {
     bench.refuses(&[], "cannot open the firmware");
     assert!(!Path::new("answers.smr").exists());
 }
+
+/// A program of LLVM, QEMU, and a trace of two measurements: a lock of one block, an update of the same block twice.
+fn traced() -> Bench {
+    let bench = Bench::new("cat \"$(dirname \"$0\")/trace\"");
+    let translated = "IN: a\n0x00000100:  4812       ldr\n0x00000102:  c004       stm\n\n";
+    let [block, mark] = ["00000100", "00000200"].map(|at| format!("Trace 0: 0x7f [0/{at}/0/ff020200] name\n"));
+    fs::write(bench.path("trace"), format!("{mark}{translated}{block}{mark}{mark}{block}{block}{mark}"))
+        .expect("a file can be written");
+    let listing = "00000100 <follow>:\n     100:      \tldr\tr0, [r1]\n     102:      \tstm\tr0!, {r2, r3, r4}\n00000200 <smr_ticks>:\n";
+    fs::write(bench.path("listing"), listing).expect("a file can be written");
+    let model = r#"{"CodeRegions": [{"Name": "0", "SummaryView": {"Instructions": 100, "TotalCycles": 100}}]}"#;
+    fs::write(bench.path("model"), model).expect("a file can be written");
+    for (name, file) in [("llvm-objdump-19", "listing"), ("llvm-mca-19", "model")] {
+        fs::write(bench.path(name), format!("#!/bin/sh\ncat \"$(dirname \"$0\")/{file}\"\n"))
+            .expect("a file can be written");
+        fs::set_permissions(bench.path(name), fs::Permissions::from_mode(0o755)).expect("a mode can be set");
+    }
+    bench
+}
+
+/// Runs the firmware to estimate its cycles, with `folder` before all others that have programs.
+fn estimates(bench: &Bench, folder: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(PROGRAM);
+    command
+        .arg("run")
+        .arg(bench.path("firmware"))
+        .arg("--qemu")
+        .arg(bench.path("qemu"))
+        .arg("--cycles")
+        .args(arguments);
+    let output = command.env("PATH", folder).output().expect("host-sim runs");
+    let text = |bytes| String::from_utf8(bytes).expect("host-sim writes UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn cycles_are_those_of_the_blocks_that_ran() {
+    let bench = traced();
+    let folder = format!("{}:/usr/bin:/bin", bench.path("").display());
+    let (code, out, err) = estimates(&bench, &folder, &["--json"]);
+    assert_eq!((code, err.as_str()), (Some(0), ""));
+    let json: serde_json::Value = serde_json::from_str(&out).expect("standard output is JSON");
+    // Of the Cortex-M4: two instructions in two cycles, two more words, and two more cycles for each branch that is taken.
+    let of_m4 = &json[0];
+    assert_eq!((&of_m4["processor"], &of_m4["lock"]), (&"cortex-m4".into(), &6.into()));
+    assert_eq!((&of_m4["update"]["median"], &of_m4["traced"]["median"]), (&12.into(), &4.into()));
+    assert_eq!((&of_m4["unknown"], &of_m4["functions"][0]["function"]), (&0.0.into(), &"follow".into()));
+    let (_, out, _) = estimates(&bench, &folder, &[]);
+    assert!(out.contains("cortex-m4: lock 0.00, update median 0.000"), "{out}");
+    assert!(out.contains("100.0 %  3.00  follow"), "{out}");
+}
+
+#[test]
+fn what_cycles_need_is_asked_for() {
+    let bench = traced();
+    let (code, _, err) = estimates(&bench, &bench.path("none").display().to_string(), &[]);
+    assert_eq!((code, err.lines().count()), (Some(2), 1), "{err}");
+    assert!(err.contains("there is no llvm-objdump: --cycles needs LLVM 18 or later (Debian: llvm-19)"), "{err}");
+    let (code, _, err) = estimates(&bench, "/usr/bin:/bin", &["--machine", "virt"]);
+    assert_eq!(code, Some(2));
+    assert!(err.contains("virt has a processor without a model: expected a Cortex-M"), "{err}");
+    fs::write(bench.path("listing"), "00000100 <follow>:\n").expect("a file can be written");
+    let (_, _, err) = estimates(&bench, &format!("{}:/usr/bin:/bin", bench.path("").display()), &[]);
+    assert!(err.contains("the firmware has no function smr_ticks"), "{err}");
+    bench.refuses(&["--refiner"], "--refiner: expected --method robust");
+}

@@ -32,6 +32,11 @@ impl Timer {
     }
 }
 
+/// A count that rises; it wraps after 2^24 ticks.
+pub fn ticks() -> u32 {
+    0x00FF_FFFF - smr_ticks()
+}
+
 /// The timer's value. `host-sim target --cycles` finds the calls of this function in QEMU's trace, by its name.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]

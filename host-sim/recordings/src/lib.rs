@@ -37,6 +37,7 @@ pub mod slow;
 mod start;
 pub mod street;
 pub mod synthetic;
+mod tiles;
 mod video;
 mod video_color;
 mod y4m;
@@ -224,13 +225,14 @@ const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -`
 const STANDARD_INPUT: &str = "-";
 
 /// The recordings that need no file.
-pub const BUILT_IN: [&str; 5] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME];
+pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
 /// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
-    let made = [street::sequence, synthetic::sequence, periodic::sequence, border::sequence, noise::sequence];
+    let made =
+        [street::sequence, synthetic::sequence, periodic::sequence, border::sequence, noise::sequence, tiles::sequence];
     BUILT_IN.iter().zip(made).find(|(name, _)| path == Path::new(name)).map(|(_, made)| made())
 }
 

@@ -8,7 +8,7 @@ use crate::emulator::cycles::{self, Estimate, program::Program, trace};
 use crate::emulator::firmware::{self, Sizes};
 use crate::emulator::qemu::Qemu;
 use crate::emulator::{Follow, Recording, Report};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use serde::Serialize;
 use smr_evaluation::CoreKind;
 use smr_recordings::output::Exchange;
@@ -46,6 +46,9 @@ pub struct Target {
     recording: RecordingOptions,
 }
 
+/// The instructions that the firmware's timer may miss.
+const A_TICK: u64 = 100;
+
 #[derive(Serialize)]
 struct Measured<'a> {
     machine: &'static str,
@@ -80,6 +83,9 @@ impl Target {
         let spans = spans.get(1..).filter(|_| report.difference.is_none());
         let cycles = program.zip(spans).map(|(program, spans)| cycles::estimates(self.qemu.machine, &program, spans));
         let cycles = cycles.transpose()?;
+        let (counted, traced) = (report.instructions.median, cycles.iter().flatten().map(|of| of.traced.median).next());
+        let is_whole = traced.is_none_or(|traced| traced.abs_diff(counted) <= counted / 1000 + A_TICK);
+        ensure!(is_whole, "QEMU counts {counted} instructions of an update, its trace has {}", traced.unwrap_or(0));
         let ram = report.stack.map(|stack| sizes.static_ram.saturating_add(stack.used));
         let measured = Measured { machine: self.qemu.machine.name(), report: &report, sizes, ram, cycles };
         tell(self.json, &measured, |measured, out| describe(measured, out))?;

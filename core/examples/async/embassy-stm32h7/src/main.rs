@@ -16,15 +16,14 @@
 #![no_std]
 #![no_main]
 
+mod clocks;
+
 use embassy_executor::Spawner;
 use embassy_futures::yield_now;
 use embassy_stm32::dcmi::{self, Dcmi};
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::peripherals::{DCMI, DMA1_CH0};
-use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, HSIPrescaler, Mco, Mco1Source, McoConfig, McoPrescaler, Pll, PllDiv, PllMul, PllPreDiv,
-    PllSource, Sysclk, VoltageScale,
-};
+use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig, McoPrescaler};
 use embassy_stm32::{bind_interrupts, dma};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::zerocopy_channel::{Channel, Receiver, Sender};
@@ -68,7 +67,7 @@ bind_interrupts!(struct Interrupts {
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
-    let chip = embassy_stm32::init(clocks());
+    let chip = embassy_stm32::init(clocks::clocks());
     // A clock of 16 MHz for the sensor.
     let mut output = McoConfig::default();
     output.prescaler = McoPrescaler::DIV4;
@@ -181,27 +180,4 @@ fn bytes(words: &Buffer) -> &[u8] {
     // SAFETY: every bit pattern is a valid byte, and bytes need no alignment, so all words are in the middle part.
     let (_, bytes, _) = unsafe { words.align_to() };
     bytes
-}
-
-/// Clocks of 400 MHz from the internal oscillator of 64 MHz.
-fn clocks() -> embassy_stm32::Config {
-    let mut config = embassy_stm32::Config::default();
-    config.rcc.hsi = Some(HSIPrescaler::DIV1);
-    config.rcc.pll1 = Some(Pll {
-        source: PllSource::HSI,
-        prediv: PllPreDiv::DIV4,
-        mul: PllMul::MUL50,
-        fracn: None,
-        divp: Some(PllDiv::DIV2),
-        divq: None,
-        divr: None,
-    });
-    config.rcc.sys = Sysclk::PLL1_P;
-    config.rcc.ahb_pre = AHBPrescaler::DIV2;
-    config.rcc.apb1_pre = APBPrescaler::DIV2;
-    config.rcc.apb2_pre = APBPrescaler::DIV2;
-    config.rcc.apb3_pre = APBPrescaler::DIV2;
-    config.rcc.apb4_pre = APBPrescaler::DIV2;
-    config.rcc.voltage_scale = VoltageScale::Scale1;
-    config
 }

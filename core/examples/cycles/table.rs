@@ -1,0 +1,64 @@
+//! Measures a lock and the updates of each tracker on the recording `tiles` of host-sim, drawn here. The clock is the chip's own, so this
+//! file is the same on all chips.
+
+use crate::scene;
+use smr_core::{Frame, Image, Paper, Rect, Robust, Target, paper, robust};
+
+/// The pixels of the largest window of both trackers here.
+const PIXELS: usize = 48 * 1024;
+const UPDATES: usize = scene::FRAMES as usize - 1;
+
+/// What one tracker took, in counts of the clock.
+pub struct Row {
+    pub tracker: &'static str,
+    pub lock: u32,
+    pub median: u32,
+    pub most: u32,
+}
+
+/// Measures each tracker and tells its row. `clock` counts up and may wrap.
+/// Errors: a tracker refuses; the text says which step.
+pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
+    tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
+    tell(measure::<Robust>("robust", robust::Config::robust(), &clock)?);
+    tell(measure::<Robust>("robust with refiner", robust::Config::refined(), &clock)?);
+    Ok(())
+}
+
+#[inline(never)] // so that only one tracker is on the stack
+fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn() -> u32) -> Result<Row, &'static str> {
+    let mut pixels = [0; PIXELS];
+    // Works through a reference: moving the target out of the result would put a second copy on the stack.
+    let (mut made, mut workspace) = (T::new(config), T::Workspace::default());
+    let Ok(target) = &mut made else { return Err("a configuration cannot be used") };
+    let start = Rect::new(scene::START.0.into(), scene::START.1.into(), scene::SIDE, scene::SIDE);
+    let bounds = Rect::new(0, 0, scene::WIDTH, scene::HEIGHT);
+    let first = draw(0, target.lock_window(bounds, start), &mut pixels)?;
+    let begin = clock();
+    let locked = target.lock(&mut workspace, &first, start);
+    let lock = clock().wrapping_sub(begin);
+    locked.map_err(|_| "a tracker does not lock")?;
+    let mut counts = [0; UPDATES];
+    for (number, count) in (1..).zip(&mut counts) {
+        let frame = draw(number, target.window().ok_or("a target is not locked")?, &mut pixels)?;
+        let begin = clock();
+        let answer = target.update(&mut workspace, &frame);
+        *count = clock().wrapping_sub(begin);
+        answer.map_err(|_| "a tracker does not update")?;
+    }
+    counts.sort_unstable();
+    Ok(Row { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
+}
+
+/// The part of a frame that lies in `window`.
+fn draw(number: u16, window: Rect, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
+    let size = usize::from(window.width) * usize::from(window.height);
+    let pixels = pixels.get_mut(..size).ok_or("a window is too large")?;
+    let corner = u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok());
+    let (left, top) = corner.ok_or("a window is outside of the frame")?;
+    for (row, y) in pixels.chunks_exact_mut(window.width.into()).zip(top..) {
+        row.iter_mut().zip(left..).for_each(|(pixel, x)| *pixel = scene::level(number, x, y));
+    }
+    let image = Image::new(pixels, window.width, window.height).map_err(|_| "a window is empty")?;
+    Frame::part(image, left, top, scene::WIDTH, scene::HEIGHT).map_err(|_| "a window is outside of the frame")
+}
