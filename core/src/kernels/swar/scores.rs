@@ -32,8 +32,8 @@ const LANES: usize = 4;
 const LOWER: u32 = 0x7F7F_7F7F;
 const TOP: u32 = !LOWER;
 
-/// Pixels that the loops over bytes take at a time.
-const UNROLLED: usize = 8;
+/// Pixels that the loops over bytes take at a time. On Cortex-M0+ they hardly ever run, and fewer take less flash.
+const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
 /// Words of a row, at most. Each byte of a sum counts one pixel of each word.
 const MOST_WORDS: usize = 255;
@@ -269,10 +269,10 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
             inout("r5") sums.as_mut_ptr() => _,
             out("r8") _, out("r9") _, out("r10") _, out("r12") _, out("lr") _,
         );
-        // The pixels after the last four.
-        for at in rolled(width / OFFSETS * OFFSETS..width) {
+        let done = width / OFFSETS * OFFSETS;
+        if done < width {
             for (offset, sum) in rolled(sums.iter_mut().enumerate()) {
-                *sum += u32::from(table.of_pixels(*f.add(at + offset), *g.add(at)));
+                *sum += row_score(f.add(done + offset), g.add(done), width - done, table);
             }
         }
     }
@@ -304,7 +304,7 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
             }
             (f, g) = (f.add(UNROLLED), g.add(UNROLLED));
         }
-        for column in 0..width % UNROLLED {
+        for column in rolled(0..width % UNROLLED) {
             sum += of(*f.add(column), *g.add(column));
         }
     }
