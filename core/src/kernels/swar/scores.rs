@@ -203,7 +203,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
 /// The same for Armv6-M. `add` takes sums from any register; the pixels and addresses need the lower eight.
 ///
 /// # Safety
-/// As on RV32.
+/// `width` pixels can be read at `g`, and three more at `f`.
 #[cfg(target_arch = "arm")]
 #[inline(never)]
 unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
