@@ -68,8 +68,10 @@ pub(crate) use by_backend;
 pub(super) use super::arm::dsp as native;
 #[cfg(smr_helium)]
 pub(super) use super::arm::helium as native;
-#[cfg(not(any(smr_dsp, smr_helium)))]
+#[cfg(not(any(smr_dsp, smr_helium, smr_swar)))]
 pub(super) use super::plain as native;
+#[cfg(smr_swar)]
+pub(super) use super::swar as native;
 
 /// An instruction set that computes scores and sums of products. All give the same integers.
 ///

@@ -20,12 +20,12 @@
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
 //! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
-//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | RV32: `scores.rs` |
+//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | Arm, RV32: `scores.rs` |
 //! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
-//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | (plain) |
+//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | `bilinear.rs` |
 //! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
 //! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
@@ -45,9 +45,9 @@
 //! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
 //! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
 //! Ranges lie at multiples of four in a buffer of the search, and words of a row are shifted out of aligned words.
-//! Scores, distances and sums of products are unrolled loops over single numbers. RV32, which has more registers,
-//! scores four offsets at once. On Cortex-M0+ an update on real recordings takes 0.43 to 0.56 of the instructions of
-//! the plain loops (`examples/README.md`).
+//! Scores, distances and sums of products are loops over single numbers that share loads: Arm and RV32 score four
+//! offsets at once, and up to nine sums take a factor together. On Armv6-M these sums are in the high registers, to
+//! which it can only add. `examples/README.md` compares the instructions with those of the plain loops.
 //!
 //! # Where a weight for each pixel would go
 //!

@@ -155,7 +155,7 @@ impl<'a> Scorer<'a> {
 
     /// True if a backend of this target bounds four offsets at a time, and faster than it scores them.
     pub(crate) const BOUNDS_FOUR: bool =
-        cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32")) || Self::RANGES_OF_ROWS;
+        cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
     /// The offsets among the `wanted` of four that may score at least `floor`; see [`Scores::candidates`]. All of them
     /// if the template is too large for a score, or if the patch does not have three more columns than the template and

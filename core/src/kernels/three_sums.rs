@@ -16,13 +16,12 @@
 //!
 //! A difference of cells and a sum of two weights fit in 16 bits. Sums may wrap on the way.
 
-use super::layout::Layout;
 use super::unrolling::rolled;
 use core::ops::Range;
 
 /// The three sums, in the order of the rows of cells that they begin with: `upper`, `both`, `lower`.
-const SUMS: usize = 3;
-const BOTH: usize = 1;
+pub(crate) const SUMS: usize = 3;
+pub(crate) const BOTH: usize = 1;
 
 /// The rows of a filter and of its offsets, in pairs.
 #[derive(Clone, Copy)]
@@ -43,8 +42,9 @@ pub(crate) trait Rows {
 }
 
 impl Pairs {
-    pub(crate) fn new(layout: Layout, down: usize) -> Self {
-        Self { down, span: layout.span }
+    /// Pairs of `down` rows of a filter at `span` offsets downwards.
+    pub(crate) fn new(down: usize, span: usize) -> Self {
+        Self { down, span }
     }
 
     /// The number of rows of factors of all sums.
@@ -62,7 +62,18 @@ impl Pairs {
 
     /// The number of rows of the sums `both`.
     pub(crate) fn both(self) -> usize {
-        half(self.span, BOTH)
+        self.offsets_of(BOTH)
+    }
+
+    /// The number of rows of factors of sum `sum`.
+    #[allow(dead_code)] // for backends that go sum by sum
+    pub(crate) fn rows_of(self, sum: usize) -> usize {
+        half(self.down, sum)
+    }
+
+    /// The number of rows of sum `sum`.
+    pub(crate) fn offsets_of(self, sum: usize) -> usize {
+        half(self.span, sum)
     }
 
     /// Computes the parts `parts` of the responses. A part is two rows of cells. The caller leaves `both` as it is

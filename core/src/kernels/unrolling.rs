@@ -36,16 +36,16 @@ fn nothing() {
 }
 
 /// Returns the same number, computed before the code that follows. Without it the compiler mixes the order of
-/// independent sums until it has no register left. Does nothing except for Armv6-M.
+/// independent sums until it has no register left. Does nothing except for RV32.
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 pub(crate) fn in_order(number: i32) -> i32 {
-    #[cfg(all(smr_swar, target_arch = "arm"))]
+    #[cfg(all(smr_swar, target_arch = "riscv32"))]
     let number = {
         let mut number = number;
         // SAFETY: the assembly is empty.
         unsafe {
-            core::arch::asm!("/* {} */", inout(reg) number, options(nomem, nostack, preserves_flags));
+            core::arch::asm!("/* {0} */", inout(reg) number, options(nomem, nostack, preserves_flags));
         }
         number
     };

@@ -37,6 +37,10 @@ fn number(weight: i32, factor: i64, sum: i32) -> i32 {
     if factor == 0 {
         return sum;
     }
+    let short = (factor >> 16) as i32;
+    if i64::from(short) << 16 == factor && short.unsigned_abs() < 1 << 15 {
+        return ((weight >> 16) * short + (((weight & 0xFFFF) * short) >> 16)).wrapping_add(sum);
+    }
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 

@@ -1,43 +1,31 @@
-//! Sums of products for processors without DSP or SIMD: several offsets at a time, which share the loads of weights and
-//! of sums.
+//! Sums of products for processors without DSP or SIMD.
 //!
-//! Armv6-M cannot load a signed number from a place relative to an address. So each row of cells is copied as x + 128,
-//! without a sign, and 128 times the sum of the other factors is subtracted. For the differences of cells that
-//! responses take (`three_sums.rs`), it is 256 times. Sums may wrap before the subtraction.
+//! Both loops slide rows of factors along rows of numbers, up to nine neighbouring sums at a time. These share the load
+//! of a factor. The numbers are those of one channel, so that neighbouring sums have neighbouring numbers. Both take
+//! three sums of products instead of four (`three_sums.rs`): the numbers are differences of two rows of cells, the
+//! factors of some sums are sums of two factors.
+//!
+//! Armv6-M cannot load a signed number from a place relative to an address. So there each number is stored with 256
+//! added, and 256 times the sum of its factors is subtracted. Sums may wrap before the subtraction.
 
 use crate::kernels::cells::CHANNELS;
 use crate::kernels::layout::{Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{Pairs, Rows};
-use crate::kernels::unrolling::{in_order, rolled};
+use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS};
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+use crate::kernels::unrolling::in_order;
+use crate::kernels::unrolling::rolled;
 use core::ops::Range;
 
 /// A part of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-pub(crate) use plain::GATHER_PARTS;
+/// The parts of [`gather`] are the channels.
+pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
 
 const STEP: usize = CHANNELS;
 
-/// Offsets that are computed at a time. With more, Armv6-M would not have a register for each sum.
-const AT_ONCE: usize = 3;
-
-/// The number added to a cell: it inverts the top bit.
-const BIAS: i32 = 128;
-const TOP: u8 = 0x80;
-
 /// The number added to a difference of two cells.
-const MIDDLE: i32 = 256;
-
-/// Repeats the code for each channel. The compiler does not unroll a loop with assembly, which [`in_order`] contains.
-macro_rules! for_each_channel {
-    ($channel:ident => $code:block) => {
-        for_each_channel! { $channel $code 0 1 2 3 4 5 6 7 8 9 }
-    };
-    ($channel:ident $code:block $($number:literal)*) => {$({
-        const $channel: usize = $number;
-        $code
-    })*};
-}
+const MIDDLE: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
 /// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
 pub(crate) fn responses<const N: usize>(
@@ -49,53 +37,50 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    let Layout { row, stride, step, span } = layout;
+    let Layout { row, stride, span, .. } = layout;
     let down = layout.fits(cells.len(), weights.len()).unwrap_or(0);
-    let (pairs, width) = (Pairs::new(layout, down), span.saturating_sub(1) * step + row);
-    let has_room = size_of::<u16>() * width <= PACKED && pairs.both() * N <= PACKED / 4;
-    let fits = down > 0 && span > 1 && span <= N && has_room;
+    let (pairs, across) = (Pairs::new(down, span), row / STEP);
+    let width = across + span.saturating_sub(1);
+    let has_room = STEP * width <= PACKED / 2 && pairs.both() * N <= PACKED / 4;
+    let fits = down > 0 && span <= N && has_room;
     let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
-    // SAFETY: a word may hold any two numbers.
-    let spare = unsafe { spare.align_to_mut::<i16>().1 };
-    let (true, Some(factors)) = (fits, spare.get_mut(..totals.len() * row)) else {
+    let (true, Some(factors)) = (fits, numbers_in(spare).get_mut(..totals.len() * row)) else {
         return plain::responses(layout.whole(parts), room, &mut [], cells, layout, weights, out);
     };
     if parts.start == 0 {
-        let of = |number: usize| weights.get(number * row..(number + 1) * row).unwrap_or_default();
-        for (number, (to, total)) in factors.chunks_exact_mut(row.max(1)).zip(&mut *totals).enumerate() {
+        let ((of_cells, _), mut factors) = (weights.as_chunks::<STEP>(), &mut *factors);
+        for (number, total) in totals.iter_mut().enumerate() {
+            let of = |row: usize| of_cells.get(row * across..(row + 1) * across).unwrap_or_default();
             let (first, second) = pairs.factors(number);
-            let second = second.map(of).unwrap_or_default();
             *total = 0;
-            for (at, (to, first)) in rolled(to.iter_mut().zip(of(first)).enumerate()) {
-                *to = first + second.get(at).copied().unwrap_or(0);
-                *total += MIDDLE * i32::from(*to);
+            for channel in 0..STEP {
+                let of = |row| of(row).iter().map(|cell| cell.get(channel).copied().unwrap_or(0));
+                let Some(to) = factors.split_off_mut(..across) else { return };
+                rolled(to.iter_mut().zip(of(first))).for_each(|(to, from)| *to = from);
+                if let Some(second) = second {
+                    rolled(to.iter_mut().zip(of(second))).for_each(|(to, from)| *to += from);
+                }
+                *total += sum(to);
             }
         }
     }
-    let (differences, both) = room.words().split_at_mut(PACKED / 4);
+    let (numbers, both) = room.words().split_at_mut(PACKED / 4);
     let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
-    let mut rows = Differences {
-        cells: cells.as_ptr(),
-        stride,
-        differences: differences.as_mut_ptr().cast(),
-        width,
-        factors: factors.as_ptr().cast(),
-        totals,
-        across: row / STEP,
-    };
+    let (numbers, factors) = (numbers.as_mut_ptr().cast(), factors.as_ptr());
+    let mut rows = Differences { cells: cells.as_ptr(), stride, numbers, width, factors, totals, across };
     pairs.responses(parts, &mut rows, both, out);
 }
 
-/// A row of cells, or of differences of two rows, each plus [`MIDDLE`]. `fits` has checked that all rows of cells are
+/// A row of cells, or of differences of two rows, channel by channel. `fits` has checked that all rows of cells are
 /// there.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
-    differences: *mut u16,
-    /// Numbers in the row.
+    numbers: *mut i16,
+    /// Cells in the row.
     width: usize,
-    factors: *const [i16; STEP],
-    /// [`MIDDLE`] times the sum of a row of factors, for each row.
+    factors: *const i16,
+    /// The sum of a row of factors, for each row.
     totals: &'a [i32],
     /// Cells in a row of factors.
     across: usize,
@@ -104,90 +89,66 @@ struct Differences<'a> {
 impl Rows for Differences<'_> {
     #[inline(always)]
     fn take(&mut self, first: usize, second: Option<usize>) {
-        let Self { cells, stride, differences, width, .. } = *self;
-        let of = |row: usize| cells.wrapping_add(row * stride);
-        // SAFETY: the cells have these rows, and there is room for as many numbers.
-        unsafe { subtract(differences, width / STEP, of(first), second.map(of)) };
+        let Self { cells, stride, mut numbers, width, .. } = *self;
+        for channel in 0..STEP {
+            let of = |row: usize| cells.wrapping_add(row * stride + channel);
+            // SAFETY: the cells have these rows, and there is room for as many numbers.
+            unsafe { subtract(numbers, width, of(first), second.map(of)) };
+            numbers = numbers.wrapping_add(width);
+        }
     }
 
     #[inline(always)]
-    fn add(&mut self, number: usize, mut sums: &mut [i32]) {
-        let Self { differences, factors, totals, across, .. } = *self;
-        let (mut numbers, total) = (differences.cast_const(), totals.get(number).copied().unwrap_or(0));
-        // SAFETY: there is a row of factors, and at every offset it lies on the row of differences.
-        unsafe {
-            let factors = core::slice::from_raw_parts(factors.wrapping_add(number * across), across);
-            // Takes three offsets at a time, but two if two or four are left: `responses` has checked that there is not
-            // only one.
-            while sums.len() > 1 {
-                let count = if matches!(sums.len(), 2 | 4) { 2 } else { AT_ONCE };
-                let Some((now, later)) = sums.split_at_mut_checked(count) else { return };
-                if count == 2 {
-                    add_responses::<2>(numbers, factors, total, now);
-                } else {
-                    add_responses::<AT_ONCE>(numbers, factors, total, now);
-                }
-                (numbers, sums) = (numbers.wrapping_add(count * STEP), later);
-            }
+    fn add(&mut self, number: usize, sums: &mut [i32]) {
+        let Self { numbers, width, factors, totals, across, .. } = *self;
+        let slide =
+            Slide { factors: factors.wrapping_add(number * STEP * across), count: across, numbers, width, rows: STEP };
+        // SAFETY: there is a row of factors, and at every offset it lies on the row of numbers.
+        unsafe { slide.add(totals.get(number).copied().unwrap_or(0), sums) };
+    }
+}
+
+/// Computes a channel of `width` cells from `first`, less that of those from `second` if there are any, plus
+/// [`MIDDLE`].
+///
+/// # Safety
+/// A byte of each of these cells can be read, and as many numbers written.
+#[inline(never)]
+unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second: Option<*const i8>) {
+    // Two loops, so that each has a register for all it needs.
+    if let Some(mut second) = second {
+        for _ in rolled(0..width) {
+            // SAFETY: as the caller guarantees.
+            unsafe { *to = low(i32::from(*first) - i32::from(*second) + MIDDLE) };
+            (to, first, second) = (to.wrapping_add(1), first.wrapping_add(STEP), second.wrapping_add(STEP));
+        }
+    } else {
+        for _ in rolled(0..width) {
+            // SAFETY: as the caller guarantees.
+            unsafe { *to = low(i32::from(*first) + MIDDLE) };
+            (to, first) = (to.wrapping_add(1), first.wrapping_add(STEP));
         }
     }
 }
 
-/// Computes the numbers of `across` cells from `first`, less those from `second` if there are any, each plus
-/// [`MIDDLE`].
-///
-/// # Safety
-/// The numbers of these cells can be read, and as many numbers written.
-#[inline(never)]
-unsafe fn subtract(mut to: *mut u16, across: usize, mut first: *const i8, second: Option<*const i8>) {
-    static ZEROES: [i8; STEP] = [0; STEP];
-    let step = if second.is_some() { STEP } else { 0 };
-    let mut second = second.unwrap_or(ZEROES.as_ptr());
-    for _ in rolled(0..across) {
-        for_each_channel!(CHANNEL => {
-            // SAFETY: as the caller guarantees.
-            unsafe {
-                let [first, second] = [first, second].map(|from| i32::from(*from.wrapping_add(CHANNEL)));
-                *to.wrapping_add(CHANNEL) = low(in_order(first - second + MIDDLE));
-            }
-        });
-        (to, first, second) = (to.wrapping_add(STEP), first.wrapping_add(STEP), second.wrapping_add(step));
-    }
-}
-
 /// The lower 16 bits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // as named
-fn low(number: i32) -> u16 {
-    number as u16
+#[allow(clippy::cast_possible_truncation)] // as named
+fn low(number: i32) -> i16 {
+    number as i16
 }
 
-/// Adds the products of a row of factors with the numbers at `COUNT` neighbouring offsets, less `total`.
-///
-/// # Safety
-/// At each offset as many numbers as factors can be read.
-#[inline(never)] // so that no other code needs a register
-unsafe fn add_responses<const COUNT: usize>(
-    mut numbers: *const u16,
-    factors: &[[i16; STEP]],
-    total: i32,
-    out: &mut [i32],
-) {
-    let mut sums = [0i32; COUNT];
-    for factors in rolled(factors.iter()) {
-        for_each_channel!(CHANNEL => {
-            let factor = i32::from(factors[CHANNEL]);
-            for (sum, x) in sums.iter_mut().zip(offsets::<COUNT>()) {
-                // SAFETY: as the caller guarantees.
-                let number = i32::from(unsafe { *numbers.add(x + CHANNEL) });
-                *sum = in_order(sum.wrapping_add(factor.wrapping_mul(number)));
-            }
-        });
-        numbers = numbers.wrapping_add(STEP);
-    }
-    out.iter_mut().zip(sums).for_each(|(out, sum)| *out = out.wrapping_add(sum).wrapping_sub(total));
+/// The sum of all factors.
+fn sum(factors: &[i16]) -> i32 {
+    rolled(factors.iter()).map(|&factor| i32::from(factor)).sum()
 }
 
-/// See [`plain::gather`]. A part is two rows of cells.
+/// Memory as numbers of 16 bits.
+fn numbers_in(words: &mut [i32]) -> &mut [i16] {
+    // SAFETY: a word may hold any two numbers.
+    unsafe { words.align_to_mut().1 }
+}
+
+/// See [`plain::gather`]. A part is a channel. The caller leaves `spare` as it is between parts.
 pub(crate) fn gather<const N: usize>(
     parts: Range<usize>,
     room: &mut Packed,
@@ -197,74 +158,214 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    let Layout { row, stride, step, span } = layout;
-    let width = span.saturating_sub(1) * step + row;
-    let has_room = width <= size_of::<Packed>() && span <= N && errors.len() >= span;
-    if layout.fits(cells.len(), sums.len()).is_none() || span < 4 || !has_room {
+    let Layout { row, stride, span, .. } = layout;
+    let down = layout.fits(cells.len(), sums.len()).unwrap_or(0);
+    // The errors are the factors, and each row of the filter is an offset.
+    let (pairs, across) = (Pairs::new(span, down), row / STEP);
+    let width = across + span.saturating_sub(1);
+    let rows = |sum| pairs.rows_of(sum) + pairs.offsets_of(sum) - 1;
+    let (of_row, numbers) = room.words().split_at_mut_checked(across).unwrap_or_default();
+    let has_room = down > 1 && rows(BOTH) * width <= 2 * numbers.len() && span > 1 && span <= N && errors.len() >= span;
+    let factors = numbers_in(spare).get_mut(..pairs.rows_of_factors() * span);
+    let (true, Some(factors)) = (has_room, factors) else {
         return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
+    };
+    if parts.start == 0 {
+        let mut factors = &mut *factors;
+        for number in 0..pairs.rows_of_factors() {
+            let (first, second) = pairs.factors(number);
+            let Some(to) = factors.split_off_mut(..span) else { return };
+            for (x, to) in rolled(to.iter_mut().enumerate()) {
+                let of = |row: usize| errors.get(row).and_then(|errors| errors.get(x)).copied().unwrap_or(0);
+                *to = of(first) + second.map_or(0, of);
+            }
+        }
     }
-    for number in 2 * parts.start..layout.rows(sums.len()).min(2 * parts.end) {
-        let Some(of_row) = cells.get(number * stride..number * stride + width) else { return };
-        let biased = room.0.as_mut_ptr().cast::<u8>();
-        // SAFETY: `fits` has checked that there is room for a row.
-        let copy = unsafe { core::slice::from_raw_parts_mut(biased, width) };
-        rolled(copy.iter_mut().zip(of_row)).for_each(|(to, from)| *to = from.cast_unsigned() ^ TOP);
-        // Visits each row of sums that lies on this row of cells at some offset.
-        for (y, sums) in sums.chunks_exact_mut(row.max(1)).enumerate() {
-            let Some(errors) = number.checked_sub(y).filter(|&y| y < span).and_then(|y| errors.get(y)?.get(..span))
-            else {
-                continue;
-            };
-            let (mut cells, (sums, _)) = (biased.cast_const(), sums.as_chunks_mut::<STEP>());
-            let bias = BIAS * rolled(errors.iter()).map(|&error| i32::from(error)).sum::<i32>();
-            let mut errors = errors;
-            // Takes three errors at a time, but two at the end. Only there the bias is subtracted.
-            while let [one, two, later @ ..] = errors {
-                // SAFETY: a row of the filter lies on the copied cells at every offset.
-                unsafe {
-                    match later {
-                        [three, rest @ ..] if !matches!(later.len(), 2 | 4) => {
-                            gather_at(cells, &[*one, *two, *three], 0, sums);
-                            (cells, errors) = (cells.wrapping_add(AT_ONCE * STEP), rest);
-                        }
-                        _ => {
-                            gather_at(cells, &[*one, *two], if later.is_empty() { bias } else { 0 }, sums);
-                            (cells, errors) = (cells.wrapping_add(2 * STEP), later);
+    let (numbers, (of_cells, _)) = (numbers.as_mut_ptr().cast::<i16>(), sums.as_chunks_mut::<STEP>());
+    for channel in parts.start..parts.end.min(STEP) {
+        let mut factors = &*factors;
+        for sum_of in 0..SUMS {
+            for at in 0..rows(sum_of) {
+                let of =
+                    |row: usize| (row < down + span - 1).then(|| cells.as_ptr().wrapping_add(row * stride + channel));
+                let (first, second) = (of(2 * at + sum_of), of(2 * at + 1).filter(|_| sum_of != BOTH));
+                // Below the last row the numbers are 0, as those of a row less itself.
+                let all = cells.as_ptr();
+                let (first, second) = first.map_or((all, Some(all)), |first| (first, second));
+                // SAFETY: the cells have these rows, and there is room for so many rows of numbers.
+                unsafe { subtract(numbers.wrapping_add(at * width), width, first, second) };
+            }
+            let (now, later) = factors.split_at_checked(pairs.rows_of(sum_of) * span).unwrap_or_default();
+            let total = sum(now);
+            for at in 0..pairs.offsets_of(sum_of) {
+                let numbers = numbers.wrapping_add(at * width);
+                let slide = Slide { factors: now.as_ptr(), count: span, numbers, width, rows: pairs.rows_of(sum_of) };
+                rolled(of_row.iter_mut()).for_each(|sum| *sum = 0);
+                // SAFETY: the rows of errors lie on as many rows of numbers.
+                unsafe { slide.add(total, of_row) };
+                // Of the rows of the filter: one, but two for `both`.
+                let first = 2 * at + sum_of / 2;
+                for at in first..first + 1 + usize::from(sum_of == BOTH) {
+                    let of_cells = of_cells.get_mut(at * across..).unwrap_or_default();
+                    for (cell, sum) in rolled(of_cells.iter_mut().zip(&*of_row)) {
+                        if let Some(to) = cell.get_mut(channel) {
+                            *to = to.wrapping_add(*sum);
                         }
                     }
                 }
             }
+            factors = later;
         }
     }
 }
 
-/// Adds the products of `COUNT` neighbouring errors with their cells to each sum, and subtracts `bias`.
-///
-/// # Safety
-/// At each offset as many cells as sums can be read.
-#[inline(never)]
-unsafe fn gather_at<const COUNT: usize>(
-    mut cells: *const u8,
-    errors: &[i16; COUNT],
-    bias: i32,
-    sums: &mut [[i32; STEP]],
-) {
-    let errors = errors.map(i32::from);
-    for sums in rolled(sums.iter_mut()) {
-        for_each_channel!(CHANNEL => {
-            let mut sum = if COUNT < AT_ONCE { sums[CHANNEL].wrapping_sub(bias) } else { sums[CHANNEL] };
-            for (x, error) in offsets::<COUNT>().into_iter().zip(errors) {
-                // SAFETY: as the caller guarantees.
-                let cell = i32::from(unsafe { *cells.add(x + CHANNEL) });
-                sum = in_order(sum.wrapping_add(error.wrapping_mul(cell)));
-            }
-            sums[CHANNEL] = sum;
-        });
-        cells = cells.wrapping_add(STEP);
+/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
+#[derive(Clone, Copy)]
+struct Slide {
+    factors: *const i16,
+    count: usize,
+    numbers: *const i16,
+    width: usize,
+    rows: usize,
+}
+
+impl Slide {
+    /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
+    /// move on by one number. `total` is the sum of all factors.
+    ///
+    /// # Safety
+    /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. Neither `count` nor
+    /// `rows` is 0.
+    #[inline(never)]
+    unsafe fn add(mut self, total: i32, sums: &mut [i32]) {
+        if MIDDLE != 0 {
+            rolled(sums.iter_mut()).for_each(|sum| *sum = sum.wrapping_sub(MIDDLE * total));
+        }
+        let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
+        while left > 0 {
+            // SAFETY: as the caller guarantees: no function takes more than `left` sums.
+            let done = unsafe {
+                match left {
+                    1 | 2 => self.one(to),
+                    3 | 6 => self.three(to),
+                    4 | 5 | 7 => self.four(to),
+                    8 | 11 | 14..=16 => self.eight(to),
+                    _ => self.nine(to),
+                }
+            };
+            (to, left) = (to.wrapping_add(done), left - done);
+            self.numbers = self.numbers.wrapping_add(done);
+        }
     }
 }
 
-/// The places of the first cells at neighbouring offsets.
-fn offsets<const COUNT: usize>() -> [usize; COUNT] {
-    core::array::from_fn(|x| x * STEP)
+/// Defines a function for n sums. The registers r4 to r12 hold them, and r3 a product.
+#[cfg(all(smr_swar, target_arch = "arm"))]
+macro_rules! slide {
+    ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
+        impl Slide {
+            /// Adds to n sums, and returns n.
+            ///
+            /// # Safety
+            /// As [`Slide::add`], for n sums.
+            #[inline(never)]
+            unsafe fn $name(&self, sums: *mut i32) -> usize {
+                let Self { factors, count, numbers, width, rows } = *self;
+                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums
+                // and the stack is written: it saves r6, r7 and r11, which `asm!` may not name, and what is needed after
+                // each row.
+                unsafe {
+                    core::arch::asm!(
+                        "push {{r2, r3, r4, r5, r6, r7}}",
+                        "mov r3, r11",
+                        "push {{r3}}",
+                        "mov r3, r5",
+                        $(concat!("ldr r2, [r3, #4 * ", $at, "]\n", "mov ", $sum, ", r2"),)*
+                        "2:",
+                        "ldr r3, [sp, #4]",
+                        "adds r3, r0, r3",
+                        "mov lr, r3",
+                        "3:",
+                        "ldrsh r2, [r1, r0]",
+                        $(concat!("ldrh r3, [r0, #2 * ", $at, "]\n", "muls r3, r2, r3\n", "add ", $sum, ", r3"),)*
+                        "adds r0, #2",
+                        "cmp r0, lr",
+                        "bne 3b",
+                        "ldr r3, [sp, #8]",
+                        "adds r0, r0, r3",
+                        "subs r1, r1, r3",
+                        "ldr r3, [sp, #12]",
+                        "subs r3, #1",
+                        "str r3, [sp, #12]",
+                        "bne 2b",
+                        "ldr r3, [sp, #16]",
+                        $(concat!("mov r2, ", $sum, "\n", "str r2, [r3, #4 * ", $at, "]"),)*
+                        "pop {{r2}}",
+                        "mov r11, r2",
+                        "add sp, #16",
+                        "pop {{r6, r7}}",
+                        inout("r0") numbers => _,
+                        // The way from a number to its factor.
+                        inout("r1") factors.addr().wrapping_sub(numbers.addr()) => _,
+                        inout("r2") 2 * count => _,
+                        inout("r3") 2 * (width - count) => _,
+                        inout("r4") rows => _,
+                        inout("r5") sums => _,
+                        out("r8") _, out("r9") _, out("r10") _, out("r12") _, out("lr") _,
+                    );
+                }
+                $n
+            }
+        }
+    };
 }
+
+/// Defines a function for n sums. It takes up to four factors at a time: each number is loaded once for all of them.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+macro_rules! slide {
+    ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
+        impl Slide {
+            /// Adds to n sums, and returns n.
+            ///
+            /// # Safety
+            /// As [`Slide::add`], for n sums.
+            #[inline(never)]
+            unsafe fn $name(&self, to: *mut i32) -> usize {
+                let Self { mut factors, count, mut numbers, width, rows } = *self;
+                // SAFETY: as the caller guarantees.
+                unsafe {
+                    let mut sums: [i32; $n] = to.cast::<[i32; $n]>().read();
+                    for _ in rolled(0..rows) {
+                        let mut left = count;
+                        while left >= 4 {
+                            let [a, b, c, d] = [0, 1, 2, 3].map(|at| i32::from(*factors.add(at)));
+                            let [first, second, third] = [0, 1, 2].map(|at| i32::from(*numbers.add(at)));
+                            $(
+                                let fourth = i32::from(*numbers.add(3 + $at));
+                                let sum = sums[$at].wrapping_add(a.wrapping_mul(first)).wrapping_add(b.wrapping_mul(second));
+                                sums[$at] = in_order(sum.wrapping_add(c.wrapping_mul(third)).wrapping_add(d.wrapping_mul(fourth)));
+                                let [first, second, third] = [second, third, fourth];
+                            )*
+                            let _ = [first, second, third];
+                            (factors, numbers, left) = (factors.add(4), numbers.add(4), left - 4);
+                        }
+                        for _ in rolled(0..left) {
+                            let factor = i32::from(*factors);
+                            $(sums[$at] = in_order(sums[$at].wrapping_add(factor.wrapping_mul(i32::from(*numbers.add($at)))));)*
+                            (factors, numbers) = (factors.add(1), numbers.add(1));
+                        }
+                        numbers = numbers.wrapping_add(width - count);
+                    }
+                    to.cast::<[i32; $n]>().write(sums);
+                }
+                $n
+            }
+        }
+    };
+}
+
+slide!(one 1: "r4" 0);
+slide!(three 3: "r4" 0 "r5" 1 "r6" 2);
+slide!(four 4: "r4" 0 "r5" 1 "r6" 2 "r7" 3);
+slide!(eight 8: "r4" 0 "r5" 1 "r6" 2 "r7" 3 "r8" 4 "r9" 5 "r10" 6 "r11" 7);
+slide!(nine 9: "r4" 0 "r5" 1 "r6" 2 "r7" 3 "r8" 4 "r9" 5 "r10" 6 "r11" 7 "r12" 8);

@@ -16,7 +16,7 @@
 use crate::image::Image;
 use crate::kernels::blocks::Blocks;
 use crate::kernels::cut_table::CutTable;
-#[cfg(target_arch = "riscv32")]
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 use crate::kernels::effort::Effort;
 use crate::kernels::one::ONE;
 use crate::kernels::plain::scores::{self as plain, Plain};
@@ -32,8 +32,8 @@ const LANES: usize = 4;
 const LOWER: u32 = 0x7F7F_7F7F;
 const TOP: u32 = !LOWER;
 
-/// Pixels that the loops over bytes take at a time.
-const UNROLLED: usize = 8;
+/// Pixels that the loops over bytes take at a time. On Cortex-M0+ they hardly ever run, and fewer take less flash.
+const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
 /// Words of a row, at most. Each byte of a sum counts one pixel of each word.
 const MOST_WORDS: usize = 255;
@@ -42,7 +42,7 @@ pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
     /// Half the threshold, in each byte. A pixel does not count if its upper seven bits are this far outside a range.
     threshold: u32,
-    #[cfg(target_arch = "riscv32")]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     fours: Effort,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Swar<'a> {
         Self {
             plain: Plain { table },
             threshold: u32::from(table.threshold() / 2) * 0x0101_0101,
-            #[cfg(target_arch = "riscv32")]
+            #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
             fours: Effort::NEW,
         }
     }
@@ -74,7 +74,7 @@ impl Scores for Swar<'_> {
         Some(reachable).filter(|&score| score >= floor)
     }
 
-    #[cfg(target_arch = "riscv32")]
+    #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     #[inline(never)]
     fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         if !self.fours.is_worth_it() {
@@ -152,7 +152,7 @@ unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) 
 }
 
 /// Offsets that are scored at once: one, and the next ones to its right.
-#[cfg(target_arch = "riscv32")]
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 const OFFSETS: usize = 4;
 
 /// The scores of `width` pixels at four offsets. A pixel of the frame is compared with four of the template, and its
@@ -200,6 +200,85 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     sums
 }
 
+/// The same for Armv6-M. `add` takes sums from any register; the pixels and addresses need the lower eight.
+///
+/// # Safety
+/// `width` pixels can be read at `g`, and three more at `f`.
+#[cfg(target_arch = "arm")]
+#[inline(never)]
+unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
+    /// Adds the entries of four pixels, compared with a pixel of the template. Registers hold twice their gray levels.
+    /// The last pixel is new.
+    macro_rules! column {
+        ($at:literal $a:literal $b:literal $c:literal $d:literal) => {
+            concat!(
+                concat!("ldrb ", $d, ", [r0, #", $at, " + 3]\n", "lsls ", $d, ", ", $d, ", #1\n"),
+                concat!("ldrb r3, [r1, #", $at, "]\n", "lsls r3, r3, #1\n", "mov r2, r12\n", "subs r2, r2, r3\n"),
+                concat!("ldrh r3, [r2, ", $a, "]\n", "add r8, r3\n", "ldrh r3, [r2, ", $b, "]\n", "add r9, r3\n"),
+                concat!("ldrh r3, [r2, ", $c, "]\n", "add r10, r3\n", "ldrh r3, [r2, ", $d, "]\n", "add lr, r3\n"),
+            )
+        };
+    }
+    let mut sums = [0; OFFSETS];
+    // SAFETY: as the caller guarantees. Entry 255 of 511 is that of no difference. Nothing but the sums and the stack
+    // is written: it saves r6 and r7, which `asm!` may not name, and the addresses of the sums and of the end of the
+    // rounds.
+    unsafe {
+        core::arch::asm!(
+            "push {{r4, r5, r6, r7}}",
+            "mov r12, r2",
+            "movs r2, #0",
+            "mov r8, r2",
+            "mov r9, r2",
+            "mov r10, r2",
+            "mov lr, r2",
+            "ldrb r4, [r0]",
+            "ldrb r5, [r0, #1]",
+            "ldrb r6, [r0, #2]",
+            "lsls r4, r4, #1",
+            "lsls r5, r5, #1",
+            "lsls r6, r6, #1",
+            "b 3f",
+            "2:",
+            column!(0 "r4" "r5" "r6" "r7"),
+            column!(1 "r5" "r6" "r7" "r4"),
+            column!(2 "r6" "r7" "r4" "r5"),
+            column!(3 "r7" "r4" "r5" "r6"),
+            "adds r0, #4",
+            "adds r1, #4",
+            "3:",
+            "ldr r2, [sp]",
+            "cmp r1, r2",
+            "bne 2b",
+            "ldr r2, [sp, #4]",
+            "mov r3, r8",
+            "str r3, [r2]",
+            "mov r3, r9",
+            "str r3, [r2, #4]",
+            "mov r3, r10",
+            "str r3, [r2, #8]",
+            "mov r3, lr",
+            "str r3, [r2, #12]",
+            "add sp, #8",
+            "pop {{r6, r7}}",
+            inout("r0") f => _,
+            inout("r1") g => _,
+            inout("r2") table.entries().as_ptr().wrapping_add(255) => _,
+            out("r3") _,
+            inout("r4") g.wrapping_add(width / OFFSETS * OFFSETS) => _,
+            inout("r5") sums.as_mut_ptr() => _,
+            out("r8") _, out("r9") _, out("r10") _, out("r12") _, out("lr") _,
+        );
+        let done = width / OFFSETS * OFFSETS;
+        if done < width {
+            for (offset, sum) in rolled(sums.iter_mut().enumerate()) {
+                *sum += row_score(f.add(done + offset), g.add(done), width - done, table);
+            }
+        }
+    }
+    sums
+}
+
 /// The distance of `width` pixels.
 ///
 /// # Safety
@@ -225,7 +304,7 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
             }
             (f, g) = (f.add(UNROLLED), g.add(UNROLLED));
         }
-        for column in 0..width % UNROLLED {
+        for column in rolled(0..width % UNROLLED) {
             sum += of(*f.add(column), *g.add(column));
         }
     }

@@ -207,7 +207,31 @@ fn invert(columns: &mut [u32], rows: u32) {
 #[cfg_attr(smr_dsp, inline(never))]
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
-    (NORM_GAIN << 16) / (root(64 * (energy / cells.max(1))) + NORM_FLOOR)
+    (NORM_GAIN << 16) / (root(64 * mean(energy, cells)) + NORM_FLOOR)
+}
+
+/// `energy / cells`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+fn mean(energy: u32, cells: u32) -> u32 {
+    energy / cells.max(1)
+}
+
+#[cfg(all(smr_swar, target_arch = "arm"))]
+use mean_by_parts as mean;
+
+/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time: Armv6-M has no division.
+#[cfg(any(test, all(smr_swar, target_arch = "arm")))]
+fn mean_by_parts(energy: u32, cells: u32) -> u32 {
+    // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
+    const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
+    let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
+    let (mut rest, mut mean) = (0, 0);
+    for places in [20, 10, 0] {
+        let part = rest << 10 | (energy >> places & 1023);
+        let digit = (part * inverse) >> 16;
+        (rest, mean) = (part - digit * cells, mean << 10 | digit);
+    }
+    mean
 }
 
 /// The square root, rounded down, bit by bit: Armv6-M has no division.
@@ -248,6 +272,17 @@ mod tests {
     use super::super::constants::PIXEL;
     use super::*;
     use crate::image::Image;
+
+    #[test]
+    fn means_are_exact() {
+        for cells in 1..=9 {
+            // All rests with all ten bits that may follow, and large energies.
+            let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
+            for energy in (0..cells << 10).chain(large) {
+                assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");
+            }
+        }
+    }
 
     /// FNV-1a of all bytes.
     fn hash(bytes: impl Iterator<Item = u8>) -> u64 {

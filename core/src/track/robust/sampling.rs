@@ -293,7 +293,7 @@ impl Sampler<'_> {
 }
 
 /// Mixes two rows: upper * (256 - fraction) + lower * fraction, less `BIAS`. At most 255 * 256.
-#[cfg(not(smr_helium))]
+#[cfg(not(any(smr_helium, smr_swar)))]
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     // Mixes two 16-bit numbers at a time. Subtracting 2^15 inverts the highest bit.
     const EVEN: u32 = 0x00FF_00FF;
@@ -315,8 +315,9 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight.
-#[cfg(smr_helium)]
+/// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight for Helium. Without fast
+/// access to words it is faster as well.
+#[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     let fraction = u16::from(fraction);

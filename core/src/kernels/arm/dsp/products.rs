@@ -38,14 +38,14 @@ pub(crate) fn responses<const N: usize>(
     let Layout { row, span, .. } = layout;
     let (width, of_row) = (row / STEP + span.saturating_sub(1), row / 2);
     let has_room = |&down: &usize| {
-        let pairs = Pairs::new(layout, down);
+        let pairs = Pairs::new(down, span);
         let room = width * PAIRS + pairs.both() * N <= PACKED / 2 && pairs.rows_of_factors() * of_row <= spare.len();
         row >= LEAST * STEP && span <= N && out.len() >= span && room
     };
     let Some(down) = layout.fits(cells.len(), weights.len()).filter(has_room) else {
         return plain::responses(layout.whole(parts), room, spare, cells, layout, weights, out);
     };
-    let pairs = Pairs::new(layout, down);
+    let pairs = Pairs::new(down, span);
     if parts.start == 0 {
         for number in 0..pairs.rows_of_factors() {
             let (first, second) = pairs.factors(number);

@@ -1,0 +1,21 @@
+//! Bilinear sampling of a row with one product for each column.
+
+use crate::kernels::plain::bilinear::MixedRow;
+use crate::kernels::unrolling::rolled;
+
+/// Computes the gray levels of columns, as `plain::levels` specifies them.
+///
+/// # Safety
+/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
+#[inline(never)] // so that it has all registers
+pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
+    for (out, (&from, &[_, part])) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
+        let pair = row.as_ptr().wrapping_byte_add(from.into());
+        // SAFETY: the row has a number at each place, and one after the last.
+        let [first, second] = [pair, pair.wrapping_add(1)].map(|number| u32::from(unsafe { *number }));
+        // The weight of the first number is 256 less that of the second. What wraps comes back.
+        let level =
+            (first << 8).wrapping_add(second.wrapping_sub(first).wrapping_mul(part.into())).wrapping_add(1 << 15);
+        [_, _, *out, _] = level.to_le_bytes();
+    }
+}
