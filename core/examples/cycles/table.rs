@@ -4,9 +4,12 @@
 use crate::scene;
 use smr_core::{Frame, Image, Paper, Rect, Robust, Target, paper, robust};
 
-/// The pixels of the largest window of both trackers here.
+/// Two windows of the robust tracker: where the target is expected, and one of the sweep.
 const PIXELS: usize = 48 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
+
+const TOO_LARGE: &str = "a window is too large";
+const OUTSIDE: &str = "a window is outside of the frame";
 
 /// What one tracker took, in counts of the clock.
 pub struct Row {
@@ -33,14 +36,15 @@ fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn(
     let Ok(target) = &mut made else { return Err("a configuration cannot be used") };
     let start = Rect::new(scene::START.0.into(), scene::START.1.into(), scene::SIDE, scene::SIDE);
     let bounds = Rect::new(0, 0, scene::WIDTH, scene::HEIGHT);
-    let first = draw(0, target.lock_window(bounds, start), &mut pixels)?;
+    let first = draw(0, target.lock_window(bounds, start), None, &mut pixels)?;
     let begin = clock();
     let locked = target.lock(&mut workspace, &first, start);
     let lock = clock().wrapping_sub(begin);
     locked.map_err(|_| "a tracker does not lock")?;
     let mut counts = [0; UPDATES];
     for (number, count) in (1..).zip(&mut counts) {
-        let frame = draw(number, target.window().ok_or("a target is not locked")?, &mut pixels)?;
+        let window = target.window().ok_or("a target is not locked")?;
+        let frame = draw(number, window, target.sweep_window(), &mut pixels)?;
         let begin = clock();
         let answer = target.update(&mut workspace, &frame);
         *count = clock().wrapping_sub(begin);
@@ -50,15 +54,27 @@ fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn(
     Ok(Row { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
 }
 
-/// The part of a frame that lies in `window`.
-fn draw(number: u16, window: Rect, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
-    let size = usize::from(window.width) * usize::from(window.height);
-    let pixels = pixels.get_mut(..size).ok_or("a window is too large")?;
+/// A frame with only the pixels in `window` and `sweep` in memory.
+fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
+    let (first, rest) = pixels.split_at_mut_checked(area(window)).ok_or(TOO_LARGE)?;
+    let (image, x, y) = part(number, window, first)?;
+    let frame = Frame::part(image, x, y, scene::WIDTH, scene::HEIGHT).map_err(|_| OUTSIDE)?;
+    let Some(sweep) = sweep else { return Ok(frame) };
+    let (image, x, y) = part(number, sweep, rest.get_mut(..area(sweep)).ok_or(TOO_LARGE)?)?;
+    frame.and_part(image, x, y).map_err(|_| OUTSIDE)
+}
+
+/// Draws the pixels in `window`; tells its corner, too.
+fn part(number: u16, window: Rect, pixels: &mut [u8]) -> Result<(Image<'_>, u16, u16), &'static str> {
     let corner = u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok());
-    let (left, top) = corner.ok_or("a window is outside of the frame")?;
+    let (left, top) = corner.ok_or(OUTSIDE)?;
     for (row, y) in pixels.chunks_exact_mut(window.width.into()).zip(top..) {
         row.iter_mut().zip(left..).for_each(|(pixel, x)| *pixel = scene::level(number, x, y));
     }
     let image = Image::new(pixels, window.width, window.height).map_err(|_| "a window is empty")?;
-    Frame::part(image, left, top, scene::WIDTH, scene::HEIGHT).map_err(|_| "a window is outside of the frame")
+    Ok((image, left, top))
+}
+
+fn area(window: Rect) -> usize {
+    usize::from(window.width) * usize::from(window.height)
 }
