@@ -34,7 +34,7 @@ struct Sectors(MaybeUninit<[[[u16; 2]; LANES]; SECTORS]>);
 /// its votes; then the same for the next pixels.
 #[repr(align(4))]
 #[allow(dead_code)] // the assembly reads it
-struct Pixels([[[[u8; 2]; 4]; 2]; CELL as usize]);
+struct Pixels(MaybeUninit<[[[[u8; 2]; 4]; 2]; CELL as usize]>);
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss)] // at most 255
 const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
@@ -135,8 +135,8 @@ macro_rules! votes {
 
 /// Stores q0, which is zero.
 macro_rules! zero {
-    ($($number:literal)*) => {
-        concat!($("vstrw.32 q0, [r1, #16 * ", $number, "]\n",)*)
+    ($to:literal: $($number:literal)*) => {
+        concat!($("vstrw.32 q0, [", $to, ", #16 * ", $number, "]\n",)*)
     };
 }
 
@@ -194,15 +194,17 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
         return;
     }
     let mut sectors = Sectors(MaybeUninit::uninit());
-    let mut gradients = Pixels([[[[0; 2]; 4]; 2]; 4]);
+    let mut gradients = Pixels(MaybeUninit::uninit());
     // The upper left neighbour of the first pixel.
     let pixels = lines.as_ptr().cast::<u8>().wrapping_add(at);
-    // SAFETY: all of `sectors` is written.
+    // SAFETY: all of `sectors` and `gradients` is written.
     unsafe {
         asm!(
             "vmov.i32 q0, #0",
-            zero!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19),
+            zero!("r1": 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19),
+            zero!("r2": 0 1 2 3),
             in("r1") &raw mut sectors,
+            in("r2") &raw mut gradients,
             out("q0") _,
             options(nostack),
         );
