@@ -98,6 +98,8 @@ mod weights;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+#[cfg(all(smr_helium, feature = "refiner"))]
+pub(crate) use arm::helium::dense::copy;
 pub use backend::Backend;
 pub(crate) use bilinear::Interpolation;
 pub(crate) use blocks::{Blocks, RowsOfRanges};

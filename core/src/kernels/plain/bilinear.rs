@@ -7,8 +7,9 @@ pub(crate) const PLACES: u16 = 512;
 /// place.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
-/// The number that is subtracted from each number of a [`MixedRow`]: the DSP extension multiplies signed numbers.
-pub(crate) const BIAS: u16 = if cfg!(smr_dsp) { 1 << 15 } else { 0 };
+/// The number that is subtracted from each number of a [`MixedRow`]: the DSP extension and Helium multiply signed
+/// numbers.
+pub(crate) const BIAS: u16 = if cfg!(any(smr_dsp, smr_helium)) { 1 << 15 } else { 0 };
 
 /// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
 /// begins. `parts` are the weights of the first and of the second number, 256 in sum.

@@ -43,6 +43,27 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     }
 }
 
+/// Copies as many numbers as both have.
+#[inline(always)]
+pub(crate) fn copy(from: &[i8], to: &mut [i8]) {
+    // SAFETY: only the first `count` numbers of each are read or written.
+    unsafe {
+        asm!(
+            "wlstp.8 lr, {count}, 3f",
+            "2:",
+            "vldrb.u8 q0, [{from}], #16",
+            "vstrb.8 q0, [{to}], #16",
+            "letp lr, 2b",
+            "3:",
+            from = inout(reg) from.as_ptr() => _,
+            to = inout(reg) to.as_mut_ptr() => _,
+            count = in(reg) from.len().min(to.len()),
+            out("lr") _, out("q0") _,
+            options(nostack),
+        );
+    }
+}
+
 /// The outputs that remain to be computed for two patches. The assembly reads and changes this.
 #[repr(C)]
 struct Run {

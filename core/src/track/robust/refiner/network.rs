@@ -19,6 +19,8 @@
 //! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
 
 use super::crop::{MEAN, SAMPLES, SIDE};
+#[cfg(smr_helium)]
+use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::budget::{Budget, units};
 
@@ -215,13 +217,17 @@ fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &m
         for (y, patch) in patch.chunks_mut((3 * of.channels).max(1)).take(3).enumerate() {
             let from = ((row * of.step + y) * of.across() + x * of.step) * of.channels;
             let from = inputs.get(from..).unwrap_or_default();
+            #[cfg(smr_helium)]
+            copy(from, patch);
             // Whole words, where the channels allow it.
+            #[cfg(not(smr_helium))]
             if of.channels.is_multiple_of(8) { copy::<8>(from, patch) } else { copy::<2>(from, patch) }
         }
     }
     of.side * length
 }
 
+#[cfg(not(smr_helium))]
 fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
     let pieces = from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0);
     rolled(pieces).for_each(|(from, to)| *to = *from);
