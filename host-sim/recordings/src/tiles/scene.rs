@@ -9,7 +9,7 @@ pub const FRAMES: u16 = 30;
 
 /// Left and top edge of the target in the first frame, and its side.
 pub const START: (u16, u16) = (100, 80);
-pub const SIDE: u16 = 48;
+pub const SIDE: u16 = 40;
 
 /// Left and top edge of the target in a frame.
 pub const fn place(frame: u16) -> (u16, u16) {
@@ -24,7 +24,7 @@ pub const fn is_hidden(frame: u16) -> bool {
 pub fn level(frame: u16, x: u16, y: u16) -> u8 {
     let (left, top) = place(frame);
     let inside = (left..left + SIDE).contains(&x) && (top..top + SIDE).contains(&y);
-    if inside && !is_hidden(frame) { tile((x - left) / 6, (y - top) / 6) } else { 90 + tile(x / 8, y / 8 + 40) / 6 }
+    if inside && !is_hidden(frame) { tile((x - left) / 5, (y - top) / 5) } else { 90 + tile(x / 8, y / 8 + 40) / 6 }
 }
 
 /// A level for each tile, which looks random.
