@@ -198,10 +198,10 @@ mod tests {
         let expected = [
             "a processor, one thread; one, two: every 5. frame with ground truth, template own",
             "window +-1x1: 9 offsets, 2 searches; 1 left out, for which the frame has no room",
-            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %     -",
-            "Scalar, exhaustive           2        1.2     2.0     3.0           0.5000          -     -",
+            "SAD, plain loop            2        1.2     2.0     3.0           0.5000    100.0 %     -",
+            "Scalar, exhaustive         2        1.2     2.0     3.0           0.5000          -     -",
             "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
-            "SAD, plain loop         Scalar, exhaustive    1.500        -",
+            "SAD, plain loop         Scalar, exhaustive  1.500        -",
             "mps2-an386                 smr     Dsp      one        24x28       7      10   20   30",
             "mps2-an386                 smr     Dsp      all            -       7      10   20   30",
             "left out on mps2-an386, smr, Dsp: two: the box is too big",
