@@ -1,8 +1,8 @@
-//! Measures speed on this machine and on emulated boards, beside OpenCV and a plain SAD search, in the same run.
+//! Measures speed on this machine and on emulated boards, beside a plain SAD search, in the same run. `others/run` does it beside other trackers.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
 //! - [`clock`]: how long something takes.
-//! - [`searches`]: the same searches with every backend. [`sad`] and [`opencv`] are what they are compared with.
+//! - [`searches`]: the same searches with every backend. [`sad`] is what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
 //! - [`boards`]: instructions of an update in QEMU.
 //! - [`goal`], [`goals`]: the goals, and whether they are reached.
@@ -17,7 +17,6 @@ pub mod case;
 pub mod clock;
 pub mod goal;
 pub mod goals;
-pub mod opencv;
 pub mod report;
 pub mod sad;
 pub mod searches;
@@ -48,8 +47,6 @@ pub struct Settings {
     pub patience: Patience,
     /// How long one way to search may take in all, in each window.
     pub each: Duration,
-    /// The program that runs Python.
-    pub python: String,
 }
 
 /// A run: recordings are added one after the other.
@@ -58,8 +55,6 @@ pub struct Bench {
     pub recordings: Vec<String>,
     pub windows: Vec<Searches>,
     pub speeds: Speeds,
-    /// OpenCV's version, or why it is not timed; `None` before it was tried.
-    pub opencv: Option<Result<String, String>>,
 }
 
 /// One case in this many is also timed for [`Speeds`], which has many combinations.
@@ -74,11 +69,11 @@ impl Bench {
         let windows = settings.windows.iter().map(searches).collect();
         let cases = if settings.methods.contains(&CoreKind::Smr) { expected.div_ceil(SPEEDS_EVERY) } else { 0 };
         let speeds = Speeds::new(settings.each / 4, cases);
-        Self { settings, recordings: vec![], windows, speeds, opencv: None }
+        Self { settings, recordings: vec![], windows, speeds }
     }
 
     /// Times the searches in a recording; `progress` is called after each case.
-    /// Errors: The recording cannot be read or tracked. If OpenCV cannot be timed, that is not an error.
+    /// Errors: The recording cannot be read or tracked.
     pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
         let name = sequence.name.clone();
         // It names the recording by itself.
@@ -96,30 +91,7 @@ impl Bench {
             Ok(())
         })
         .with_context(|| name.clone())?;
-        for window in &mut self.windows {
-            time_opencv(window, &self.settings, &mut self.opencv);
-        }
         self.recordings.push(name);
         Ok(())
-    }
-}
-
-/// Once it has failed it is not tried again.
-fn time_opencv(window: &mut Searches, settings: &Settings, version: &mut Option<Result<String, String>>) {
-    if window.pending().is_empty() {
-        return;
-    }
-    if let Some(Err(_)) = version {
-        return window.opencv(&[], &[]);
-    }
-    match opencv::times(&settings.python, window.pending(), settings.patience) {
-        Ok(done) => {
-            window.opencv(&done.search, &done.csrt);
-            *version = Some(Ok(done.version));
-        }
-        Err(error) => {
-            window.opencv(&[], &[]);
-            *version = Some(Err(format!("{error:#}")));
-        }
     }
 }

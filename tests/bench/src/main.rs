@@ -1,4 +1,4 @@
-//! Measures how fast it is: `cargo run --profile bench -p smr-bench -- RECORDINGS`. Here and on the emulated boards, beside OpenCV and a plain SAD search.
+//! Measures how fast it is: `cargo run --profile bench -p smr-bench -- RECORDINGS`. Here and on the emulated boards, beside a plain SAD search.
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
@@ -33,7 +33,7 @@ const ENOUGH: Duration = Duration::from_millis(10);
 /// Threads for the whole evaluation.
 const THREADS: usize = 2;
 
-/// Measure how fast it is, here and on the emulated boards, beside OpenCV and a plain SAD search
+/// Measure how fast it is, here and on the emulated boards, beside a plain SAD search
 #[derive(Debug, clap::Parser)]
 #[command(version, max_term_width = 120)]
 struct Bench {
@@ -42,7 +42,7 @@ struct Bench {
     paths: Vec<PathBuf>,
     /// Which trackers; several are separated by commas
     ///
-    /// Beside them a plain SAD search and OpenCV, always; with robust also OpenCV's tracker CSRT. The window of robust is its own: it is timed in the cases of each window.
+    /// Beside them a plain SAD search, always. The window of robust is its own: it is timed in the cases of each window.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "smr,robust")]
     method: Vec<CoreKind>,
     /// Size of the template, or `own`: that of the recording's box
@@ -63,9 +63,6 @@ struct Bench {
     /// Count the instructions of an update on this board, in QEMU; may be given several times
     #[arg(long, value_enum)]
     machine: Vec<Machine>,
-    /// The Python program, for OpenCV
-    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
-    python: String,
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
@@ -133,7 +130,6 @@ impl Bench {
             every,
             patience: Patience { repeats: self.repeat.get(), enough: ENOUGH },
             each: Duration::from_secs(self.seconds.get().into()),
-            python: self.python.clone(),
         }
     }
 

@@ -1,10 +1,10 @@
 //! The measurements as `--json` prints them; the tables are made from the same data.
 
+use super::Bench;
 use super::boards::Figures;
 use super::goal::{Goal, STATED_FOR};
 use super::speeds::Speed;
 use super::window::Window;
-use super::{Bench, opencv};
 use serde::Serialize;
 use smr_evaluation::MethodKind;
 use std::time::Duration;
@@ -21,7 +21,6 @@ pub struct Report {
     /// `64x64`, or `own`.
     pub template: String,
     pub every: usize,
-    pub opencv: OpenCv,
     pub windows: Vec<Window>,
     pub speeds: Vec<Speed>,
     pub boards: Vec<Figures>,
@@ -32,14 +31,6 @@ pub struct Report {
     pub goals: Vec<Goal>,
     /// Cases and frames in which two ways, or a board and the host, gave different answers.
     pub differences: Vec<String>,
-}
-
-#[derive(Serialize)]
-pub struct OpenCv {
-    pub call: &'static str,
-    pub version: Option<String>,
-    /// Why there are no times.
-    pub not_timed: Option<String>,
 }
 
 impl Report {
@@ -54,7 +45,6 @@ impl Report {
                 super::case::Size::Of(width, height) => format!("{width}x{height}"),
             },
             every: bench.settings.every,
-            opencv: OpenCv::new(bench.opencv.as_ref()),
             windows: bench.windows.iter().map(Window::new).collect(),
             speeds: bench.speeds.rows(),
             differences: bench.windows.iter().flat_map(|window| window.differences.clone()).collect(),
@@ -69,17 +59,6 @@ impl Report {
             report.differences.extend(named);
         }
         report
-    }
-}
-
-impl OpenCv {
-    fn new(tried: Option<&Result<String, String>>) -> Self {
-        let (version, not_timed) = match tried {
-            Some(Ok(version)) => (Some(version.clone()), None),
-            Some(Err(why)) => (None, Some(why.clone())),
-            None => (None, Some("there was no search to time".to_owned())),
-        };
-        Self { call: opencv::CALL, version, not_timed }
     }
 }
 

@@ -1,7 +1,6 @@
-//! Times the same searches with every backend, the plain SAD search and OpenCV, in one run.
+//! Times the same searches with every backend and the plain SAD search, in one run.
 
 use super::case::{self, Case, Size, Triple};
-use super::opencv::{Followed, Search};
 use super::sad::Sad;
 use crate::clock::{Budget, Patience, shortest, timed};
 use anyhow::{Result, ensure};
@@ -21,10 +20,6 @@ pub enum Way {
     Robust(Backend),
     /// A search of the least sum of absolute differences.
     Sad(Sad),
-    /// `matchTemplate`, in another process.
-    OpenCv,
-    /// An update of OpenCV's tracker CSRT, which has a window of its own, in another process.
-    Csrt,
 }
 
 /// Its name in tables and in JSON.
@@ -36,8 +31,6 @@ impl fmt::Display for Way {
             Self::Robust(backend) => write!(f, "robust, {backend:?}"),
             Self::Sad(Sad::Plain) => f.write_str("SAD, plain loop"),
             Self::Sad(Sad::Psadbw) => f.write_str("SAD, AVX2 psadbw"),
-            Self::OpenCv => f.write_str("OpenCV matchTemplate"),
-            Self::Csrt => f.write_str("OpenCV CSRT"),
         }
     }
 }
@@ -50,10 +43,10 @@ impl Way {
                 let updates = |backend| [true, false].map(|pruning| Self::Update { backend, pruning });
                 Backend::available().flat_map(updates).collect::<Vec<_>>()
             }
-            CoreKind::Robust => Backend::available().map(Self::Robust).chain([Self::Csrt]).collect(),
+            CoreKind::Robust => Backend::available().map(Self::Robust).collect(),
         };
         let sads = Sad::available().map(Self::Sad);
-        methods.iter().flat_map(of_method).chain(sads).chain([Self::OpenCv]).collect()
+        methods.iter().flat_map(of_method).chain(sads).collect()
     }
 }
 
@@ -68,8 +61,6 @@ pub struct Searches {
     pub ways: Vec<Timed>,
     /// Cases in which two ways gave different answers.
     pub differences: Vec<String>,
-    /// What OpenCV has not timed yet.
-    pending: Vec<Search>,
 }
 
 /// One way to search: its time in each case; `None` where it was not timed.
@@ -86,7 +77,7 @@ impl Searches {
     pub fn new(radius: Radius, size: Size, ways: &[Way], each: Duration, expected: u32) -> Self {
         let timed = |&way| Timed { way, times: vec![], work: vec![], budget: Budget::new(each, expected) };
         let ways = ways.iter().map(timed).collect();
-        Self { radius, size, comparisons: vec![], skipped: 0, ways, differences: vec![], pending: vec![] }
+        Self { radius, size, comparisons: vec![], skipped: 0, ways, differences: vec![] }
     }
 
     /// Times the search of `triple` in every way that runs here.
@@ -99,7 +90,7 @@ impl Searches {
         self.comparisons.push(case.comparisons());
         let (mut answers, mut sums) = (Vec::new(), Vec::new());
         for timed in &mut self.ways {
-            let done = if timed.budget.allows() { timed.way.run(&case, patience)? } else { None };
+            let done = timed.budget.allows().then(|| timed.way.run(&case, patience)).transpose()?;
             timed.times.push(done.as_ref().map(|done| done.time));
             timed.work.push(done.as_ref().and_then(|done| done.work));
             let Some(done) = done else { continue };
@@ -111,32 +102,7 @@ impl Searches {
         if let Some(difference) = difference(&answers) {
             self.differences.push(format!("{recording}, frame {}: {difference}", triple.number));
         }
-        let beside = self.ways.iter().any(|timed| timed.way == Way::Csrt);
-        let Case { frames, target, crop, template, .. } = case;
-        let followed = beside.then_some(Followed { frames, target });
-        self.pending.push(Search { crop, template, followed });
         Ok(())
-    }
-
-    /// What OpenCV is still to time.
-    pub fn pending(&self) -> &[Search] {
-        &self.pending
-    }
-
-    /// Takes OpenCV's times for the pending searches: `matchTemplate` and CSRT; empty where one could not be run.
-    pub fn opencv(&mut self, search: &[Duration], csrt: &[Duration]) {
-        self.pending.clear();
-        for timed in &mut self.ways {
-            let times = match timed.way {
-                Way::OpenCv => search,
-                Way::Csrt => csrt,
-                _ => continue,
-            };
-            let first = timed.times.len().saturating_sub(times.len());
-            for (time, &measured) in timed.times[first..].iter_mut().zip(times) {
-                *time = Some(measured);
-            }
-        }
     }
 
     /// How many times as long `of` took as `to`, in every case that both were timed in.
@@ -159,20 +125,18 @@ pub(super) struct Done {
 }
 
 impl Way {
-    /// `None` for what does not run here.
-    fn run(self, case: &Case, patience: Patience) -> Result<Option<Done>> {
+    fn run(self, case: &Case, patience: Patience) -> Result<Done> {
         let (done, spent) = timed(|| match self {
             Self::Update { backend, pruning } => {
                 let mut done = update(case, &mut *case.tracker(backend, pruning)?, patience)?;
                 // What was counted is at most what is done, and may be a little more than all there is.
                 done.work = if pruning { done.work } else { Some(case.comparisons()) };
-                Ok(Some(done))
+                Ok(done)
             }
-            Self::Robust(backend) => update(case, &mut *case::robust(backend)?, patience).map(Some),
-            Self::Sad(sad) => Ok(Some(least_sum(case, sad, patience)?)),
-            Self::OpenCv | Self::Csrt => Ok(None),
+            Self::Robust(backend) => update(case, &mut *case::robust(backend)?, patience),
+            Self::Sad(sad) => least_sum(case, sad, patience),
         });
-        Ok(done?.map(|done| Done { spent, ..done }))
+        Ok(Done { spent, ..done? })
     }
 }
 
@@ -232,14 +196,7 @@ mod tests {
         assert!(timed(scalar(true)).times.iter().all(Option::is_some));
         let robust = timed(Way::Robust(Backend::Scalar));
         assert!(robust.times.iter().all(Option::is_some) && robust.work.iter().all(|work| *work > Some(0)));
-        assert!(timed(Way::OpenCv).times.iter().all(Option::is_none));
-
-        assert_eq!(searches.pending().len(), 3);
-        assert!(searches.ratios(scalar(true), Way::OpenCv).is_empty());
-        assert!(searches.pending().iter().all(|search| search.followed.is_some()));
-        searches.opencv(&[Duration::from_secs(1); 3], &[Duration::from_secs(2); 3]);
-        assert_eq!(searches.ratios(Way::Csrt, Way::OpenCv), [2.0; 3]);
-        assert!(searches.pending().is_empty());
+        assert_eq!(searches.ratios(scalar(true), scalar(true)), [1.0; 3]);
     }
 
     #[test]

@@ -17,7 +17,6 @@ pub fn text(report: &Report) -> String {
         recordings.join(", ")
     )];
     parts.extend(report.windows.iter().map(window));
-    parts.push(opencv(report));
     parts.push(ratios(&report.windows));
     parts.push(speeds(&report.speeds));
     parts.push("instructions on this machine are not counted here: .ci/instructions does, with valgrind\n".to_owned());
@@ -55,14 +54,6 @@ fn row(row: &Row) -> Vec<String> {
         row.work_left.map_or(NOTHING.to_owned(), |left| format!("{:.1} %", left * 100.0)),
         row.work.map_or(NOTHING.to_owned(), |work| work.to_string()),
     ]
-}
-
-fn opencv(report: &Report) -> String {
-    let opencv = &report.opencv;
-    match (&opencv.version, &opencv.not_timed) {
-        (Some(version), _) => format!("OpenCV {version}: {} on the same pixels\n", opencv.call),
-        (None, why) => format!("OpenCV was not timed: {}\n", why.as_deref().unwrap_or(NOTHING)),
-    }
 }
 
 /// Pairs down, windows across.
@@ -151,7 +142,6 @@ mod tests {
     use super::*;
     use crate::boards::Measured;
     use crate::goal::Goal;
-    use crate::report::OpenCv;
     use crate::sad::Sad;
     use crate::searches::Way;
     use crate::window::Ratio;
@@ -160,6 +150,7 @@ mod tests {
 
     fn report() -> Report {
         let plain = Way::Sad(Sad::Plain);
+        let exhaustive = Way::Update { backend: Backend::Scalar, pruning: false };
         let nanoseconds = Spread { median: 1_250, p95: 2_000, max: 3_000 };
         let row = |way, work_left| Row {
             way,
@@ -169,8 +160,8 @@ mod tests {
             work_left,
             work: None,
         };
-        let ratios = vec![Ratio { of: plain, to: Way::OpenCv, cases: 2, median: 1.5 }];
-        let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(Way::OpenCv, None)]);
+        let ratios = vec![Ratio { of: plain, to: exhaustive, cases: 2, median: 1.5 }];
+        let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(exhaustive, None)]);
         let window = Window { window: near, offsets: 9, cases: 2, skipped: 1, ways, ratios };
         let empty = Window { window: WINDOWS[4], offsets: 12221, cases: 0, skipped: 3, ways: vec![], ratios: vec![] };
         let figures = Spread { median: 10, p95: 20, max: 30 };
@@ -192,7 +183,6 @@ mod tests {
             recordings: vec!["one".into(), "two".into()],
             template: "own".into(),
             every: 5,
-            opencv: OpenCv { call: "a call", version: Some("5.0.0".into()), not_timed: None },
             windows: vec![window, empty],
             speeds: vec![],
             boards: vec![board],
@@ -208,11 +198,10 @@ mod tests {
         let expected = [
             "a processor, one thread; one, two: every 5. frame with ground truth, template own",
             "window +-1x1: 9 offsets, 2 searches; 1 left out, for which the frame has no room",
-            "SAD, plain loop              2        1.2     2.0     3.0           0.5000    100.0 %     -",
-            "OpenCV matchTemplate         2        1.2     2.0     3.0           0.5000          -     -",
+            "SAD, plain loop            2        1.2     2.0     3.0           0.5000    100.0 %     -",
+            "Scalar, exhaustive         2        1.2     2.0     3.0           0.5000          -     -",
             "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
-            "OpenCV 5.0.0: a call on the same pixels",
-            "SAD, plain loop         OpenCV matchTemplate  1.500        -",
+            "SAD, plain loop         Scalar, exhaustive  1.500        -",
             "mps2-an386                 smr     Dsp      one        24x28       7      10   20   30",
             "mps2-an386                 smr     Dsp      all            -       7      10   20   30",
             "left out on mps2-an386, smr, Dsp: two: the box is too big",
@@ -227,10 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_timed_is_said() {
-        let opencv = OpenCv { call: "a call", version: None, not_timed: Some("no module".into()) };
-        let text = text(&Report { opencv, boards: vec![], ..report() });
-        assert!(text.contains("OpenCV was not timed: no module\n"), "{text}");
-        assert!(!text.contains("mps2"), "{text}");
+    fn without_boards_there_is_no_table_of_them() {
+        assert!(!text(&Report { boards: vec![], ..report() }).contains("mps2"));
     }
 }

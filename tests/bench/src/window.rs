@@ -29,8 +29,8 @@ pub struct Row {
     pub way: Way,
     pub cases: usize,
     pub nanoseconds: Spread<u64>,
-    /// Time divided by all offsets and pixels, also those that were not compared; the median. `None` from the robust tracker
-    /// and CSRT, whose windows are their own.
+    /// Time divided by all offsets and pixels, also those that were not compared; the median. `None` from the robust tracker,
+    /// whose window is its own.
     pub nanoseconds_per_offset_pixel: Option<f64>,
     /// The share of an exhaustive search's comparisons that were made; the median. `None` where they are not counted.
     pub work_left: Option<f64>,
@@ -76,7 +76,7 @@ impl Row {
             return None;
         }
         let nanoseconds: Vec<u64> = times.iter().map(|(time, _)| nanoseconds(*time)).collect();
-        let in_window = !matches!(timed.way, Way::Robust(_) | Way::Csrt);
+        let in_window = !matches!(timed.way, Way::Robust(_));
         let each: Vec<f64> = times.iter().map(|(time, all)| time.as_secs_f64() * 1e9 / *all as f64).collect();
         let left: Vec<f64> =
             timed.work.iter().zip(comparisons).filter_map(|(work, &all)| Some((*work)? as f64 / all as f64)).collect();
@@ -106,13 +106,12 @@ impl Ratio {
 
 /// What is compared with what.
 fn pairs() -> Vec<(Way, Way)> {
-    let yardsticks = Sad::available().map(Way::Sad);
-    let yardsticks: Vec<Way> = yardsticks.chain([Way::OpenCv]).collect();
+    let yardsticks: Vec<Way> = Sad::available().map(Way::Sad).collect();
     let mut pairs = Vec::new();
     for backend in Backend::available() {
         let [pruned, exhaustive] = [true, false].map(|pruning| Way::Update { backend, pruning });
         pairs.push((pruned, exhaustive));
-        pairs.extend([(Way::Robust(backend), pruned), (Way::Robust(backend), Way::Csrt)]);
+        pairs.push((Way::Robust(backend), pruned));
         pairs.extend(yardsticks.iter().flat_map(|&yardstick| [(pruned, yardstick), (exhaustive, yardstick)]));
     }
     pairs

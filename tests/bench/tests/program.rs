@@ -1,5 +1,9 @@
 //! The program smr-bench as maintainers run it.
 
+#[path = "../../missing.rs"]
+mod missing;
+
+use missing::has;
 use serde_json::{Value, json};
 use std::process::Command;
 
@@ -25,19 +29,7 @@ impl Said {
 }
 
 /// The least work that can be timed.
-const SHORT: [&str; 11] = [
-    "synthetic",
-    "--every",
-    "120",
-    "--template",
-    "16x16",
-    "--window",
-    "4x3",
-    "--repeat",
-    "1",
-    "--python",
-    "no-such-python",
-];
+const SHORT: [&str; 9] = ["synthetic", "--every", "120", "--template", "16x16", "--window", "4x3", "--repeat", "1"];
 
 #[test]
 fn bench_reports_as_json_and_in_words() {
@@ -59,14 +51,13 @@ fn bench_reports_as_json_and_in_words() {
     assert_eq!(plain["work_left"].as_f64(), Some(1.0));
     assert!(plain["nanoseconds"]["max"].as_u64() >= plain["nanoseconds"]["median"].as_u64());
     assert!(ways.iter().any(|way| way["way"] == "SAD, plain loop"));
-    assert!(report["opencv"]["not_timed"].as_str().unwrap().contains("cannot start no-such-python"));
     assert_eq!(report["differences"], Value::Array(vec![]));
     assert!(report["goals_stated_for"].as_str().unwrap().contains("six TLD recordings"));
     assert!(report["goals"].as_array().unwrap().iter().all(|goal| goal["at_most"].as_f64() > Some(0.0)));
 
     let text = bench(&SHORT);
     assert_eq!((text.code, text.err.as_str()), (Some(0), ""));
-    for words in ["window +-4x3: 63 offsets", "OpenCV was not timed", "frames per second", "not measured"] {
+    for words in ["window +-4x3: 63 offsets", "frames per second", "not measured"] {
         assert!(text.out.contains(words), "`{words}` is not in: {}", text.out);
     }
 }
@@ -86,4 +77,28 @@ fn bench_says_what_it_cannot_time() {
     bench(&["synthetic", "--frames", "7"]).refuses(&["20..80"]);
     bench(&["synthetic", "--method", "sad"]).refuses(&["--method", "smr, robust"]);
     bench(&["synthetic", "periodic", "--init", "1,1,9,9"]).refuses(&["--init", "2"]);
+}
+
+/// Beside smr's trackers the programs of `others` are given the same frames: they see the target in the same places, or `run` fails.
+#[test]
+fn others_find_the_same_places() {
+    const TEST: &str = "others_find_the_same_places";
+    let programs = ["python3", "arm-none-eabi-gcc", "qemu-system-arm", "llvm-mca-19"];
+    if !programs.iter().all(|program| has(TEST, program, &["--version"])) {
+        return;
+    }
+    let run = |arguments: [&str; 2]| {
+        let output = Command::new("python3").args(["others/run", "--only", "boards"]).args(arguments).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Said { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    };
+    let refused = run(["--openmv", "no/such"]);
+    refused.refuses(&["--openmv no/such: expected OpenMV's template.c"]);
+    assert_eq!(refused.err.lines().count(), 1, "{}", refused.err);
+    run(["--frames", "7"]).refuses(&["20..80"]);
+    let said = run(["--frames", "1..2"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for words in ["| smr, paper's tracker |", "| SAD, every offset |", "skipped: OpenMV"] {
+        assert!(said.out.contains(words), "`{words}` is not in: {}", said.out);
+    }
 }
