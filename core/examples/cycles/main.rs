@@ -1,5 +1,4 @@
-//! The table of cycles that firmware for boards prints (its README), here in QEMU, which counts
-//! instructions instead.
+//! The table of cycles that firmware for boards prints (README.md), here in QEMU, which counts instructions instead.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --features refiner --bin cycles
@@ -20,7 +19,7 @@ mod table;
 
 #[cfg(target_os = "none")]
 mod firmware {
-    use crate::measure::{Timer, spin, ticks};
+    use crate::measure::{Timer, smr_ticks, spin};
     use crate::table::{self, Row};
     use cortex_m::Peripherals;
     use cortex_m_rt::entry;
@@ -35,7 +34,7 @@ mod firmware {
         let Some(peripherals) = Peripherals::take() else { exit(1) };
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // The timer has 24 bits: they are the upper ones here, so that a difference is right when it wraps.
+        // The timer has 24 bits and counts down. They are the upper ones here, so that a difference is right when it wraps.
         let done = table::rows(
             || ticks() << 8,
             |row| {

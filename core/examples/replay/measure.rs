@@ -32,16 +32,11 @@ impl Timer {
     }
 }
 
-/// A count that rises; it wraps after 2^24 ticks.
-pub fn ticks() -> u32 {
-    0x00FF_FFFF - smr_ticks()
-}
-
-/// The timer's value. `host-sim target --cycles` finds the calls of this function in QEMU's trace, by its name.
+/// The timer's value, which counts down from 2^24. `host-sim target --cycles` finds the calls of this function in QEMU's trace, by its name.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 #[inline(never)]
-extern "C" fn smr_ticks() -> u32 {
+pub extern "C" fn smr_ticks() -> u32 {
     SYST::get_current()
 }
 

@@ -131,7 +131,9 @@ impl Recording {
     pub fn compare(&self, qemu: &mut Qemu, folder: &Path) -> Result<Report> {
         let mut answers = Answers { file: None, folder };
         let Record::Hello(hello) = answers.next(qemu)? else {
-            bail!("the firmware does not say hello first: it is not core/examples/replay, or built without the tracker");
+            bail!(
+                "the firmware does not say hello first: it is not core/examples/replay, or built without the tracker"
+            );
         };
         hello.check(&self.header)?;
         let mut host = Host::lock(self.header, hello.radius, folder).with_context(|| self.name.clone())?;

@@ -1,5 +1,5 @@
-//! A target of strong tiles on a background of weak ones: it moves by two pixels to the right and one down in each frame, is hidden in the
-//! frames 12 to 19 (from 0), and one tile after the other becomes another one, so that the robust tracker has work for its refiner.
+//! A target of strong tiles on a background of weak ones: it moves by two pixels to the right and one down in each frame, and is hidden
+//! in the frames 12 to 19 (from 0).
 //!
 //! Integers only and nothing in memory, so that firmware draws the same pixels as the host.
 
