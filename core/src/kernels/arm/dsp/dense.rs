@@ -98,15 +98,15 @@ macro_rules! turn {
         sxtb16 r6, r6, ror #8
         smlad r1, r4, r7, r1
         smlad r3, r8, r7, r3
+        ldr r7, [r11], #4
         smlad r1, r5, r6, r1
         smlad r3, r9, r6, r3
-        ldr r6, [r11], #4
-        sxtb16 r7, r6
-        sxtb16 r6, r6, ror #8
-        smlad r0, r4, r7, r0
-        smlad r2, r8, r7, r2
-        smlad r0, r5, r6, r0
-        smlad r2, r9, r6, r2"
+        sxtb16 r6, r7
+        sxtb16 r7, r7, ror #8
+        smlad r0, r4, r6, r0
+        smlad r2, r8, r6, r2
+        smlad r0, r5, r7, r0
+        smlad r2, r9, r7, r2"
     };
 }
 

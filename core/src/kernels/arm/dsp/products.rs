@@ -218,9 +218,9 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
             "2:",
             "ldrsb {x}, [{upper}], #10",
             "ldrsb {y}, [{lower}], #10",
+            "subs {count}, {count}, #1",
             "pkhbt {x}, {x}, {y}, lsl #16",
             "str {x}, [{to}], #4",
-            "subs {count}, {count}, #1",
             "bne 2b",
             upper = inout(reg) upper => _,
             lower = inout(reg) lower => _,
@@ -355,8 +355,9 @@ macro_rules! add {
     };
 }
 
-/// Defines a function for n sums. The loop over a row takes four factors at a time. If one or two factors are left
-/// over, they are taken before it; then the numbers are loaded again.
+/// Defines a function for n sums. The loop over a row takes four factors at a time, and counts behind its first load,
+/// which a product would wait for. If one or two factors are left over, they are taken before it; then the numbers are
+/// loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide {
@@ -389,7 +390,6 @@ macro_rules! slide {
                         $window,
                         "4:",
                         $four,
-                        "subs r11, r11, #4",
                         "bhs 4b",
                         "ldrd r6, r7, [sp, #12]",
                         "add lr, lr, r6",
@@ -416,12 +416,20 @@ macro_rules! slide {
     };
 }
 
+/// Counts four factors.
+macro_rules! count {
+    () => {
+        "subs r11, r11, #4\n"
+    };
+}
+
 /// Multiplies two factors, r6 and r7, for two sums. At the start r5 holds the number under the first factor of the
 /// first sum, at the end the number two places further.
 macro_rules! two {
-    ($move:literal) => {
+    ($move:literal; $between:expr) => {
         concat!(
             "ldrd r6, r7, [r12], #8\n",
+            $between,
             add!("r0" "r5" "r6",),
             "ldrd r8, r5, [lr], #", $move, "\n",
             add!("r1" "r8" "r6", "r0" "r8" "r7", "r1" "r5" "r7",),
@@ -431,9 +439,10 @@ macro_rules! two {
 
 /// Multiplies two factors for four sums. The numbers are in the registers a, b and c, then in c, d and a.
 macro_rules! four {
-    ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
+    ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(
             "ldrd r6, r7, [r12], #8\n",
+            $between,
             add!("r0" $a "r6",),
             "ldrd ", $d, ", ", $a, ", [lr], #", $move, "\n",
             add!("r1" $b "r6", "r2" $c "r6", "r0" $b "r7", "r1" $c "r7", "r3" $d "r6", "r2" $d "r7", "r3" $a "r7",),
@@ -443,14 +452,15 @@ macro_rules! four {
 
 /// Multiplies two factors for five sums. The numbers are in the registers a, b, c and d, then in c, d, a and b.
 macro_rules! five {
-    ($a:literal $b:literal $c:literal $d:literal $move:literal) => {
+    ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(
             "ldrd r6, r7, [r12], #8\n",
-            add!(
-                "r0" $a "r6", "r1" $b "r6", "r0" $b "r7", "r2" $c "r6", "r1" $c "r7", "r3" $d "r6", "r2" $d "r7",
-            ),
+            $between,
+            add!("r0" $a "r6", "r1" $b "r6", "r0" $b "r7",),
             "ldrd ", $a, ", ", $b, ", [lr], #", $move, "\n",
-            add!("r4" $a "r6", "r3" $a "r7", "r4" $b "r7",),
+            add!(
+                "r2" $c "r6", "r1" $c "r7", "r3" $d "r6", "r2" $d "r7", "r4" $a "r6", "r3" $a "r7", "r4" $b "r7",
+            ),
         )
     };
 }
@@ -460,15 +470,15 @@ slide! {
     concat!("ldr r6, [r12], #4\n", "ldr r7, [lr], #4\n", add!("r0" "r6" "r7",));
     concat!("ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",));
     concat!(
-        "ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",),
+        "ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", count!(), add!("r0" "r5" "r6", "r0" "r8" "r7",),
         "ldrd r6, r7, [r12], #8\n", "ldrd r5, r8, [lr], #8\n", add!("r0" "r5" "r6", "r0" "r8" "r7",),
     )
 }
 slide! {
     two 2: "ldrd r0, r1, [r0]" "strd r0, r1, [r5]" "ldr r5, [lr], #4";
     concat!("ldr r6, [r12], #4\n", "ldr r7, [lr]\n", add!("r0" "r5" "r6", "r1" "r7" "r6",));
-    two!("4");
-    concat!(two!("8"), two!("8"))
+    two!("4"; "");
+    concat!(two!("8"; count!()), two!("8"; ""))
 }
 slide! {
     four 4: "ldm r0, {{r0-r3}}" "stm r5, {{r0-r3}}" "ldm lr!, {{r5, r8, r9}}";
@@ -476,8 +486,8 @@ slide! {
         "ldr r6, [r12], #4\n", "ldr r7, [lr], #-8\n",
         add!("r0" "r5" "r6", "r1" "r8" "r6", "r2" "r9" "r6", "r3" "r7" "r6",)
     );
-    four!("r5" "r8" "r9" "r10" "-4");
-    concat!(four!("r5" "r8" "r9" "r10" "8"), four!("r9" "r10" "r5" "r8" "8"))
+    four!("r5" "r8" "r9" "r10" "-4"; "");
+    concat!(four!("r5" "r8" "r9" "r10" "8"; count!()), four!("r9" "r10" "r5" "r8" "8"; ""))
 }
 slide! {
     five 5: "ldm r0, {{r0-r4}}" "stm r5, {{r0-r4}}" "ldm lr!, {{r5, r8-r10}}";
@@ -485,6 +495,6 @@ slide! {
         "ldr r6, [r12], #4\n", "ldr r7, [lr], #-12\n",
         add!("r0" "r5" "r6", "r1" "r8" "r6", "r2" "r9" "r6", "r3" "r10" "r6", "r4" "r7" "r6",)
     );
-    five!("r5" "r8" "r9" "r10" "-8");
-    concat!(five!("r5" "r8" "r9" "r10" "8"), five!("r9" "r10" "r5" "r8" "8"))
+    five!("r5" "r8" "r9" "r10" "-8"; "");
+    concat!(five!("r5" "r8" "r9" "r10" "8"; count!()), five!("r9" "r10" "r5" "r8" "8"; ""))
 }
