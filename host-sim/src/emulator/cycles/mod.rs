@@ -1,7 +1,7 @@
 //! Estimated cycles of what firmware does in QEMU, which itself counts instructions only.
 //!
 //! - [`trace`]: QEMU says which blocks of code run, in what order.
-//! - [`program`]: the instructions of these blocks, and the functions that they are in.
+//! - [`mod@program`]: the instructions of these blocks, and the functions that they are in.
 //! - [`processor`]: the cycles of a block on each processor.
 //!
 //! Each block counts as if it ran again and again, and the branch at its end as taken or not, as in the trace. What is left out:
