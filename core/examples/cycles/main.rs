@@ -36,7 +36,7 @@ mod firmware {
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
         // The timer has 24 bits and counts down. They are the upper ones here, so that a difference is right when it wraps.
         let done = table::rows(
-            || ticks() << 8,
+            || !smr_ticks() << 8,
             |row| {
                 let Row { tracker, lock, median, most } = row;
                 let [lock, median, most] = [lock, median, most].map(|count| (count >> 8) * tick);
