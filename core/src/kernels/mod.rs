@@ -88,6 +88,7 @@ mod scores;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 mod swar;
 #[cfg(not(smr_helium))]
+#[cfg(not(target_arch = "wasm32"))]
 mod three_sums;
 mod unrolling;
 #[cfg(any(test, feature = "verify"))]

@@ -2,11 +2,15 @@
 
 #[cfg(smr_swar)]
 pub(crate) mod bilinear;
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod products;
 pub(crate) mod scores;
 
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
+// A page with WebAssembly must be small, and nearly all browsers have its vectors.
+#[cfg(target_arch = "wasm32")]
+pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
 pub(crate) use crate::kernels::plain::{gradients, levels, weights};
 
