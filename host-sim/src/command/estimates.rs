@@ -5,11 +5,18 @@ use std::io::{self, Write};
 
 pub fn describe(estimates: &[Estimate], out: &mut impl Write) -> io::Result<()> {
     let million = |cycles: u64| cycles as f64 / 1e6;
-    writeln!(out, "  estimated cycles, in millions, without waits for memory, caches and branches predicted wrongly:")?;
+    writeln!(
+        out,
+        "  estimated cycles, in millions; waits for memory, caches and branches predicted wrongly are not counted:"
+    )?;
     for Estimate { processor, lock, update, per_instruction, unknown, chips, .. } in estimates {
         let [median, max] = [update.median, update.max].map(million);
         write!(out, "    {processor}: lock {:.2}, update median {median:.3}, at most {max:.3}; ", million(*lock))?;
-        writeln!(out, "{per_instruction:.2} an instruction; {:.1} % of them count as one", 100.0 * unknown)?;
+        write!(out, "{per_instruction:.2} an instruction")?;
+        if *unknown > 0.0 {
+            write!(out, ", {:.1} % of which are not in LLVM's model and count as one cycle", 100.0 * unknown)?;
+        }
+        writeln!(out)?;
         for Chip { chip, megahertz, updates_a_second, at_least } in chips {
             writeln!(
                 out,

@@ -21,7 +21,7 @@ pub struct Run {
     /// The firmware
     #[arg(value_name = "ELF")]
     elf: PathBuf,
-    /// Instead of the log, estimate the cycles between each two calls of `smr_ticks`: a lock, then updates; needs LLVM (Debian: llvm-19)
+    /// Estimate cycles instead of printing the log: of a lock, then of updates, each between two calls of `smr_ticks`; needs LLVM (Debian: llvm-19)
     #[arg(long)]
     cycles: bool,
     /// Print the estimate as JSON

@@ -92,7 +92,7 @@ impl Target {
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
-    /// Runs the firmware, and traces what ran if `traced` is to be found in the trace.
+    /// Runs the firmware; with `traced`, its program, it also tells what ran in each measurement.
     fn compare(
         &self,
         recording: &Recording,

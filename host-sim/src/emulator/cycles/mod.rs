@@ -46,7 +46,7 @@ pub struct Estimate {
     pub functions: Vec<Share>,
 }
 
-/// How many updates a second a chip makes, from its own clock.
+/// How many updates a second a chip makes at its usual clock.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chip {
     pub chip: &'static str,
@@ -81,7 +81,7 @@ pub fn reader(qemu: &mut Qemu, program: &Program) -> Result<Reader> {
     Ok(Reader(thread::spawn(move || trace::spans(trace, mark))))
 }
 
-/// What reads a trace.
+/// A thread that reads a trace.
 pub struct Reader(JoinHandle<Result<Vec<Span>>>);
 
 impl Reader {
@@ -95,7 +95,10 @@ impl Reader {
 /// Errors: there is none, or no LLVM.
 pub fn estimates(machine: Machine, program: &Program, spans: &[Span]) -> Result<Vec<Estimate>> {
     let [lock, updates @ ..] = spans else {
-        bail!("the firmware measured nothing: it calls {} never twice", trace::MARK)
+        bail!(
+            "the firmware measured nothing: expected two calls of {} around the lock, and around each update",
+            trace::MARK
+        )
     };
     let blocks: BTreeSet<Block> = spans.iter().flat_map(|span| span.keys().copied()).collect();
     let codes: Vec<(Block, Vec<&str>)> = blocks.into_iter().map(|block| (block, program.code(block))).collect();

@@ -1,9 +1,12 @@
 //! The cycles of a block of code on a processor: by `llvm-mca`, with what its models leave out.
 //!
-//! LLVM's models count a load or store of many registers as one, know nothing of a branch that is taken, nothing of how long a division
-//! takes on the Cortex-M4, M33 and M55 (2 to 12 cycles), and nothing of the cycle that a Cortex-M4 loses between two loads that step the
-//! same address on. All four are added here. The model of the Cortex-M33 is that of the M4. The Cortex-M0+ has no model; its manual states
-//! every cycle.
+//! LLVM's models leave out four things, which are added here:
+//! - the words after the first that one instruction loads or stores,
+//! - a branch that is taken,
+//! - a division on the Cortex-M4, M33 and M55, which takes 2 to 12 cycles,
+//! - the cycle that a Cortex-M4 loses between two loads that step the same address on.
+//!
+//! The model of the Cortex-M33 is that of the M4. The Cortex-M0+ has no model; its manual states every cycle.
 
 use super::program::llvm;
 use super::trace::Block;
@@ -14,7 +17,7 @@ use serde::Deserialize;
 use smr_recordings::output::Exchange;
 use std::fs;
 
-/// What cycles depend on, in cycles.
+/// A processor, and what its instructions cost in cycles.
 #[derive(Debug)]
 pub struct Processor {
     pub name: &'static str,
@@ -22,7 +25,7 @@ pub struct Processor {
     machine: Machine,
     /// LLVM has a model of it.
     modelled: bool,
-    /// A branch that is taken: the pipeline is filled again, or a prediction helps.
+    /// A branch that is taken, beyond one that is not.
     taken: u64,
     /// Each word after the first that one instruction loads or stores, in parts of a cycle.
     word: u64,
@@ -34,68 +37,51 @@ pub struct Processor {
     chips: &'static [(&'static str, u32)],
 }
 
-/// With a branch that is taken: Cortex-M4 and M33 1 + P, where P is 1 to 3; M7 and M85 predict.
+/// A branch that is taken costs 1 + P cycles by Arm's manual, where P is 1 to 3.
+const M4: Processor = Processor {
+    name: "cortex-m4",
+    machine: Machine::Mps2An386,
+    modelled: true,
+    taken: 2,
+    word: PARTS,
+    division: 6,
+    stepped: 1,
+    chips: &[("STM32F407", 168)],
+};
+
+/// It predicts branches, and moves two words in a cycle.
+const M7: Processor = Processor {
+    name: "cortex-m7",
+    machine: Machine::Mps2An500,
+    modelled: true,
+    taken: 1,
+    word: PARTS / 2,
+    division: 0,
+    stepped: 0,
+    chips: &[("STM32H743", 480)],
+};
+
 const PROCESSORS: [Processor; 6] = [
     Processor {
         name: "cortex-m0plus",
         machine: Machine::Mps2An385,
         modelled: false,
         taken: 1,
-        word: PARTS,
-        division: 0,
-        stepped: 0,
         chips: &[("RP2040", 133)],
+        ..M4
     },
-    Processor {
-        name: "cortex-m4",
-        machine: Machine::Mps2An386,
-        modelled: true,
-        taken: 2,
-        word: PARTS,
-        division: 6,
-        stepped: 1,
-        chips: &[("STM32F407", 168)],
-    },
-    Processor {
-        name: "cortex-m33",
-        machine: Machine::Mps2An386,
-        modelled: true,
-        taken: 2,
-        word: PARTS,
-        division: 6,
-        stepped: 1,
-        chips: &[("RP2350", 150), ("nRF5340", 128)],
-    },
-    Processor {
-        name: "cortex-m7",
-        machine: Machine::Mps2An500,
-        modelled: true,
-        taken: 1,
-        word: PARTS / 2,
-        division: 0,
-        stepped: 0,
-        chips: &[("STM32H743", 480)],
-    },
+    M4,
+    Processor { name: "cortex-m33", chips: &[("RP2350", 150), ("nRF5340", 128)], ..M4 },
+    M7,
     Processor {
         name: "cortex-m55",
         machine: Machine::Mps3An547,
-        modelled: true,
-        taken: 2,
         word: PARTS / 2,
-        division: 6,
         stepped: 0,
         chips: &[("STM32N6", 800), ("Alif E7", 400)],
+        ..M4
     },
-    Processor {
-        name: "cortex-m85",
-        machine: Machine::Mps3An547,
-        modelled: true,
-        taken: 1,
-        word: PARTS / 2,
-        division: 0,
-        stepped: 0,
-        chips: &[("RA8M1", 480)],
-    },
+    Processor { name: "cortex-m85", machine: Machine::Mps3An547, chips: &[("RA8M1", 480)], ..M7 },
 ];
 
 impl Processor {
@@ -196,7 +182,7 @@ fn assembly(codes: &[(Block, Vec<&str>)]) -> String {
     text
 }
 
-/// A branch with some target near by: its own may be out of the reach that the assembler sees.
+/// Gives a branch a target near by: the assembler may find its own out of reach.
 fn without_target(text: &str) -> String {
     match text.rsplit_once(' ') {
         Some((rest, target)) if target.starts_with("0x") => format!("{rest} #4"),

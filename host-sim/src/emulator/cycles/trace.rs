@@ -33,14 +33,13 @@ pub fn spans(trace: impl Read, mark: u32) -> Result<Vec<Span>> {
     let mut reader = BufReader::with_capacity(1 << 16, trace);
     let mut spans = Spans { mark, ..Spans::default() };
     let mut line = Vec::new();
-    while {
+    loop {
         line.clear();
-        reader.read_until(b'\n', &mut line).context("cannot read QEMU's trace")?
-    } > 0
-    {
+        if reader.read_until(b'\n', &mut line).context("cannot read QEMU's trace")? == 0 {
+            return Ok(spans.ended);
+        }
         spans.line(line.trim_ascii_end())?;
     }
-    Ok(spans.ended)
 }
 
 /// A block is translated for an address, and for a number of instructions if that is limited: QEMU's last field has it.
