@@ -96,12 +96,12 @@ pub(super) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }
 
-/// True if a patch has at least a quarter of the expected contrast, at least one gray level, and not too many clipped
-/// pixels. `template` is the template's own contrast.
+/// True if a patch has at least a quarter of the expected contrast, at least one gray level, and at most half of its
+/// pixels clipped beyond those of the template. `template` is the template's own contrast.
 pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bool {
     SHOWN * ONE_GAIN * patch.deviation >= expected * template.deviation
         && patch.deviation >= patch.pixels
-        && !patch.is_cut_off_beside(Contrast::NONE)
+        && !patch.is_cut_off_beside(template)
 }
 
 /// Adapts `template`, whose own contrast is `from`, to the light of `patch`. Returns the contrast of `patch` and the
@@ -153,6 +153,15 @@ mod tests {
         assert!(can_show(&[90, 110, 90, 110], 256) && !can_show(&[90, 109, 90, 110], 256), "a quarter of 40 is 10");
         assert!(can_show(&[90, 94, 90, 94], 51) && !can_show(&[90, 91, 90, 92], 51), "a quarter of a fifth of 40 is 2");
         assert!(can_show(&[90, 92, 90, 92], 1) && !can_show(&[90, 91, 90, 92], 1), "one gray level at least");
+    }
+
+    #[test]
+    fn a_target_may_be_black_and_white() {
+        let can_show = |target: &[u8], patch: &[u8]| can_show(contrast(patch), contrast(target), ONE_GAIN);
+        assert!(can_show(&[60, 140, 60, 140], &[0, 140, 60, 255]), "half of the pixels may be clipped");
+        assert!(!can_show(&[60, 140, 60, 140], &[0, 140, 0, 255]), "three of four may not");
+        assert!(can_show(&[0, 140, 60, 140], &[0, 140, 0, 255]), "but for those of the target");
+        assert!(can_show(&[0, 255, 0, 255], &[0, 255, 0, 255]));
     }
 
     #[test]

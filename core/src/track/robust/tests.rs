@@ -395,8 +395,8 @@ fn light_may_change() {
     }
 }
 
-/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, noisy.
-/// They move slowly.
+/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, clipped,
+/// noisy. They move slowly.
 fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
     let hash = |x: usize, y: usize| (x * 31 + y * 57 + kind).wrapping_mul(2_654_435_761) >> 16;
     let (left, top) = (40 + frame / 2, 30 + frame / 4);
@@ -413,15 +413,47 @@ fn on_ground(kind: usize, frame: usize) -> Vec<u8> {
             1 => 200 + tile / 2,
             2 => 10 + 2 * tile,
             3 => 50 + 2 * x + y,
+            4 => 255 * (tile / 50),
             _ => 20 + 3 * tile / 2 + usize::from(pattern[at]) / 5,
         }
     };
     (0..160 * 120).map(|at| pixel(at) as u8).collect()
 }
 
+/// A target that `lock` calls distinct is followed at least while it stands still, however much of it is black or white.
+#[test]
+fn a_distinct_target_is_not_refused() {
+    let hash = |x: usize, y: usize| (x * 31 + y * 57).wrapping_mul(2_654_435_761) >> 16;
+    let drawn = |inside: &dyn Fn(usize, usize) -> u8| -> Vec<u8> {
+        let pixel = |x: usize, y: usize| match (x.checked_sub(50), y.checked_sub(40)) {
+            (Some(x), Some(y)) if x < 40 && y < 40 => inside(x, y),
+            _ => 100 + (hash(x / 12, y / 12) % 60) as u8,
+        };
+        (0..160 * 120).map(|at| pixel(at % 160, at / 160)).collect()
+    };
+    let marker = |x: usize, y: usize| if hash(x / 8, y / 8) % 2 == 0 { 0 } else { 255 };
+    let disc = |x: usize, y: usize| if (x.abs_diff(20)).pow(2) + y.abs_diff(20).pow(2) < 300 { 255 } else { 90 };
+    let ring = |x: usize, y: usize| if (8..32).contains(&x) && (8..32).contains(&y) { 0 } else { 255 };
+    let scenes = [drawn(&marker), drawn(&disc), drawn(&ring), drawn(&|x, _| if x < 30 { 255 } else { 120 })];
+    for (number, scene) in scenes.iter().enumerate() {
+        for (margin, light) in [(0, 100), (4, 100), (4, 60)] {
+            let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
+            let side = 40 + 2 * margin;
+            let bbox = Rect::new(50 - i32::from(margin), 40 - i32::from(margin), side, side);
+            let quality = tracker.lock(&whole(scene, 160, 120), bbox).unwrap();
+            let dimmed: Vec<u8> = scene.iter().map(|&level| (u32::from(level) * light / 100) as u8).collect();
+            for frame in 0..12 {
+                let answer = tracker.update(&whole(&dimmed, 160, 120)).unwrap();
+                let refused = answer.state == State::Lost && !quality.is_poor();
+                assert!(!refused, "{number}, {margin}, {light}, {frame}: {quality:?}, {answer:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_covered_lens_is_lost_and_teaches_nothing() {
-    for (kind, name) in ["dark", "bright", "textured", "smooth", "noisy"].into_iter().enumerate() {
+    for (kind, name) in ["dark", "bright", "textured", "smooth", "clipped", "noisy"].into_iter().enumerate() {
         for level in [0, 255, 128] {
             let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
             let update =

@@ -43,15 +43,15 @@ pub fn expected_gain(numbers: &Numbers, light: f64, window: f64) -> f64 {
     down(light * window, FINE).clamp(least, most)
 }
 
-/// True if `seen` can show `target`: it has enough of the expected contrast, and not too many of its pixels are cut off at black or white.
+/// True if `seen` can show `target`: it has enough of the expected contrast, and not many more pixels cut off at black or white than `target`.
 pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) -> bool {
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
-    let cut_off = seen.pixels.iter().filter(|&&pixel| pixel <= 0.0 || pixel >= 255.0).count();
-    #[allow(clippy::cast_precision_loss)] // a few thousand
-    let part = cut_off as f64 / seen.pixels.len() as f64;
+    let cut_off =
+        |patch: &Patch| patch.pixels.iter().map(|pixel| f64::from(*pixel <= 0.0 || *pixel >= 255.0)).sum::<f64>();
+    let pixels = real(seen.columns * seen.rows);
     is >= was * expected * numbers.least_contrast
-        && is >= real(seen.columns * seen.rows) * numbers.least_deviation
-        && part <= numbers.most_cut_off
+        && is >= pixels * numbers.least_deviation
+        && cut_off(seen) <= pixels * numbers.most_cut_off + cut_off(target)
 }
 
 /// The contrast of `seen` over that of `template`, on a grid of 1/256.
