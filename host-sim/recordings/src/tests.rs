@@ -231,7 +231,10 @@ mod folders {
         )));
 
         let text = write(&folder, "notes.txt", b"no video");
-        assert_eq!(message(open_plain(&text)), format!("{at}/notes.txt is a text file: expected a recording"));
+        assert_eq!(
+            message(open_plain(&text)),
+            format!("{at}/notes.txt is a text file: expected a recording (a video, Y4M or pictures)")
+        );
 
         write(&folder, "a.y4m", b"");
         assert_eq!(message(open_plain(folder.path())), format!("{at}/a.y4m is empty: expected a recording"));
