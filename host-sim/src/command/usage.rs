@@ -198,10 +198,12 @@ impl Line<'_> {
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                if !bare.contains(from) && !(from == &" " && count == 1) {
+                // One word without blanks once, for brackets and capitals.
+                let is_tried = bare.contains(from) || (*from == " " && count == 1);
+                if !is_tried {
                     continue;
                 }
-                // `142, 125, 90, 39`, and names in capitals.
+                // `142, 125, 90, 39`
                 let blanks = if *from == " " { bare.to_owned() } else { bare.replace(' ', "") };
                 for value in [blanks.replace(from, to), blanks.replace(from, to).to_lowercase()] {
                     let is_new = value != typed && !value.contains(&to.repeat(2));
