@@ -48,8 +48,8 @@
 //! # Two trackers with the same calls
 //!
 //! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] goes beyond the paper: it
-//! follows changes of size, light and view, finds a lost target again anywhere in the frame, and takes more time and
-//! memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the window it needs,
+//! follows changes of size, light and view, looks for a lost target in one part of the frame after the other (it is not
+//! always found again), and takes more time and memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the window it needs,
 //! and is saved and restored. Generic code takes a [`Target`].
 //!
 //! # Data flow

@@ -93,6 +93,16 @@ fn eval_of_the_written_recording_is_that_of_the_built_in_one() {
 }
 
 #[test]
+fn the_results_have_the_figures_of_the_built_in_recording() {
+    let iou = |more: &[&str]| {
+        let said = host_sim(&[&["eval", "synthetic", "--method", "robust", "--json"], more].concat()).json();
+        said["measured"][0]["mean_iou"].as_f64().unwrap()
+    };
+    let falls = format!("falls from {:.3} to {:.3}", iou(&["--without", "refiner"]), iou(&[]));
+    assert!(include_str!("../../host-sim/RESULTS.md").contains(&falls), "host-sim/RESULTS.md: the mean IoU {falls}");
+}
+
+#[test]
 fn eval_from_many_starts_reports_as_json() {
     let report = host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "100", "--json"]).json();
     let recording = &report["measured"][0];

@@ -136,13 +136,13 @@ fn a_file_is_written_whole_or_not_at_all() {
 fn what_cannot_be_written_is_said_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("no").join("such").join("file.svg");
-    let (file, picture) = (utf8(&file), utf8(&file).replace(".svg", ".png"));
+    let (file, [picture, boxes]) = (utf8(&file), [".png", ".txt"].map(|ending| utf8(&file).replace(".svg", ending)));
     // Each fails before it reads its frames, which do not exist.
     let missing = folder.path().join("empty.y4m");
     fs::write(&missing, "YUV4MPEG2 W9 H9 Cmono\n").unwrap();
     let recording = utf8(&missing);
     for arguments in [
-        &["track", recording, "--init", "0,0,4,4", "--out", file][..],
+        &["track", recording, "--init", "0,0,4,4", "--out", &boxes][..],
         &["report", recording, "--init", "0,0,4,4", "--png", &picture],
         &["eval", recording, "--robustness", "--calibration", file],
     ] {
@@ -421,6 +421,7 @@ fn messages_are_in_peoples_words() {
         .refuses(&["former.json: line 1: expected what `host-sim eval --robustness --json` writes"]);
     let firmware = file("firmware.elf", b"hello");
     host_sim(&["run", &firmware]).refuses(&["firmware.elf is not firmware: expected an ELF file"]);
+    host_sim(&["run", PROGRAM]).refuses(&["is not firmware: expected an ELF file of 32 bits"]);
 }
 
 #[test]
@@ -516,11 +517,35 @@ fn the_name_of_an_output_says_what_it_is() {
         ("frame", "--out", "f.png", "ends in .html"),
         ("frame", "--out", "f", "ends in .html"),
         ("figures", "--out", "f.png", "a folder"),
+        (
+            "track",
+            "--out",
+            "b.avi",
+            ".txt, .csv, .json, .jsonl, .xml, .mp4, .mov, .mkv, .webm or .gif, or has no ending",
+        ),
+        ("track", "--out", "b.m4v", "ends in .txt"),
+        ("track", "--out", "b.xlsx", "ends in .txt"),
+        ("track", "--out", "b.", "ends in .txt"),
+        ("track", "--video", "b.avi", "ends in .mp4, .mov, .mkv, .webm or .gif, or a folder"),
     ] {
         let sequence: &[&str] = if command == "demo" { &[] } else { &["synthetic"] };
         host_sim(&[&[command], sequence, &[option, &path(name)]].concat()).refuses(&[option, name, expected]);
     }
+    for (command, name, format, expected) in [
+        ("track", "b.csv", "json", "expected a file that ends in .json or .jsonl or .txt"),
+        ("track", "b.JSON", "csv", "expected a file that ends in .csv or .txt"),
+        ("track", "b.csv", "tld", "expected a file that ends in .txt"),
+        ("track", "b.xml", "coco", "expected a file that ends in .json or .txt"),
+        ("convert", "b.y4m", "raw", "expected a folder, or a file with the extension of the format"),
+    ] {
+        let said = host_sim(&[command, "periodic", "--format", format, "-o", &path(name)]);
+        said.refuses(&[&format!("--format {format} into"), name, expected]);
+    }
+    host_sim(&["eval", "synthetic", "--robustness", "--resume", &path("r.json")]).refuses(&["--resume", "a folder"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    for (name, format) in [("b.txt", "json"), ("b", "otb"), ("b.JSON", "coco"), ("c.jsonl", "json")] {
+        assert_eq!(host_sim(&["track", "periodic", "--format", format, "-o", &path(name)]).code, Some(0), "{name}");
+    }
     let convert = |out: &str| host_sim(&["convert", "synthetic", "--frames", "1..2", "-o", out]).code;
     assert_eq!(convert(&path("run.7/")), Some(0));
     assert!(folder.path().join("run.7/00002.png").is_file());
@@ -558,10 +583,81 @@ fn usage_is_told_without_misleading_advice() {
     let boxes = folder.path().join("boxes.txt");
     assert_eq!(host_sim(&["track", "periodic", "-o", utf8(&boxes)]).code, Some(0));
     assert_eq!(fs::read_to_string(&boxes).unwrap(), host_sim(&["track", "periodic"]).out);
-    let said = host_sim(&["eval", "synthetic", "-o", "x"]);
-    said.refuses_usage("unexpected argument '-o' found");
-    assert!(!said.err.contains("as a value") && !said.err.contains("\n\n\n"), "{}", said.err);
-    host_sim(&["eval", "--metho", "smr"]).refuses_usage("a similar argument exists: '--method'");
+}
+
+/// One line for each kind of line that cannot be read: the word, what was expected, and what was probably meant.
+#[test]
+fn a_command_line_that_cannot_be_read_is_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("clip.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..3", "-o", utf8(&file)]).code, Some(0));
+    let clip = utf8(&file);
+    for (line, expected) in [
+        // No command, or another word in its place.
+        ("no.mp4", "no.mp4: there is no such file and no such command: expected a recording, or one of demo, view"),
+        ("Trak clip", "did you mean track?"),
+        ("CLIP --metod smr", "view has no option --metod: did you mean --method?"),
+        ("CLIP -o b.csv", "view has no option -o: it belongs to demo, frame, track"),
+        ("CLIP track", "track is a command: expected it first, as in host-sim track"),
+        ("--method smr track CLIP", "--method stands before the command: expected one of demo, view"),
+        // Parts of a value as words of their own.
+        (
+            "CLIP --init 142 125 90 39",
+            "--init 142 125 90 39: expected one value, with commas and without blanks: --init 142,125,90,39",
+        ),
+        ("track CLIP --init 36, 24, 24, 28", "with commas and without blanks: --init 36,24,24,28"),
+        ("track --init 36 24 24 28 CLIP", "did you mean --init 36,24,24,28?"),
+        (
+            "check CLIP --init 36 24 24 28",
+            "four numbers with commas, width and height above 0; did you mean --init 36,24,24,28?",
+        ),
+        ("track CLIP --size 320 240", "with an x and without blanks: --size 320x240"),
+        ("track CLIP --frames 1 2", "with two dots and without blanks: --frames 1..2"),
+        ("track CLIP --k 1 4", "with a slash and without blanks: --k 1/4"),
+        ("track CLIP --without size velocity", "with commas and without blanks: --without size,velocity"),
+        // Other separators.
+        (
+            "track CLIP --init 142;125;90;39",
+            "four numbers with commas, width and height above 0; did you mean --init 142,125,90,39?",
+        ),
+        ("track CLIP --init (142,125,90,39)", "did you mean --init 142,125,90,39?"),
+        ("track CLIP --size 320,240", "did you mean --size 320x240?"),
+        ("track CLIP --window=16*16", "did you mean --window 16x16?"),
+        ("track CLIP --frames 20-80", "did you mean --frames 20..80?"),
+        ("track CLIP --method SMR", "did you mean --method smr?"),
+        ("track CLIP --frames -5..", "--frames -5..: expected frames like 20..80"),
+        ("track CLIP --k -1/4", "--k -1/4: expected a fraction like 1/4"),
+        ("track CLIP --init 1,2,-3,4", "width and height above 0\n"),
+        // Words, options and values that are too many or too few.
+        (
+            "track CLIP 36 24 24 28",
+            "36 is one word too many: expected host-sim track [OPTIONS] <SEQ>; did you mean --init 36,24,24,28?",
+        ),
+        ("convert CLIP out.y4m", "did you mean --out out.y4m?"),
+        ("track CLIP -o x.csv y.csv", "y.csv is one word too many: expected host-sim track"),
+        ("track CLIP synthetic", "synthetic is one word too many: expected host-sim track [OPTIONS] <SEQ>\n"),
+        ("track CLIP --fault black:3", "track has no option --fault: it belongs to eval"),
+        ("eval CLIP -o x", "eval has no option -o: it prints, and `> FILE` keeps that"),
+        ("track CLIP --verbose", "track has no option --verbose: `host-sim track --help` lists those that it has"),
+        ("track CLIP --init", "--init has no value: expected --init <[NAME=]X,Y,W,H[@FRAME]>"),
+        ("track", "<SEQ> is missing: expected host-sim track <SEQ> (`host-sim track --help` has examples)"),
+        ("track CLIP --json --json", "--json is given more than once: expected it once"),
+        ("track CLIP --json --format csv", "--json does not go with --format <FORMAT>: expected one of them"),
+        ("track CLIP --json=yes", "--json takes no value"),
+        // What can be read, and means nothing.
+        ("track CLIP --method smr --window 0x0", "--window 0x0: the target is looked for nowhere else"),
+        ("track synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),
+        ("synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),
+        (
+            "CLIP --init 150,110,90,39",
+            "clip: the box 150,110,90,39 (x,y,width,height) is not wholly inside the frame of 160x120",
+        ),
+        ("track CLIP --size 9x9", "--size is for raw dumps: "),
+    ] {
+        let words: Vec<&str> = line.split(' ').map(|word| if word == "CLIP" { clip } else { word }).collect();
+        host_sim(&words).refuses(&["error: ", expected]);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
 #[test]

@@ -60,6 +60,20 @@ fn without_arguments_a_target_is_followed_and_shown() {
 }
 
 #[test]
+fn a_recording_without_a_command_opens_the_window() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
+        let mut window = Command::new(PROGRAM);
+        window.args(arguments).env("TMPDIR", folder.path()).stdin(Stdio::null()).stdout(Stdio::piped());
+        let mut window = window.spawn().unwrap();
+        let mut line = String::new();
+        BufReader::new(window.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        window.kill().and_then(|()| window.wait()).unwrap();
+        assert!(line.contains("http://127.0.0.1:"), "{arguments:?}: {line}");
+    }
+}
+
+#[test]
 fn convert_reports_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("frames");

@@ -1,6 +1,8 @@
 //! What holds across the crates. One test program, so that all of its tests run side by side.
 
 mod conformance;
+mod evidence;
+mod figures;
 mod languages;
 #[path = "../missing.rs"]
 mod missing;

@@ -12,49 +12,6 @@ fn the_readme_has_at_most_900_words() {
     assert!(words <= 900, "README.md has {words} words");
 }
 
-/// Figures of firmware in documents are those of `budgets.txt`, which `.ci/targets` checks.
-#[test]
-fn documents_have_the_recorded_figures() {
-    let budgets = include_str!("../budgets.txt");
-    let recorded = |name: &str| -> f64 {
-        let line = budgets.lines().find_map(|line| line.strip_prefix(name)).unwrap_or_else(|| panic!("no {name}"));
-        line.trim().parse().expect("a number")
-    };
-    let thousands = |name: &str| recorded(name) / 1e3;
-    let millions = |name: &str| recorded(name) / 1e6;
-    let firmware = |machine: &str, board: &str| {
-        let of = |name: &str| recorded(&format!("{machine} {name} "));
-        let (ram, flash, instructions) = (of("ram"), of("flash"), of("instructions") / 1e6);
-        [format!("| {board} (`{machine}`) | {ram} B | "), format!(" | {flash} B | {instructions:.2} M |")]
-    };
-    let library = [
-        format!(
-            "takes {:.1} million instructions on average and at most {:.1} million (M55: {:.1} and {:.1} million)",
-            millions("mps2-an386 robust-instructions "),
-            millions("mps2-an386 robust-most "),
-            millions("mps3-an547 robust-instructions "),
-            millions("mps3-an547 robust-most ")
-        ),
-        format!(
-            "takes {:.1} KB of flash and {:.1} KB of stack on the M4 (M55: {:.1} and {:.1} KB)",
-            thousands("thumbv7em-none-eabihf robust-flash "),
-            thousands("mps2-an386 robust-stack "),
-            thousands("thumbv8m.main-none-eabihf+cortex-m55 robust-flash "),
-            thousands("mps3-an547 robust-stack ")
-        ),
-    ];
-    let readme = include_str!("../../core/README.md").split_whitespace().collect::<Vec<_>>().join(" ");
-    for words in library {
-        assert!(readme.contains(&words), "core/README.md: expected {words}");
-    }
-    let boards = [("mps2-an386", "Cortex-M4"), ("mps2-an500", "Cortex-M7"), ("mps3-an547", "Cortex-M55")];
-    for [beginning, end] in boards.map(|(machine, board)| firmware(machine, board)) {
-        let mut rows = include_str!("../../core/examples/README.md").lines();
-        let row = rows.find(|row| row.starts_with(&beginning)).unwrap_or_else(|| panic!("no row {beginning}"));
-        assert!(row.ends_with(&end), "expected {end}: {row}");
-    }
-}
-
 /// The target of the examples: 40x48 pixels at 150,100 in the first of these pictures of 320x240, and two pixels further to the right in each one.
 fn pictures(count: usize) -> Vec<Vec<u8>> {
     let texture = |x: usize, y: usize| (x / 4 * 83 + y / 4 * 47 + (x / 4) * (y / 4) * 29) % 200 + 55;

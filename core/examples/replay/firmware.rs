@@ -81,7 +81,7 @@ impl Replayed for Robust {
 /// Why the firmware stops. The numbers are part of the protocol.
 #[derive(Clone, Copy)]
 enum Refusal {
-    /// `frames.smr` is missing, ends early, or has another version.
+    /// `frames.smr` ends early, or has another version.
     BadInput = 1,
     /// The box has more pixels than the template.
     BoxTooLarge = 2,
@@ -98,7 +98,10 @@ enum Refusal {
 #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
-    let (Some(timer), Some(mut answers)) = (start(), HostFile::create(c"answers.smr")) else { exit(1) };
+    let timer = start();
+    // Without a recording there is nothing to answer, and no file is left behind.
+    let answers = HostFile::open(c"frames.smr").and_then(|_| HostFile::create(c"answers.smr"));
+    let (Some(timer), Some(mut answers)) = (timer, answers) else { exit(1) };
     let mut frame = 0;
     let end = choose(timer, &mut answers, &mut frame);
     let record = match end {

@@ -122,7 +122,7 @@ pub fn evaluate(
 
 /// The ground truth of the sequence called `name`, without which nothing can be measured.
 pub fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
-    truth.with_context(|| format!("{name}: no ground truth beside it: gt.txt, groundtruth_rect.txt or groundtruth.txt"))
+    truth.with_context(|| format!("{name}: no ground truth beside it: expected gt.txt, groundtruth_rect.txt or groundtruth.txt (`track` needs none)"))
 }
 
 impl Evaluation {

@@ -104,7 +104,7 @@ impl FromStr for BoundingBox {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let expected = "expected x,y,width,height: four numbers, width and height above 0";
+        let expected = "expected x,y,width,height: four numbers with commas, width and height above 0";
         let [x, y, width, height] = four_numbers(text).context(expected)?;
         let typed = Self { x, y, width, height };
         ensure!(typed.has_area() && !x.is_nan() && !y.is_nan(), expected);
@@ -388,7 +388,10 @@ mod tests {
         assert_eq!("1,2.5,3,4".parse::<BoundingBox>().unwrap(), boxed(1.0, 2.5, 3.0, 4.0));
         for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d"] {
             let error = message(text.parse::<BoundingBox>().unwrap_err());
-            assert_eq!(error, "expected x,y,width,height: four numbers, width and height above 0", "{text}");
+            assert_eq!(
+                error, "expected x,y,width,height: four numbers with commas, width and height above 0",
+                "{text}"
+            );
         }
     }
 

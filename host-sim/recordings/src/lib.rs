@@ -164,7 +164,7 @@ impl Sequence {
 /// What a path alone does not tell.
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
-    /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump.
+    /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump, unless its extension is that of something else.
     pub size: Option<(u16, u16)>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
@@ -371,6 +371,8 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
     let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
     // A pipe has no length, and may be read all the same.
     ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
+    let is_other = video::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
+    ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {} is none", file.display());
     if options.size.is_some() || raw::is_raw(file) {
         let size = options.size.with_context(|| {
             format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
@@ -388,7 +390,11 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file) });
     }
     // ffmpeg would: it draws text as a video of a terminal.
-    ensure!(!has_extension(file, &["txt"]), "{} is a text file: expected a recording", file.display());
+    ensure!(
+        !has_extension(file, &["txt"]),
+        "{} is a text file: expected a recording (a video, Y4M or pictures)",
+        file.display()
+    );
     let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
     Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file) })
 }

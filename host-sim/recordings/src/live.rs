@@ -86,7 +86,8 @@ impl Live {
         let mut stream = ffmpeg.output();
         if stream.fill_buf().with_context(|| format!("cannot read {name} through ffmpeg"))?.is_empty() {
             let reason = without(ffmpeg.last_words()?, &secrets);
-            bail!("ffmpeg cannot read {name}: {reason}");
+            let reason = reason.trim_start_matches(&format!("{name}: "));
+            bail!("ffmpeg cannot read {name}: {reason}: expected a camera, or an address that answers");
         }
         let live = Self { newest: Arc::default(), ffmpeg: Some(ffmpeg), secrets, name, ended: None };
         live.read(stream)

@@ -23,10 +23,12 @@ fn of_cause(cause: &(dyn Error + 'static)) -> String {
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
-        ErrorKind::PermissionDenied => "the system does not permit it",
+        ErrorKind::PermissionDenied => {
+            "the system does not permit it to this user: expected another, or other permissions"
+        }
         ErrorKind::NotADirectory => "what should be a folder is a file",
-        ErrorKind::IsADirectory => "it is a folder",
-        ErrorKind::AlreadyExists => "there is something of that name",
+        ErrorKind::IsADirectory => "it is a folder: expected a file",
+        ErrorKind::AlreadyExists => "there is something of that name: expected another",
         ErrorKind::UnexpectedEof => "it ends too early",
         _ => {
             let text = error.to_string();

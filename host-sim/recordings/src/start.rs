@@ -1,7 +1,7 @@
 //! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48`, `car@300=150,100,40,48`.
 
 use super::BoundingBox;
-use anyhow::{Context, Error, Result, anyhow, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -52,6 +52,15 @@ impl Target {
             target.starts.sort_by_key(|(frame, _)| *frame);
         }
         Ok(targets)
+    }
+
+    /// Errors: A box lies in a frame that a recording of this length does not have.
+    pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
+        // A recording without frames has other troubles.
+        let last = length.filter(|&length| length > 0).map_or(usize::MAX, |length| first + length - 1);
+        let frames = targets.iter().flat_map(|target| &target.starts).map(|(frame, _)| *frame);
+        let beyond = frames.max().filter(|&frame| frame > last);
+        beyond.map_or(Ok(()), |frame| bail!("there is no frame {frame} (--init): expected {first} to {last}"))
     }
 
     /// The same boxes in whole pixels, as every tracker takes them.

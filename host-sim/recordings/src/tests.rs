@@ -231,7 +231,10 @@ mod folders {
         )));
 
         let text = write(&folder, "notes.txt", b"no video");
-        assert_eq!(message(open_plain(&text)), format!("{at}/notes.txt is a text file: expected a recording"));
+        assert_eq!(
+            message(open_plain(&text)),
+            format!("{at}/notes.txt is a text file: expected a recording (a video, Y4M or pictures)")
+        );
 
         write(&folder, "a.y4m", b"");
         assert_eq!(message(open_plain(folder.path())), format!("{at}/a.y4m is empty: expected a recording"));
@@ -619,7 +622,8 @@ mod videos {
         let file = write(&folder, "a.mp4", b"no video at all");
         let error = message(open_plain(&file));
         assert!(error.starts_with(&format!("ffmpeg cannot decode {}: ", file.display())), "{error}");
-        assert!(error.ends_with("Invalid data found when processing input") && !error.contains('\n'), "{error}");
+        let said = "Invalid data found when processing input: expected a whole video, or else pictures, Y4M";
+        assert!(error.contains(said) && !error.contains('\n'), "{error}");
     }
 
     #[test]

@@ -41,7 +41,11 @@ fn open_with(program: &str, file: &Path, patience: Duration) -> Result<Frames> {
     if stream.fill_buf().with_context(|| format!("cannot read {name} through ffmpeg"))?.is_empty() {
         let (status, said) = ffmpeg.end()?;
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
-        ensure!(said.last.is_empty() && status.success(), "ffmpeg cannot decode {name}: {}", said.or(status));
+        ensure!(
+            said.last.is_empty() && status.success(),
+            "ffmpeg cannot decode {name}: {}: expected a whole video, or else pictures, Y4M or a raw dump (--size)",
+            said.or(status)
+        );
         bail!("{name} holds no frame that ffmpeg decodes");
     }
     Ok(Frames { decoded: Some(y4m::Frames::new(stream, name)?), ffmpeg })

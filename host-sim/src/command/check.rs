@@ -107,7 +107,7 @@ impl Check {
         progress.finish_and_clear();
         let check::Report { sequence, frames, violation, counts: counted } = run.into_report();
         let compared = frames > 0 || violation.is_some();
-        ensure!(compared, "{name}: only one frame, which is locked on: there is nothing to compare");
+        ensure!(compared, "{name}: only one frame, which is locked on: expected two or more");
         Ok(check::Report { sequence, frames, violation, counts: counts(counted) })
     }
 }

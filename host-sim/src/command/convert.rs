@@ -1,6 +1,6 @@
 //! `host-sim convert`: a recording as files that other programs read and firmware replays.
 
-use super::paths::{Places, Taken};
+use super::paths::{Bare, Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
 use anyhow::{Result, bail, ensure};
@@ -12,7 +12,7 @@ use smr_recordings::{BoundingBox, Sequence};
 use std::io::Write;
 use std::path::PathBuf;
 
-const TAKEN: Taken = Taken { endings: &Format::OF_FILES, folder: true };
+const TAKEN: Taken = Taken { endings: &Format::OF_FILES, bare: Bare::Folder };
 
 #[derive(Debug, clap::Args)]
 pub struct Convert {

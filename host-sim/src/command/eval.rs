@@ -1,7 +1,7 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
 use super::number::from;
-use super::paths::Places;
+use super::paths::{Places, Taken};
 use super::progress::Expected;
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, count_failures, end, say_what_failed};
@@ -120,7 +120,9 @@ pub struct Eval {
 
 impl Eval {
     pub fn places(&self) -> Places<'_> {
-        Places::of(&self.paths).reads(self.against.as_ref()).writes("--calibration", self.calibration.as_ref())
+        let places = Places::of(&self.paths).reads(self.against.as_ref());
+        let places = places.writes_as("--calibration", self.calibration.as_ref(), Taken::PLOT);
+        places.writes_as("--resume", self.resume.as_ref(), Taken::FOLDER)
     }
 
     pub fn run(mut self) -> Result<Outcome> {

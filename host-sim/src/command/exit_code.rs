@@ -7,13 +7,12 @@
 //! | 2 | bad usage or input |
 //! | 128 and more | a signal came, of this number less 128 ([`cleanup`]) |
 
+use super::usage;
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
-use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
 use smr_evaluation::Refused;
 use smr_recordings::output::complain;
 use smr_recordings::{Damaged, cleanup, messages};
-use std::error::Error;
 use std::ffi::OsString;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
@@ -37,17 +36,14 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);
     }
-    let matches = all.clone().try_get_matches_from(arguments);
+    let arguments = usage::joined(arguments);
+    let matches = all.clone().try_get_matches_from(&arguments);
     let name = matches.as_ref().ok().and_then(|matches| matches.subcommand_name()).unwrap_or("");
     let command = all.find_subcommand(name).unwrap_or(&all).clone();
     let line = match matches.and_then(|matches| T::from_arg_matches(&matches)) {
         Ok(line) => line,
-        Err(error) => {
-            return match bad_value(&error) {
-                Some(said) => refused(&anyhow!(said), &command),
-                None => misused(error),
-            };
-        }
+        Err(error) if !error.use_stderr() => error.exit(),
+        Err(error) => return refused(&anyhow!(usage::said(&error, &all, &arguments)), &command),
     };
     let done = run(line);
     cleanup::yield_to_signal();
@@ -58,41 +54,6 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => refused(&error, &command),
     }
-}
-
-/// A value that an option does not take, in one line; `None` of other bad usage, of which clap says more.
-fn bad_value(error: &clap::Error) -> Option<String> {
-    let text = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.as_str()),
-        _ => None,
-    };
-    let (argument, value) = (text(ContextKind::InvalidArg)?, text(ContextKind::InvalidValue)?);
-    // `--window <XxY>` is called by its name alone.
-    let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
-    let shown =
-        if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() };
-    let expected = match (error.kind(), error.get(ContextKind::ValidValue)) {
-        (Usage::ValueValidation, _) => error.source()?.to_string(),
-        (Usage::InvalidValue, Some(ContextValue::Strings(known))) if known.is_empty() => "expected a value".to_owned(),
-        (Usage::InvalidValue, Some(ContextValue::Strings(known))) => format!("expected one of {}", known.join(", ")),
-        _ => return None,
-    };
-    Some(format!("{name} {shown}: {expected}"))
-}
-
-/// Prints other bad usage as clap does, or the help that was asked for. Without the advice to put `--` before an option that there is not.
-fn misused(mut error: clap::Error) -> ExitCode {
-    if !error.use_stderr() {
-        error.exit();
-    }
-    if let Some(ContextValue::StyledStrs(mut advice)) = error.remove(ContextKind::Suggested) {
-        advice.retain(|advice| !advice.to_string().starts_with("to pass "));
-        if !advice.is_empty() {
-            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(advice));
-        }
-    }
-    error.render().to_string().trim_end().lines().for_each(complain);
-    ExitCode::from(2)
 }
 
 /// What is printed of an error of this command; a box that is refused and damage come with what the command has against them.

@@ -1,7 +1,7 @@
 //! `host-sim frame`: a page on which boxes are dragged, as one file.
 
 use super::number::from;
-use super::paths::{Places, Taken};
+use super::paths::{Bare, Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{BUDGET, Outcome, progress, say};
 use anyhow::{Context, Result};
@@ -13,7 +13,7 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-const TAKEN: Taken = Taken { endings: &["html"], folder: false };
+const TAKEN: Taken = Taken { endings: &["html"], bare: Bare::Refused };
 
 #[derive(Debug, clap::Args)]
 pub struct Frame {

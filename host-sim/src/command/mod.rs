@@ -30,6 +30,7 @@ mod target;
 mod track;
 pub mod tracker_options;
 mod trax;
+mod usage;
 mod video;
 mod view;
 
@@ -42,11 +43,14 @@ use not_built::NotBuilt;
 use paths::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
+use smr_recordings::{BUILT_IN, is_live};
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Replays recordings through smr-core: tracks, checks, measures, shows.
+/// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
 /// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
@@ -184,10 +188,23 @@ macro_rules! each {
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
     let mut arguments: Vec<_> = std::env::args_os().collect();
-    if arguments.len() == 1 {
-        arguments.push("demo".into());
+    if let Some(command) = usual(&arguments) {
+        arguments.insert(1, command.into());
     }
     obey(arguments, HostSim::run)
+}
+
+/// The command of a line that names none: of a recording alone the window.
+fn usual(arguments: &[OsString]) -> Option<&'static str> {
+    let Some(first) = arguments.get(1) else { return Some("demo") };
+    let all = HostSim::command();
+    let is_command = |word: &OsString| word == "help" || all.find_subcommand(word).is_some();
+    let is_recording = |word: &OsString| {
+        Path::new(word).exists() || is_live(Path::new(word)) || BUILT_IN.iter().any(|name| word == name)
+    };
+    let begins = first.as_encoded_bytes().starts_with(b"--") && !arguments[1..].iter().any(is_command);
+    let is_view = first == "-" || if begins { arguments[2..].iter().any(is_recording) } else { is_recording(first) };
+    (is_view && !is_command(first)).then_some("view")
 }
 
 fn named(name: &str) -> clap::Command {

@@ -18,27 +18,36 @@ pub struct Places<'a> {
     named: Vec<(&'static str, &'a Path, Taken)>,
 }
 
-/// What an output can be, as its name says: a file with one of these endings, or a folder.
+/// What an output can be, as its name says: a file with one of these endings, or what a name without an ending stands for.
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: &'static [&'static str],
-    pub folder: bool,
+    pub bare: Bare,
+}
+
+/// A name without an ending.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Bare {
+    Refused,
+    File,
+    Folder,
 }
 
 impl Taken {
-    pub const PICTURE: Self = Self { endings: &["png"], folder: false };
-    pub const FOLDER: Self = Self { endings: &[], folder: true };
+    pub const PICTURE: Self = Self { endings: &["png"], bare: Bare::Refused };
+    pub const PLOT: Self = Self { endings: &["svg", "png"], bare: Bare::Refused };
+    pub const FOLDER: Self = Self { endings: &[], bare: Bare::Folder };
     /// A page, or a folder for it.
-    pub const PAGE: Self = Self { endings: &["html"], folder: true };
+    pub const PAGE: Self = Self { endings: &["html"], bare: Bare::Folder };
 
     fn takes(self, output: &Path) -> bool {
         // A device takes anything. A file in place of a folder, or the other way round, is refused by who writes it.
         if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
             return true;
         }
-        let Some(ending) = output.extension() else { return self.folder };
+        let Some(ending) = output.extension() else { return self.bare != Bare::Refused };
         let is_folder = output.as_os_str().as_encoded_bytes().ends_with(b"/");
-        self.folder && is_folder || self.endings.iter().any(|known| ending.eq_ignore_ascii_case(known))
+        self.bare == Bare::Folder && is_folder || self.endings.iter().any(|known| ending.eq_ignore_ascii_case(known))
     }
 }
 
@@ -50,7 +59,11 @@ impl fmt::Display for Taken {
             [one] => write!(f, "a file that ends in .{one}")?,
             [others @ .., last] => write!(f, "a file that ends in .{} or .{last}", others.join(", ."))?,
         }
-        if self.folder { write!(f, ", or {folder}") } else { Ok(()) }
+        match self.bare {
+            Bare::Refused => Ok(()),
+            Bare::File => f.write_str(", or has no ending"),
+            Bare::Folder => write!(f, ", or {folder}"),
+        }
     }
 }
 
@@ -80,9 +93,6 @@ impl<'a> Places<'a> {
 
     /// Errors: The name of an output does not say what it is, two outputs are one file, or an output is an input.
     pub fn check(&self) -> Result<()> {
-        for &(option, output, taken) in &self.named {
-            ensure!(taken.takes(output), "{option} {}: expected {taken}", output.display());
-        }
         for (index, &(option, output)) in self.outputs.iter().enumerate() {
             let shown = output.display();
             if let Some((other, _)) = self.outputs[..index].iter().find(|(_, other)| is_same(output, other)) {
@@ -94,6 +104,9 @@ impl<'a> Places<'a> {
             if self.recordings.iter().any(|recording| is_same(output, recording) || is_part(output, recording)) {
                 bail!("{option} {shown} belongs to the recording that is read: expected another file");
             }
+        }
+        for &(option, output, taken) in &self.named {
+            ensure!(taken.takes(output), "{option} {}: expected {taken}", output.display());
         }
         Ok(())
     }
@@ -176,8 +189,10 @@ mod tests {
         assert_eq!(check("x.jpg", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
         assert_eq!(check("picture", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
         assert!(check("x.png", Taken::FOLDER).is_err());
-        let two = Taken { endings: &["html", "png"], folder: false };
-        assert_eq!(check("x", two).unwrap_err(), "a file that ends in .html or .png");
+        assert_eq!(check("x", Taken::PLOT).unwrap_err(), "a file that ends in .svg or .png");
+        let text = Taken { endings: &["txt"], bare: Bare::File };
+        assert_eq!((check("x", text), check("x.txt", text)), (Ok(()), Ok(())));
+        assert_eq!(check("x.", text).unwrap_err(), "a file that ends in .txt, or has no ending");
     }
 
     #[test]

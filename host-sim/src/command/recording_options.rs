@@ -2,7 +2,7 @@
 
 use super::number::whole;
 use super::tracker_options::Pair;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use smr_recordings::{
     self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
@@ -135,6 +135,7 @@ impl RecordingOptions {
             sequence = sequence.part(part);
         }
         let mut targets = Target::all(&self.init, sequence.first)?;
+        Target::check_frames(&targets, sequence.first, sequence.length).with_context(|| sequence.name.clone())?;
         if let Some(target) = targets.first() {
             sequence.init = Some(target.starts[0].1);
         }

@@ -32,7 +32,10 @@ impl Replay {
         let source: Box<dyn Read> = if self.file == Path::new("-") {
             Box::new(stdin())
         } else {
-            Box::new(File::open(&self.file).with_context(|| format!("cannot open the record {name}"))?)
+            Box::new(
+                File::open(&self.file)
+                    .with_context(|| format!("cannot open the record {name}: expected what firmware wrote"))?,
+            )
         };
         let bar = progress::of(&name, None, "entries");
         let report = replay::replay(source, || bar.inc(1)).with_context(|| name.clone())?;

@@ -2,9 +2,9 @@
 
 use super::qemu_options::QemuOptions;
 use super::{Outcome, estimates, tell};
-use crate::emulator::cycles;
 use crate::emulator::qemu::Qemu;
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use crate::emulator::{cycles, firmware};
+use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
 use smr_recordings::input;
 use std::io::{self, ErrorKind, StdoutLock, Write};
@@ -12,9 +12,6 @@ use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
-
-/// What every ELF file begins with.
-const ELF: &[u8] = b"\x7fELF";
 
 #[derive(Debug, clap::Args)]
 pub struct Run {
@@ -36,7 +33,8 @@ impl Run {
         let name = self.elf.display().to_string();
         let elf = input::bytes(&self.elf, &input::FIRMWARE);
         let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
-        ensure!(elf.starts_with(ELF), "{name} is not firmware: expected an ELF file of 32 bits");
+        // An estimate says first which machines have one.
+        firmware::check(&name, &elf, Some(self.qemu.machine).filter(|_| !self.cycles))?;
         if self.cycles {
             return self.estimate();
         }

@@ -1,7 +1,7 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::events::Events;
-use super::paths::{Places, Taken};
+use super::paths::{Bare, Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::video::{Film, Shown};
@@ -41,7 +41,8 @@ pub struct Track {
     json: bool,
     /// Write to this file instead of standard output; after an error there is no file
     ///
-    /// The extension says the format, if --format does not: .csv, .json or .xml (cvat). The name of a video is that of --video: -o boxes.mp4.
+    /// The extension says the format, if --format does not: .csv, .json, .jsonl or .xml (cvat); .txt and a name without an extension are for any
+    /// format. The name of a video is that of --video: with -o boxes.mp4 the boxes are printed, as --format says.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4, .mov, .mkv, .webm or .gif (they need ffmpeg), or a new folder for PNG pictures
@@ -62,7 +63,18 @@ pub struct Track {
     tracker: TrackerOptions,
 }
 
-const FILM: Taken = Taken { endings: &FILM_ENDINGS, folder: true };
+const FILM: Taken = Taken { endings: &FILM_ENDINGS, bare: Bare::Folder };
+const BOXES: Taken = Taken { endings: &ENDINGS, bare: Bare::File };
+
+/// The extensions of boxes, then those of films.
+const ENDINGS: [&str; 10] = {
+    let (mut all, mut at) = ([""; 10], 0);
+    while at < all.len() {
+        all[at] = if at < 5 { Format::ENDINGS[at] } else { FILM_ENDINGS[at - 5] };
+        at += 1;
+    }
+    all
+};
 
 /// What is said of targets of poor quality.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
@@ -70,7 +82,7 @@ const POOR: &str = "can hardly be told from what lies beside it: expected a box 
 impl Track {
     pub fn places(&self) -> Places<'_> {
         let (boxes, films) = self.outputs();
-        let places = Places::of([&self.sequence]).writes("--out", boxes);
+        let places = Places::of([&self.sequence]).writes_as("--out", boxes, BOXES);
         films.into_iter().fold(places, |places, (option, film)| places.writes_as(option, Some(film), FILM))
     }
 
@@ -131,12 +143,15 @@ impl Track {
         Ok(Outcome::Holds)
     }
 
-    /// Errors: The format has no place for the names of several targets.
+    /// Errors: The format has no place for the names of several targets, or the file is called as one of another.
     fn format(&self, targets: usize) -> Result<Format> {
         let usual = if targets > 1 { Format::Csv } else { Format::Tld };
-        let of_file =
-            self.out.as_ref().and_then(|out| Format::of_file(out)).filter(|of| targets <= 1 || of.has_names());
+        let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
         let format = if self.json { Format::Json } else { self.format.or(of_file).unwrap_or(usual) };
+        if let Some(out) = self.out.as_ref().filter(|out| of_file.is_some() && !format.is_called(out)) {
+            let endings = [format.endings(), &["txt"]].concat().join(" or .");
+            bail!("--format {} into {}: expected a file that ends in .{endings}", choice_name(&format), out.display());
+        }
         ensure!(
             targets <= 1 || format.has_names(),
             "--format {}: its lines have no names, and there are {targets} targets: expected csv, json, mot, coco or cvat",

@@ -185,7 +185,7 @@ impl Part {
 fn backend(text: &str) -> Result<Backend> {
     let names = || Backend::available().map(backend_name).collect::<Vec<_>>().join(", ");
     let found = Backend::available().find(|&backend| backend_name(backend) == text);
-    found.with_context(|| format!("this machine has {}", names()))
+    found.with_context(|| format!("expected one that this machine has: {}", names()))
 }
 
 fn backend_name(backend: Backend) -> String {
@@ -266,6 +266,9 @@ impl TrackerOptions {
         config.window = self.window.map_or(config.window, radius);
         config.window_limit = self.window_limit.map_or(config.window_limit, radius);
         let (Radius { x, y }, limit) = (config.window, config.window_limit);
+        if (x, y) == (0, 0) {
+            bail!("--window 0x0: the target is looked for nowhere else: expected pixels to each side, like 16x16");
+        }
         if limit.x < x || limit.y < y {
             match self.window_limit {
                 Some(Pair(given_x, given_y)) => bail!(
@@ -291,7 +294,7 @@ impl TrackerOptions {
         }
         config.least_threshold = self.least_alpha.unwrap_or(config.least_threshold);
         if let Some(ratio) = &self.least_ratio {
-            config.gate.least_ratio = ratio.of_one().context("--least-ratio")?;
+            config.gate.least_ratio = ratio.of_one().with_context(|| format!("--least-ratio {ratio}"))?;
         }
         config.growth = self.growth.unwrap_or(config.growth);
         config.backend = self.backend;

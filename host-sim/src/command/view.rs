@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::{Robust, robust};
-use smr_evaluation::{MethodKind, Variant};
+use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{Camera, Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
@@ -54,6 +54,8 @@ struct Opened {
     source: Arc<dyn Source>,
     /// The names of the pictures, if it has any.
     pictures: Vec<String>,
+    /// Of the frames, if that is known.
+    length: Option<usize>,
     /// The box beside the recording.
     beside: Option<smr_core::Rect>,
 }
@@ -66,10 +68,17 @@ fn formats() -> Vec<String> {
 impl View {
     pub fn run(self) -> Result<Outcome> {
         let variant = self.tracker.variant(self.method)?;
-        let Opened { name, source, pictures, beside } = self.open()?;
-        let targets = self.targets(beside)?;
+        let Opened { name, source, pictures, length, beside } = self.open()?;
+        let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
         let is_live = source.live().is_some();
+        if !self.init.is_empty() && !is_live {
+            // All frames have one size: what a box is refused for can be told from the first.
+            for Lock { bbox: (x, y, width, height), .. } in targets.iter().flat_map(|target| &target.locks) {
+                let target = smr_core::Rect::new(*x, *y, *width, *height);
+                lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
+            }
+        }
         let server = Server::bind()?;
         let address = server.address();
         let words = self.words();
@@ -105,7 +114,13 @@ impl View {
         if is_stdin || is_live(path) {
             let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
             let name = live.name.clone();
-            return Ok(Opened { name, source: Arc::new(Camera::new(live)), pictures: Vec::new(), beside: None });
+            return Ok(Opened {
+                name,
+                source: Arc::new(Camera::new(live)),
+                pictures: Vec::new(),
+                length: None,
+                beside: None,
+            });
         }
         ensure!(
             is_seekable(path) || !path.exists(),
@@ -116,13 +131,14 @@ impl View {
         let options = OpenOptions { size, ffmpeg_patience: patience, ..OpenOptions::default() };
         let (recording, sequence) = Seekable::open(path, &options)?;
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
-        let pictures = sequence.colors.picture_names();
-        Ok(Opened { name: sequence.name, source: Arc::new(Recorded::new(recording)), pictures, beside })
+        let (pictures, length) = (sequence.colors.picture_names(), sequence.length);
+        Ok(Opened { name: sequence.name, source: Arc::new(Recorded::new(recording)), pictures, length, beside })
     }
 
     /// The targets that are given, or else the one beside the recording.
-    fn targets(&self, beside: Option<smr_core::Rect>) -> Result<Vec<Target>> {
+    fn targets(&self, beside: Option<smr_core::Rect>, length: Option<usize>) -> Result<Vec<Target>> {
         let given = smr_recordings::Target::all(&self.init, 1)?;
+        smr_recordings::Target::check_frames(&given, 1, length)?;
         let lock = |frame, rect: smr_core::Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
         let target = |(id, target): (u32, smr_recordings::Target)| {
             let locks = target.rects()?.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();

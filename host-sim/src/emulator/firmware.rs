@@ -2,7 +2,7 @@
 
 use super::qemu::Machine;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use object::elf::{SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
+use object::elf::{EM_ARM, EM_RISCV, SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
 use object::read::elf::{ElfFile32, SectionHeader};
 use serde::Serialize;
 use smr_recordings::cleanup::Process;
@@ -46,6 +46,17 @@ impl Sizes {
         ensure!(sizes.flash > 0, "{} holds no code for flash", name());
         Ok(sizes)
     }
+}
+
+/// Errors: The file called `name` is no firmware, or not for the processor of `machine`. QEMU would end without a word.
+pub fn check(name: &str, elf: &[u8], machine: Option<Machine>) -> Result<()> {
+    let file = ElfFile32::<object::Endianness>::parse(elf);
+    let file = file.map_err(|_| anyhow!("{name} is not firmware: expected an ELF file of 32 bits"))?;
+    let Some(machine) = machine else { return Ok(()) };
+    let (processor, called) = if machine == Machine::Virt { (EM_RISCV, "RISC-V") } else { (EM_ARM, "Arm") };
+    let is_for = file.elf_header().e_machine.get(file.endian()) == processor;
+    ensure!(is_for, "{name} is for another processor than {called}, which --machine {} has", machine.name());
+    Ok(())
 }
 
 /// What `cargo` for microcontrollers is in smr's sources.

@@ -116,7 +116,7 @@ impl Recording {
             header.frames += 1;
             file.write_all(&frame.pixels).with_context(cannot_write)?;
         }
-        ensure!(header.frames > 1, "{name}: only one frame, which is locked on: there is nothing to compare");
+        ensure!(header.frames > 1, "{name}: only one frame, which is locked on: expected two or more");
         file.rewind()
             .and_then(|()| file.write_all(&header.bytes()))
             .and_then(|()| file.flush())

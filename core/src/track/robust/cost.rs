@@ -80,3 +80,37 @@ impl Config {
         most
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{format, string::String};
+
+    /// The figures of the drawing in `mod.rs`: the most work of each stage, for the filter with the most in all.
+    #[test]
+    fn the_drawing_has_the_work_of_each_stage() {
+        let config = Config::robust();
+        let extents = (1..=MOST_SIDE as u32).map(|across| {
+            let down = (MOST_CELLS as u32 / across).min(MOST_SIDE as u32);
+            Extent { across, down, reach: config.reach.into() }
+        });
+        let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();
+        assert_eq!(u64::from(update(&config, extent)), config.most_work().update);
+        let stages = [
+            ("gradients", gradients::most_work(extent)),
+            ("response", response::most_work(extent)),
+            ("(lighting)", verification::most_work(extent) + lighting::most_work(extent)),
+            ("refinement", REFINED * extent.pixels()),
+            ("scale", scale::most_work(extent)),
+            ("redetection", search(extent)),
+            ("learning", learning::most_work(extent)),
+            ("answer", update(&config, extent)),
+        ]
+        .map(|(stage, work)| (stage, format!("{:.2}", f64::from(work) / 1e6)));
+        let stands = |(stage, figure): &(&str, String)| {
+            let mut lines = include_str!("mod.rs").lines().filter(|line| line.contains(&format!(" {stage} ")));
+            lines.any(|line| line.split(' ').any(|word| word == figure))
+        };
+        assert!(stages.iter().all(stands), "in millions: {stages:?}");
+    }
+}

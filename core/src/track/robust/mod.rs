@@ -5,36 +5,36 @@
 //! numbers are integers. Every frame costs about the same.
 //!
 //! ```text
-//!                                                                                             M instructions, M4
+//!                                                                                                M units of work
 //!   frame
 //!     |
-//!  motion        where the target is expected                                                        0.00
+//!  motion        where the target is expected
 //!     |
 //!  sampling      the search window on the target's grid (grid)
-//!  gradients     cells of gradient orientations and gray                                             0.81
+//!  gradients     cells of gradient orientations and gray                                             1.40
 //!     |
-//!  response      the filter at all offsets, its peak                                                 0.66
+//!  response      the filter at all offsets, its peak                                                 0.55
 //!     |
-//!  verification  the agreement with the early template (template), aligned (alignment) and relit      0.33
-//!     |          (lighting)
+//!  verification  the agreement with the early template (template), aligned (alignment) and relit
+//!     |          (lighting)                                                                          0.62
 //!  refinement    place and size to a fraction of a pixel                                             0.06
 //!     |
-//!  scale         the response at other scales                                                        0.94
+//!  scale         the response at other scales                                                        1.18
 //!     |
-//!  confidence    the state: tracking, uncertain, lost                                                0.00
+//!  confidence    the state: tracking, uncertain, lost
 //!     |      \
-//!     |       redetection   if the target is lost: a second window, searched and verified            1.80
+//!     |       redetection   if the target is lost: a second window, searched and verified            2.57
 //!     |
-//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        1.59
+//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        1.29
 //!     |
-//!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it        0.76
+//!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it
 //!     |
-//!   answer        its state is the worse of those of confidence and opinion                   4.55 in all
+//!   answer        its state is the worse of those of confidence and opinion                   6.44 in all
 //! ```
 //!
-//! The numbers are measured with the largest filter of the conformance vectors, on a Cortex-M4 in QEMU. The sum is a
-//! frame that is learned, without the refiner; the rest of it is the coding of weights. A frame is learned or
-//! redetected, never both.
+//! The numbers are the most work of each stage (`cost.rs`; a unit is about one instruction of a Cortex-M4), with the
+//! filter that has the most, without the refiner. A frame is learned or redetected, never both: the sum is that of a
+//! frame that is redetected, and the rest of it is the coding of weights.
 //!
 //! | file | what it does |
 //! |---|---|

@@ -44,14 +44,29 @@ impl Format {
         matches!(self, Self::Csv | Self::Json | Self::Mot | Self::Coco | Self::Cvat)
     }
 
+    /// The extensions of files with boxes; `txt` is for any format.
+    pub const ENDINGS: [&str; 5] = ["txt", "csv", "json", "jsonl", "xml"];
+
+    /// The extensions that no other kind of format has.
+    pub const fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Csv => &["csv"],
+            Self::Json => &["json", "jsonl"],
+            Self::Coco => &["json"],
+            Self::Cvat => &["xml"],
+            Self::Tld | Self::Otb | Self::Vot | Self::Got10k | Self::Mot => &[],
+        }
+    }
+
+    /// True if a file of this name can be in this format, by its extension.
+    pub fn is_called(self, file: &Path) -> bool {
+        let ending = file.extension().and_then(|ending| ending.to_str());
+        ending.is_some_and(|ending| self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)))
+    }
+
     /// That of a file of this name, if the extension tells.
     pub fn of_file(file: &Path) -> Option<Self> {
-        match file.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "csv" => Some(Self::Csv),
-            "json" | "jsonl" => Some(Self::Json),
-            "xml" => Some(Self::Cvat),
-            _ => None,
-        }
+        [Self::Csv, Self::Json, Self::Cvat].into_iter().find(|format| format.is_called(file))
     }
 
     /// True if times of frames are in it.

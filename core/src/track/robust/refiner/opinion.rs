@@ -9,7 +9,7 @@
 //! first frame's target it expects large errors. The filter cannot tell: it learns what it follows.
 //!
 //! The opinion changes nothing but the state. (Learning, peaks and redetection by it gained nothing on the recordings.)
-//! With it 14 % of the wrong frames are *tracking* instead of 20 %; of the right ones 11 % are not, instead of 10 %.
+//! With it 15 % of the wrong frames are *tracking* instead of 20 %; of the right ones 11 % are not, instead of 10 %.
 
 use super::network::Outputs;
 use crate::track::State;

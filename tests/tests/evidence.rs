@@ -1,0 +1,147 @@
+//! The commands of `core/EVIDENCE.md` and of other documents for maintainers can be run: cargo knows the package, the test program, the
+//! features and tests of these names, host-sim reads its options, and each script is there. `.ci/run default` lists their tests with cargo.
+
+use clap::CommandFactory;
+use clap::error::ErrorKind;
+use host_sim::command::HostSim;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const DOCUMENTS: [&str; 5] =
+    ["core/EVIDENCE.md", "core/README.md", "host-sim/RESULTS.md", "host-sim/FAULTS.md", "tests/README.md"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// What stands between backticks in a line, or is a line of a block, and begins like a command.
+fn commands(text: &str) -> Vec<&str> {
+    let mut is_block = false;
+    let parts = text.lines().flat_map(|line| {
+        is_block ^= line.starts_with("```");
+        let whole = (is_block || line.starts_with("    ")).then_some(line);
+        let inner = line.split('`').skip(1).step_by(2);
+        inner.chain(whole).map(|part| part.split("  #").next().unwrap_or(part).trim())
+    });
+    let begins = ["cargo test ", "host-sim ", ".ci/", "FUZZ_"];
+    parts.filter(|part| begins.iter().any(|begin| part.starts_with(begin)) && !part.contains("...")).collect()
+}
+
+/// Folders, manifests and names of the workspace's packages.
+fn packages() -> Vec<(PathBuf, String)> {
+    let workspace = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let members = workspace.split_once("members = [").unwrap().1.split_once(']').unwrap().0;
+    let folders = members.split('"').skip(1).step_by(2).map(|member| root().join(member));
+    folders.map(|folder| (folder.clone(), fs::read_to_string(folder.join("Cargo.toml")).unwrap())).collect()
+}
+
+/// All Rust in a folder, as one text, with the names of its files.
+fn sources(folder: &Path) -> String {
+    let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path());
+    let text = |path: PathBuf| match path.extension() {
+        _ if path.is_dir() => format!("mod {} {}", path.file_name().unwrap().display(), sources(&path)),
+        Some(ending) if ending == "rs" => {
+            format!("mod {} {}", path.file_stem().unwrap().display(), fs::read_to_string(&path).unwrap())
+        }
+        _ => String::new(),
+    };
+    entries.filter(|path| !path.ends_with("target")).map(text).collect()
+}
+
+/// Errors: Cargo, or libtest, would find nothing to run.
+fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), String> {
+    let mut words = words.iter().copied();
+    let (mut package, mut test, mut features, mut filters) = (None, None, String::new(), Vec::new());
+    while let Some(word) = words.next() {
+        match word {
+            "-p" => package = words.next(),
+            "--test" => test = words.next(),
+            "--features" => features = words.next().unwrap_or_default().to_owned(),
+            "--all-features" => features = "*".to_owned(),
+            "--lib" | "--locked" | "--tests" => {}
+            "--" => filters.extend(words.by_ref().filter(|word| !word.starts_with('-'))),
+            option if option.starts_with('-') => return Err(format!("the option {option} is not known here")),
+            filter if filters.is_empty() => filters.push(filter),
+            filter => return Err(format!("{filter} is one filter too many: cargo takes one")),
+        }
+    }
+    let Some(package) = package else { return Ok(()) };
+    let named = format!("\nname = \"{package}\"\n");
+    let found = packages.iter().find(|(_, manifest)| manifest.contains(&named));
+    let (folder, manifest) = found.ok_or_else(|| format!("there is no package {package}"))?;
+    for feature in features.split(',').filter(|feature| !["", "*"].contains(feature)) {
+        let is_there = manifest.contains(&format!("\n{feature} = "));
+        is_there.then_some(()).ok_or_else(|| format!("{package} has no feature {feature}"))?;
+    }
+    let mut tests = vec![folder.join("src"), folder.join("tests")];
+    if let Some(test) = test {
+        let target = manifest.split("[[test]]").skip(1).find(|target| target.contains(&format!("name = \"{test}\"\n")));
+        if let Some(target) = target.and_then(|target| target.split("\n[").next()) {
+            let needs = target.contains("required-features") && features.is_empty();
+            needs.then_some(()).map_or(Ok(()), |()| Err(format!("the test {test} requires features")))?;
+            let path = target.split("path = \"").nth(1).and_then(|path| path.split('"').next()).unwrap_or_default();
+            tests = vec![folder.join(path).parent().unwrap().to_owned()];
+        } else if !folder.join("tests").join(format!("{test}.rs")).is_file() {
+            return Err(format!("{package} has no test {test}"));
+        }
+    }
+    let text: String = tests.iter().map(|folder| sources(folder)).collect();
+    // `track::tests` is made of the names of modules.
+    let missing = filters.iter().flat_map(|filter| filter.split("::")).find(|name| {
+        let is_named = |what: &str| {
+            text.split(what).skip(1).any(|rest| {
+                rest.split(|letter: char| !(letter.is_alphanumeric() || letter == '_')).next().unwrap().contains(name)
+            })
+        };
+        !(is_named("fn ") || is_named("mod "))
+    });
+    missing.map_or(Ok(()), |name| Err(format!("no test of {package} is called {name}")))
+}
+
+fn refusal(command: &str, packages: &[(PathBuf, String)]) -> Result<(), String> {
+    let words: Vec<&str> = command.split_whitespace().filter(|word| !word.starts_with("FUZZ_")).collect();
+    match words[..] {
+        ["cargo", "test", ref rest @ ..] => cargo_test(rest, packages),
+        ["host-sim", ..] => match HostSim::command().try_get_matches_from(&words) {
+            // Text names a command and an option, without a recording.
+            Err(error) if error.use_stderr() && error.kind() != ErrorKind::MissingRequiredArgument => {
+                Err(error.to_string())
+            }
+            _ => Ok(()),
+        },
+        [script, ..] if root().join(script).is_file() => Ok(()),
+        _ => Err("there is no such script".to_owned()),
+    }
+}
+
+#[test]
+fn the_commands_of_the_documents_can_be_run() {
+    let packages = packages();
+    let mut count = 0;
+    for document in DOCUMENTS {
+        let text = fs::read_to_string(root().join(document)).unwrap();
+        for command in commands(&text) {
+            count += 1;
+            refusal(command, &packages).unwrap_or_else(|why| panic!("{document}: `{command}`: {why}"));
+        }
+    }
+    assert!(count > 60, "{count} commands were found");
+}
+
+#[test]
+fn what_cargo_refuses_is_noticed() {
+    let packages = packages();
+    for (command, why) in [
+        ("cargo test -p host-sim --test program replay", "requires features"),
+        ("cargo test -p smr-none", "no package"),
+        ("cargo test -p smr-core --features refined", "no feature"),
+        ("cargo test -p smr-core --test powers", "no test powers"),
+        ("cargo test -p smr-core most_works", "is called most_works"),
+        ("cargo test -p smr-core one two", "one filter too many"),
+        ("host-sim eval --covert", "--covert"),
+        (".ci/nothing", "no such script"),
+    ] {
+        let refused = refusal(command, &packages).unwrap_err();
+        assert!(refused.contains(why), "{command}: {refused}");
+    }
+}

@@ -1,0 +1,177 @@
+//! Figures in documents are those that the code, a script or a file of records knows. `SMR_RECORD=1 cargo test -p smr-tests figures` writes them
+//! into the documents.
+
+use smr_core::robust::Config;
+use std::fs;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A document, and sentences of it, each with `{}` in place of its figures.
+struct Document {
+    name: &'static str,
+    sentences: Vec<(&'static str, Vec<String>)>,
+}
+
+/// The places of the figures of `sentence` at the beginning of `text`. White space is as in the document.
+fn figures_at(text: &str, sentence: &str) -> Option<Vec<Range<usize>>> {
+    let (mut at, mut places) = (0, Vec::new());
+    for (number, piece) in sentence.split("{}").enumerate() {
+        if number > 0 {
+            let rest = &text[at..];
+            let end = rest.find(|letter: char| !(letter.is_ascii_digit() || ".,".contains(letter)));
+            let figure = rest[..end.unwrap_or(rest.len())].trim_end_matches(['.', ',']);
+            places.push(at..at + figure.len());
+            at += figure.len();
+        }
+        for letter in piece.chars() {
+            let rest = &text[at..];
+            at += match letter {
+                ' ' => rest.len() - rest.trim_start().len(),
+                _ if rest.starts_with(letter) => letter.len_utf8(),
+                _ => return None,
+            };
+        }
+    }
+    places.iter().all(|place| !place.is_empty()).then_some(places)
+}
+
+/// `text` with these figures in the sentence.
+fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String {
+    let starts = text.char_indices().map(|(start, _)| start);
+    let mut found = starts.filter_map(|start| Some((start, figures_at(&text[start..], sentence)?)));
+    let (start, places) = found.next().unwrap_or_else(|| panic!("{name} has no sentence like `{sentence}`"));
+    assert_eq!(places.len(), figures.len(), "{sentence}");
+    let mut text = text.to_owned();
+    for (place, figure) in places.into_iter().zip(figures).rev() {
+        text.replace_range(start + place.start..start + place.end, figure);
+    }
+    text
+}
+
+/// What `.ci/targets --record` has written.
+fn budget(name: &str) -> f64 {
+    let budgets = include_str!("../budgets.txt");
+    let line = budgets.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+    line.and_then(|line| line.trim().parse().ok()).unwrap_or_else(|| panic!("no {name} in budgets.txt"))
+}
+
+fn documents() -> Vec<Document> {
+    let bytes = |name: &str| budget(name).to_string();
+    let thousands = |name: &str| format!("{:.1}", budget(name) / 1e3);
+    let millions = |name: &str| format!("{:.1}", budget(name) / 1e6);
+    let hundredths = |number: f64| format!("{:.2}", number / 1e6);
+    let board = |machine: &str| {
+        [
+            bytes(&format!("{machine} ram")),
+            bytes(&format!("{machine} flash")),
+            hundredths(budget(&format!("{machine} instructions"))),
+        ]
+        .to_vec()
+    };
+    let instructions = [
+        "mps2-an386 robust-instructions",
+        "mps2-an386 robust-most",
+        "mps3-an547 robust-instructions",
+        "mps3-an547 robust-most",
+    ]
+    .map(millions)
+    .to_vec();
+    let [flash_m4, flash_m55] =
+        ["thumbv7em-none-eabihf robust-flash", "thumbv8m.main-none-eabihf+cortex-m55 robust-flash"].map(thousands);
+    // The limits that `.ci/c` holds.
+    let script = include_str!("../../.ci/c");
+    let limit = |beginning: &str| {
+        let line = script.lines().find_map(|line| line.trim_start().strip_prefix(beginning));
+        line.and_then(|line| line.split(' ').find(|word| word.parse::<u32>().is_ok())).expect("a limit").to_owned()
+    };
+    let [paper, robust, refined] = ["one_tracker paper ", "one_tracker robust ", "one_tracker refined "].map(limit);
+    assert_eq!(robust, refined, "core/EVIDENCE.md says that they are equal");
+    let most = Config::robust().most_work();
+    let update = hundredths(most.update as f64);
+    vec![
+        Document {
+            name: "core/README.md",
+            sentences: vec![
+                (
+                    "takes {} million instructions on average and at most {} million (M55: {} and {} million)",
+                    instructions.clone(),
+                ),
+                (
+                    "takes {} KB of flash and {} KB of stack on the M4 (M55: {} and {} KB)",
+                    vec![
+                        flash_m4.clone(),
+                        thousands("mps2-an386 robust-stack"),
+                        flash_m55.clone(),
+                        thousands("mps3-an547 robust-stack"),
+                    ],
+                ),
+                ("| from C on an M4, at most | {} | {} | {} |", vec![paper.clone(), robust.clone(), refined]),
+                (
+                    "| firmware on an M4 | | {} | {} |",
+                    ["mps2-an386 robust-stack", "mps2-an386 refiner-stack"].map(bytes).to_vec(),
+                ),
+                (
+                    "| firmware on an M55 | | {} | {} |",
+                    ["mps3-an547 robust-stack", "mps3-an547 refiner-stack"].map(bytes).to_vec(),
+                ),
+                (
+                    "An update takes at most {} million units, a lock at most {} million, and a step at most {} more",
+                    vec![
+                        update.clone(),
+                        format!("{:.1}", most.lock as f64 / 1e6),
+                        format!("{},000", most.beyond_a_step / 1000),
+                    ],
+                ),
+            ],
+        },
+        Document {
+            name: "core/EVIDENCE.md",
+            sentences: vec![
+                ("Robust tracker: at most {} million units", vec![update]),
+                (
+                    "more than {} bytes (paper's tracker), {} (robust, without the refiner and with it) and {} (`smr_init`)",
+                    vec![paper, robust, limit("deepest \"$name\" ")],
+                ),
+            ],
+        },
+        Document {
+            name: "core/examples/README.md",
+            sentences: vec![
+                ("| Cortex-M4 (`mps2-an386`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps2-an386")),
+                ("| Cortex-M7 (`mps2-an500`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps2-an500")),
+                ("| Cortex-M55 (`mps3-an547`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps3-an547")),
+                ("50 KB of RAM and up to {} KB of stack", vec![thousands("mps3-an547 robust-stack")]),
+                (
+                    "takes {} M instructions on average on the M4 (at most {} M) and {} M on the M55 (at most {} M)",
+                    instructions,
+                ),
+                ("It takes {} KB of flash on the M4 and {} KB on the M55.", vec![flash_m4, flash_m55]),
+                ("and takes up to {} KB of stack", vec![thousands("mps3-an547 refiner-stack")]),
+            ],
+        },
+    ]
+}
+
+#[test]
+fn documents_have_the_figures_of_code_and_records() {
+    for Document { name, sentences } in documents() {
+        let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", name].iter().collect();
+        let text = fs::read_to_string(&path).unwrap();
+        let right =
+            sentences.iter().fold(text.clone(), |text, (sentence, figures)| written(name, &text, sentence, figures));
+        if std::env::var_os("SMR_RECORD").is_some() && text != right {
+            fs::write(&path, &right).unwrap();
+            continue;
+        }
+        for (is, should) in text.lines().zip(right.lines()) {
+            assert_eq!(is, should, "{name}: SMR_RECORD=1 cargo test -p smr-tests figures writes it");
+        }
+    }
+}
+
+#[test]
+fn figures_are_found_and_written_over_the_ends_of_lines() {
+    let text = "It takes 5 KB. It takes 1.5\nKB of flash, and 7,000 more.";
+    let made = written("a", text, "takes {} KB of flash, and {} more.", &["2".into(), "8,000".into()]);
+    assert_eq!(made, "It takes 5 KB. It takes 2\nKB of flash, and 8,000 more.");
+}
