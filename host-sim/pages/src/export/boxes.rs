@@ -53,11 +53,6 @@ impl Format {
             _ => None,
         }
     }
-
-    /// True if times of frames are in it.
-    pub const fn has_times(self) -> bool {
-        matches!(self, Self::Csv | Self::Json)
-    }
 }
 
 /// What is known before the first frame.
