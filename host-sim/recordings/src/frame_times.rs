@@ -22,7 +22,7 @@ pub(super) struct Index {
 #[derive(Default)]
 struct Found {
     times: Vec<f64>,
-    /// What is sought by its time is the frame of that time. `None` until this is known.
+    /// A frame that is sought by its time is the one of that time. `None` until this is known.
     can_seek: Option<bool>,
     /// All times are there, or there will be none.
     is_whole: bool,
@@ -101,18 +101,18 @@ impl Index {
 /// Two times that are less apart are the same, in seconds.
 const SAME: f64 = 1e-6;
 
-/// How many frames a file has, if it says so without being decoded.
+/// The number of frames of a file, if it says so without being decoded.
 pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }
 
-/// Of the frames that are decoded.
+/// The times of the frames that are decoded.
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
     let mut pictures = Pictures::start(("ffmpeg", file), &[], "", Use::Times, patience).ok();
     std::iter::from_fn(move || pictures.as_mut()?.next().ok()??.seconds())
 }
 
-/// What the packets of a file tell.
+/// Frames, as far as packets tell.
 #[derive(Debug, PartialEq)]
 enum Packets {
     /// Each is a frame, shown then.
@@ -151,7 +151,7 @@ struct Read {
 /// The flag of packets that are decoded and not shown: an edit list cuts them.
 const DISCARDED: u32 = 4;
 
-/// What ffmpeg says of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if its times do not tell frames apart.
+/// Reads what ffmpeg says of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if its times do not tell frames apart.
 fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
     let mut command = video::command("ffmpeg", "quiet", &video::input(file), &FROM_ZERO);
     command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
@@ -188,7 +188,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// What they tell, if the first frames that are decoded do not say otherwise.
+    /// Gives what they tell, if the first frames that are decoded do not say otherwise.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);
@@ -204,7 +204,8 @@ impl Read {
         times.drain(..times.partition_point(|&time| time < first - SAME));
         let is_there =
             |time: &f64| times.get(times.partition_point(|at| at + SAME < *time)).is_some_and(|at| at - time < SAME);
-        if !tried.iter().all(is_there) {
+        let has_leap = times.windows(2).any(|pair| pair[1] - pair[0] > f64::from(video::LEAP));
+        if has_leap || !tried.iter().all(is_there) {
             return None;
         }
         // Two fields of a frame may be packets of their own, half as far apart.

@@ -74,13 +74,13 @@ mod tests {
     /// Levels of 203 cd/m2 and of 1000 by ITU-R BT.2408: 58 and 75 % of PQ, 75 and 100 % of HLG.
     #[test]
     fn white_is_bright_and_what_is_brighter_still_differs() {
-        for (transfer, white, peak) in [(Transfer::Pq, 0.5807, 0.7518), (Transfer::Hlg, 0.75, 1.0)] {
+        for (transfer, white, peak) in [(Transfer::Pq, 38_056, 49_269), (Transfer::Hlg, 49_151, 65_535)] {
             let tones = Tones::of(transfer);
-            let shown = |share: f64| tones.shown([(share * 65535.0) as u16; 3]);
+            let shown = |level| tones.shown([level; 3]);
             let [gray, ..] = shown(white);
             assert!(gray.abs_diff(190) <= 2 && shown(white) == [gray; 3], "{transfer:?}: {gray}");
             assert!((253..=255).contains(&shown(peak)[0]), "{transfer:?}: {:?}", shown(peak));
-            assert_eq!((shown(0.0), shown(1.0)), ([0; 3], [255; 3]));
+            assert_eq!((shown(0), shown(65_535)), ([0; 3], [255; 3]));
             let [red, green, blue] = tones.shown([40_000, 20_000, 20_000]);
             assert!(red > green + 60 && green.abs_diff(blue) < 40, "{transfer:?}: {red} {green} {blue}");
         }

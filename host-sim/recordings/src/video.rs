@@ -98,7 +98,7 @@ impl Iterator for Frames {
     }
 }
 
-/// What pictures are for.
+/// The use that pictures have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     /// To be followed in.
@@ -215,15 +215,19 @@ impl Pictures {
             other => other?,
         }
         let bytes = self.tones.as_ref().map(|tones| tones.of_all(&bytes)).unwrap_or(bytes);
-        let moment = moment.map(|moment| Moment { time: self.times.next(moment.time), ..moment });
+        let second = |Moment { base: (unit, second), .. }| i64::from(second.div_ceil(unit));
+        let moment = moment.map(|moment| Moment { time: self.times.next(moment.time, second(moment)), ..moment });
         Ok(Some(Picture { size, moment, bytes, is_doubtful }))
     }
 
     /// Errors: ffmpeg has complained.
     pub fn verdict(&mut self) -> Result<()> {
-        self.ffmpeg.verdict(self.times.joints)
+        self.ffmpeg.verdict(self.times.has_gap)
     }
 }
+
+/// So many seconds later a file has begun anew: in MPEG-TS, time that goes back looks like a clock that has run over.
+pub(super) const LEAP: u32 = 43_200;
 
 /// Times that do not go back: where a file begins anew (pieces that were joined), they go on from there.
 #[derive(Default)]
@@ -231,21 +235,23 @@ struct Continued {
     last: Option<i64>,
     /// Between the last two.
     step: i64,
-    /// How much later than the file says.
+    /// Later than the file says by this.
     shift: i64,
-    /// How often the file has begun anew.
-    joints: usize,
+    /// Frames are missing: for a moment, not for so long that another piece begins.
+    has_gap: bool,
 }
 
 impl Continued {
-    fn next(&mut self, time: i64) -> i64 {
+    /// `second`: in units of the times.
+    fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A little too early is a fault of one time; before the one before the last, the file begins anew.
-            if now <= last - self.step {
+            // A little too early is a fault of one time.
+            if now <= last - self.step || now - last > i64::from(LEAP) * second {
                 now = last + self.step;
-                (self.shift, self.joints) = (now - time, self.joints + 1);
+                self.shift = now - time;
             }
+            self.has_gap |= self.step > 0 && 2 * (now - last) > 3 * self.step && now - last < second;
             now = now.max(last);
             self.step = if now > last { now - last } else { self.step };
         }
@@ -358,11 +364,11 @@ impl Ffmpeg {
     }
 
     /// ffmpeg conceals what is damaged or missing, goes on, and ends without an error code: what it has complained about is
-    /// damage, because such pixels are not those of the recording. Where a file begins anew, one packet looks damaged.
-    fn verdict(&mut self, joints: usize) -> Result<()> {
+    /// damage, because such pixels are not those of the recording. A packet looks damaged also where pieces were joined: then no frame is missing.
+    fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
-        if said.packets.0 > joints && said.last.is_empty() {
-            said.last = std::mem::take(&mut said.packets.1);
+        if has_gap && said.last.is_empty() {
+            said.last = std::mem::take(&mut said.packet);
         }
         let file = &self.file;
         ensure!(
@@ -383,7 +389,7 @@ pub fn input(file: &Path) -> OsString {
     input
 }
 
-/// An ffmpeg that reads one stream of pictures and nothing else. What it writes and says is piped.
+/// An ffmpeg that reads one stream of pictures and nothing else. All that it writes and says is piped.
 pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(["-nostdin", "-nostats", "-hide_banner", "-v", level]).args(options).arg("-i").arg(input);
@@ -409,8 +415,8 @@ enum Heard {
 struct Said {
     /// The last complaint.
     last: String,
-    /// How many packets look damaged, and what was said of the last one.
-    packets: (usize, String),
+    /// Words about the last packet that looks damaged.
+    packet: String,
     /// Frames of another size came, or with pixels of another format.
     changed: bool,
     /// ffmpeg itself has said something: each of its messages has a level.
@@ -465,7 +471,7 @@ impl Said {
         let words = words.trim_start_matches(&format!("file:{file}: "));
         // Of the warnings only these are about damage.
         if words.contains("corrupt input packet") {
-            self.packets = (self.packets.0 + 1, words.to_owned());
+            words.clone_into(&mut self.packet);
         } else if !words.is_empty() && (!is_warning || of_frame) {
             words.clone_into(&mut self.last);
         }
@@ -481,7 +487,7 @@ impl Said {
         let aspect = field(" sar:").and_then(fraction).unwrap_or((1, 1));
         let moment = time.zip(self.base).map(|(time, base)| Moment { time, base, aspect });
         let size = (width.parse().ok()?, height.parse().ok()?);
-        Some(Shown { size, moment, is_doubtful: self.changed || self.packets.0 > 0 || !self.last.is_empty() })
+        Some(Shown { size, moment, is_doubtful: self.changed || !self.packet.is_empty() || !self.last.is_empty() })
     }
 
     /// `Stream #0:1[0x1e0]: Video: hevc (Main 10), yuv420p10le(tv, bt2020nc/bt2020/smpte2084), ...`, and for the stream that is taken
@@ -624,7 +630,8 @@ mod tests {
     #[test]
     fn times_go_on_where_a_file_begins_anew() {
         let mut times = Continued::default();
-        let found = [0, 40, 80, 0, 40, 40, 30, 200, 900, 5, 105].map(|time| times.next(time));
-        assert_eq!(found, [0, 40, 80, 120, 160, 160, 160, 320, 1020, 1720, 1820]);
+        let found = [0, 40, 80, 0, 40, 40, 30, 5000, 50_000_000].map(|time| times.next(time, 1000));
+        assert_eq!((found, times.has_gap), ([0, 40, 80, 120, 160, 160, 160, 5120, 10_080], false));
+        assert_eq!((times.next(50_000_040, 1000), times.next(50_000_120, 1000), times.has_gap), (10_120, 10_200, true));
     }
 }
