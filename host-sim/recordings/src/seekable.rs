@@ -171,7 +171,7 @@ mod tests {
         Some(file)
     }
 
-    const H264: &str = "-c:v libx264 -g 10 -bf 3 -flags +cgop -preset fast";
+    const H264: &str = "-c:v libx264 -g 10 -bf 3 -flags +cgop -preset ultrafast";
 
     /// Each kind of file, with options, the number of frames, the time of the 12th, and true if its frames are sought.
     #[test]
@@ -212,8 +212,8 @@ mod tests {
             assert!(times.is_sorted_by(|a, b| a < b || name == "same.mkv"), "{name}: {times:?}");
             assert_eq!(recording.index.sought(count).is_some(), is_sought, "{name}");
             assert!(sequence.frames.map(Result::unwrap).eq(all.iter().map(|(frame, _)| frame.clone())), "{name}");
-            let numbers = [2, count / 3, count / 3 + 1, count - 1, count + 1];
-            for &number in if is_sought { &numbers[..] } else { &numbers[1..2] } {
+            let numbers = [count / 3, count / 3 + 1, count - 1, count + 1];
+            for &number in if is_sought { &numbers[..] } else { &numbers[..1] } {
                 assert!(read(number) == all[number - 1..], "{name}, {number}");
             }
             let colors: Vec<_> = sequence.colors.clone().within(count / 3, 32, FFMPEG_PATIENCE).collect();
