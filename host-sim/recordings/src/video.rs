@@ -62,40 +62,36 @@ pub(super) fn colors(
 }
 
 /// The frames in gray, each with its time in seconds if it has one, then ffmpeg's verdict.
-pub(super) fn open(file: &Path, patience: Duration) -> Result<Frames> {
+pub(super) fn open(
+    file: &Path,
+    patience: Duration,
+) -> Result<impl Iterator<Item = Result<(GrayFrame, Option<f64>)>> + use<>> {
     open_with("ffmpeg", file, patience)
 }
 
-fn open_with(program: &str, file: &Path, patience: Duration) -> Result<Frames> {
+fn open_with(
+    program: &str,
+    file: &Path,
+    patience: Duration,
+) -> Result<impl Iterator<Item = Result<(GrayFrame, Option<f64>)>> + use<>> {
     let name = file.display().to_string();
     let mut pictures = Pictures::start((program, file), &ONE_THREAD, "", Use::Gray, patience)?;
-    let first = pictures.next().with_context(|| format!("cannot read {name} through ffmpeg"))?;
+    let mut first = pictures.next().with_context(|| format!("cannot read {name} through ffmpeg"))?;
     if first.is_none() {
         let (status, said) = pictures.ffmpeg.end()?;
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
         ensure!(said.last.is_empty() && status.success(), "ffmpeg cannot decode {name}: {}", said.or(status));
         bail!("{name} holds no frame that ffmpeg decodes");
     }
-    Ok(Frames { first, pictures, number: 0 })
-}
-
-pub(super) struct Frames {
-    first: Option<Picture>,
-    pictures: Pictures,
-    number: u64,
-}
-
-impl Iterator for Frames {
-    type Item = Result<(GrayFrame, Option<f64>)>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.number += 1;
-        match self.first.take().map_or_else(|| self.pictures.next(), |first| Ok(Some(first))) {
+    let mut number = 0;
+    Ok(std::iter::from_fn(move || {
+        number += 1;
+        match first.take().map_or_else(|| pictures.next(), |first| Ok(Some(first))) {
             Ok(Some(picture)) => Some(Ok(picture.gray())),
-            Ok(None) => self.pictures.verdict().err().map(Err),
-            Err(error) => Some(Err(error.context(format!("{}, frame {}", self.pictures.ffmpeg.file, self.number)))),
+            Ok(None) => pictures.verdict().err().map(Err),
+            Err(error) => Some(Err(error.context(format!("{name}, frame {number}")))),
         }
-    }
+    }))
 }
 
 /// The use that pictures have.
@@ -625,6 +621,27 @@ mod tests {
         }
         assert_eq!(fraction("1001/30000, frame_rate: 30/1"), Some((1001, 30000)));
         assert_eq!((fraction("0/1"), fraction("1/"), fraction("x")), (None, None, None));
+    }
+
+    /// Half of the levels of PQ are 92 cd/m2 (ITU-R BT.2100), of HLG 51.
+    #[test]
+    fn light_of_more_than_a_screen_has_is_mapped_to_what_it_has() {
+        let test = "light_of_more_than_a_screen_has_is_mapped_to_what_it_has";
+        if !crate::missing::has_ffmpeg(test) {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        for (transfer, shown) in [("bt709", 128), ("smpte2084", 153), ("arib-std-b67", 124)] {
+            let (file, mut ffmpeg) = (folder.path().join(format!("{transfer}.mkv")), Command::new("ffmpeg"));
+            ffmpeg.args(["-nostdin", "-v", "error", "-f", "lavfi", "-i", "color=gray:size=32x16:duration=0.1"]);
+            ffmpeg.args(["-c:v", "ffv1", "-pix_fmt", "yuv420p10le", "-color_trc", transfer]);
+            ffmpeg.args(["-color_primaries", "bt2020", "-colorspace", "bt2020nc"]);
+            assert!(crate::missing::runs(ffmpeg.arg(&file)));
+            let (frame, _) = colors(&file, 16, PATIENCE).next().unwrap();
+            let apart = frame.pixels[70].map(|level| level.abs_diff(shown)).into_iter().max();
+            assert!((frame.width, frame.height) == (16, 8) && apart <= Some(4), "{transfer}: {:?}", frame.pixels[70]);
+            assert!(open(&file, PATIENCE).unwrap().next().unwrap().unwrap().0.pixels[70].abs_diff(128) <= 2);
+        }
     }
 
     #[test]
