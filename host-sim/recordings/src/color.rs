@@ -1,9 +1,10 @@
 //! The frames of a recording in its own colors and at their own times: what boxes are drawn on. Trackers see gray frames only.
 
-use super::frame_times::frame_times;
 use super::live::LiveFrame;
 use super::resize::resized;
-use super::{ColorFrame, GrayFrame, images, video_color};
+use super::video::{self, Moment};
+use super::{ColorFrame, GrayFrame, frame_times, images};
+use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -11,23 +12,6 @@ use std::time::Duration;
 impl From<&GrayFrame> for ColorFrame {
     fn from(GrayFrame { width, height, pixels }: &GrayFrame) -> Self {
         Self { width: *width, height: *height, pixels: pixels.iter().map(|&gray| [gray; 3]).collect() }
-    }
-}
-
-/// When a frame of a video is shown, and how wide its pixels are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Moment {
-    /// In units of `base`.
-    pub time: i64,
-    /// In seconds, as a fraction.
-    pub base: (u32, u32),
-    /// The width of a pixel over its height.
-    pub aspect: (u32, u32),
-}
-
-impl Moment {
-    pub fn seconds(&self) -> f64 {
-        self.time as f64 * f64::from(self.base.0) / f64::from(self.base.1)
     }
 }
 
@@ -39,11 +23,35 @@ pub enum Colors {
     None,
     /// One picture a frame.
     Pictures(Vec<PathBuf>),
-    Video(PathBuf),
+    /// And the time of the frame that was read last.
+    Video(PathBuf, Time),
     /// Those of the frame that was read last.
     Live(Now),
     /// Drawn by this from their indices, and how many there are.
     Made(fn(usize) -> ColorFrame, usize),
+}
+
+/// The time of the frame of a video that was read last, in seconds, if it has one.
+#[derive(Clone, Debug, Default)]
+pub struct Time(Arc<Mutex<Option<f64>>>);
+
+impl Time {
+    fn now(&self) -> MutexGuard<'_, Option<f64>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The frames alone. Their times are told to whoever asks.
+    pub(super) fn told_by<F: Iterator<Item = Result<(GrayFrame, Option<f64>)>>>(
+        &self,
+        frames: F,
+    ) -> impl Iterator<Item = Result<GrayFrame>> + use<F> {
+        let time = self.clone();
+        frames.map(move |frame| {
+            let (frame, now) = frame?;
+            *time.now() = now;
+            Ok(frame)
+        })
+    }
 }
 
 /// What was read last from a live source.
@@ -94,25 +102,25 @@ impl Now {
 /// The numbers of frames in the recording, and the seconds at which they are shown, if they are known.
 pub struct Clock {
     next: usize,
-    times: Box<dyn Iterator<Item = f64> + Send>,
-    now: Option<Now>,
+    of: Colors,
 }
 
 impl Clock {
     /// Of the frame that was read last.
     pub fn tick(&mut self) -> (usize, Option<f64>) {
-        if let Some((number, seconds)) = self.now.as_ref().and_then(Now::tick) {
-            return (number, Some(seconds));
-        }
         self.next += 1;
-        (self.next - 1, self.times.next())
+        match &self.of {
+            Colors::Live(now) => now.tick().map_or((self.next - 1, None), |(number, seconds)| (number, Some(seconds))),
+            Colors::Video(_, time) => (self.next - 1, *time.now()),
+            _ => (self.next - 1, None),
+        }
     }
 }
 
 impl Colors {
     /// The file that may have sound.
     pub fn video(&self) -> Option<&Path> {
-        if let Self::Video(file) = self { Some(file) } else { None }
+        if let Self::Video(file, _) = self { Some(file) } else { None }
     }
 
     /// The frames from the one with the number `first` on. An ffmpeg that does nothing for as long as `patience` is not waited for.
@@ -135,7 +143,7 @@ impl Colors {
 
     /// How many frames a video has, as far as it says so itself.
     pub fn length(&self, patience: Duration) -> Option<usize> {
-        Some(frame_times(self.video()?, patience)?.count())
+        frame_times::count(self.video()?, patience)
     }
 
     /// What is known of a live source.
@@ -143,11 +151,9 @@ impl Colors {
         if let Self::Live(now) = self { Some(now.clone()) } else { None }
     }
 
-    /// To be asked after each frame, from the one with the number `first` on. `is_timed`: the times are wanted, too.
-    pub fn clock(&self, first: usize, is_timed: bool, patience: Duration) -> Clock {
-        let times = self.video().filter(|_| is_timed).and_then(|file| frame_times(file, patience));
-        let times = times.unwrap_or_else(|| Box::new(std::iter::empty()));
-        Clock { next: first, times: Box::new(times.skip(first - 1)), now: self.now() }
+    /// To be asked after each frame, from the one with the number `first` on.
+    pub fn clock(&self, first: usize) -> Clock {
+        Clock { next: first, of: self.clone() }
     }
 
     fn frames(self, first: usize, side: u16, patience: Duration) -> Source {
@@ -158,7 +164,7 @@ impl Colors {
                 Box::new(files.into_iter().skip(first - 1).map_while(read))
             }
             Self::Made(frame, length) => Box::new((first - 1..length).map(move |index| (frame(index), None))),
-            Self::Video(file) => Box::new(video_color::open(&file, first, side, patience).into_iter().flatten()),
+            Self::Video(file, _) => Box::new(video::colors(&file, side, patience).skip(first - 1)),
             Self::Live(now) => Box::new(std::iter::from_fn(move || now.color())),
         }
     }

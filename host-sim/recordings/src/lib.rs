@@ -15,6 +15,7 @@ pub mod fault;
 mod folders;
 mod frame_range;
 mod frame_times;
+mod hdr;
 mod images;
 pub mod input;
 mod iou;
@@ -39,23 +40,20 @@ pub mod street;
 pub mod synthetic;
 mod tiles;
 mod video;
-mod video_color;
 mod y4m;
 
 pub use boxes::BoundingBox;
-pub use color::{Clock, ColorFrames, Colors, Moment, Now};
+pub use color::{Clock, ColorFrames, Colors, Now, Time};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::FrameRange;
-pub use frame_times::frame_times;
 pub use images::{decode_colors, decode_picture, read_picture};
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use seekable::{Seekable, is_seekable};
 pub use start::{Start, Target};
-pub use video::{PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
-pub use video_color::{ColorStream, color_frames_at, gray_frames_at};
+pub use video::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -385,9 +383,10 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         bail!("{} is a device, and host-sim reads files: {LIVE}", file.display());
     }
     // A pipe is read once.
-    let colors = if data.is_file() { Colors::Video(file.to_owned()) } else { Colors::None };
+    let time = Time::default();
+    let colors = if data.is_file() { Colors::Video(file.to_owned(), time.clone()) } else { Colors::None };
     if y4m::is_y4m(file) {
-        return Ok(Source { colors, ..Source::new(y4m::open(file)?, None, file) });
+        return Ok(Source { colors, ..Source::new(time.told_by(y4m::open(file)?.from(1)), None, file) });
     }
     // ffmpeg would: it draws text as a video of a terminal.
     ensure!(
@@ -396,7 +395,7 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         file.display()
     );
     let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
-    Ok(Source { colors, ..Source::new(video::open(file, patience)?, None, file) })
+    Ok(Source { colors, ..Source::new(time.told_by(video::open(file, patience)?), None, file) })
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.

@@ -1,14 +1,14 @@
 //! Frames as they come, from a camera or an address: whoever is too slow gets the newest, and those in between are counted.
 
 use super::color::Now;
-use super::video::Ffmpeg;
+use super::video::{self, Ffmpeg};
 use super::y4m::{self, Planes};
 use super::{Colors, Sequence, damage};
 use crate::cleanup;
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -138,16 +138,12 @@ impl Live {
 
 /// An ffmpeg that hands frames over as soon as it can: luma over all levels, as of files, and color at half the size.
 fn command(address: &Path) -> Command {
-    let mut command = Command::new("ffmpeg");
-    command.args(["-nostdin", "-nostats", "-v", "level+warning", "-fflags", "nobuffer", "-flags", "low_delay"]);
     // Of its own accord ffmpeg looks at a stream for five seconds before it begins.
-    command.args(["-analyzeduration", "2000000"]);
-    if is_camera(address) {
-        command.args(["-f", "v4l2"]);
-    }
-    command.arg("-i").arg(address).args(["-map", "0:v:0", "-vf", "scale=out_range=full,format=yuv420p"]);
-    command.args(["-fps_mode", "passthrough", "-flush_packets", "1", "-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
+    let options = if is_camera(address) { &options[..] } else { &options[..6] };
+    let mut command = video::command("ffmpeg", "level+warning", address.as_os_str(), options);
+    command.args(["-vf", "scale=out_range=full,format=yuv420p", "-fps_mode", "passthrough", "-flush_packets", "1"]);
+    command.args(["-f", "yuv4mpegpipe", "-strict", "-1", "-"]);
     command
 }
 

@@ -31,16 +31,6 @@ pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
     Some((0_u32..).zip(count).map(move |(frame, _)| f64::from(frame) * seconds / number))
 }
 
-/// The frames of a file from the one on that is shown at `time`.
-pub(super) fn frames_at(file: &Path, time: f64) -> Option<impl Iterator<Item = GrayFrame> + Send + use<>> {
-    let count = times(file)?.take_while(|&before| before < time - 1e-6).count();
-    let mut frames = open(file).ok()?;
-    for _ in 0..count {
-        frames.skip_frame()?;
-    }
-    Some(frames.map_while(Result::ok))
-}
-
 pub(super) struct Frames<R> {
     stream: R,
     header: Header,
@@ -91,6 +81,16 @@ impl<R: BufRead> Frames<R> {
 }
 
 impl Frames<BufReader<File>> {
+    /// The frames from the one with the number `first` on, each with its time.
+    pub(super) fn from(mut self, first: u64) -> impl Iterator<Item = Result<(GrayFrame, Option<f64>)>> {
+        while self.number + 1 < first && self.skip_frame().is_some() {
+            self.number += 1;
+        }
+        let rate = self.header.rate;
+        let time = move |frame: u64| rate.map(|(number, seconds)| (frame - 1) as f64 * seconds / number);
+        std::iter::from_fn(move || Some(self.next()?.map(|frame| (frame, time(self.number)))))
+    }
+
     /// Where the next frame begins; `None` if none begins here.
     fn skip_frame(&mut self) -> Option<u64> {
         line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;

@@ -106,7 +106,7 @@ impl Frame {
         let mut damage = None;
         let in_color: Box<dyn Iterator<Item = ColorFrame>> = match colors {
             // A second ffmpeg makes them small, which is quick.
-            Colors::Video(_) => Box::new(colors.clone().within(first, SIDE, patience).take(count)),
+            Colors::Video(..) => Box::new(colors.clone().within(first, SIDE, patience).take(count)),
             // They end where the gray ones do.
             ref colors => {
                 let mut colors = colors.clone().open(first, patience);

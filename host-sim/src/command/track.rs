@@ -121,8 +121,7 @@ impl Track {
             Some(_) => Lines::Unread,
             None => Lines::create(boxes.map(PathBuf::as_path), film.is_some())?,
         };
-        let (patience, is_timed) = (self.recording.ffmpeg_patience(), format.has_times() || events.is_some());
-        let mut clock = sequence.colors.clock(sequence.first, is_timed, patience);
+        let mut clock = sequence.colors.clock(sequence.first);
         let live = sequence.colors.now();
         if live.is_some() {
             // Ctrl-C is how it ends.

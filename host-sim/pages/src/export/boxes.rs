@@ -68,11 +68,6 @@ impl Format {
     pub fn of_file(file: &Path) -> Option<Self> {
         [Self::Csv, Self::Json, Self::Cvat].into_iter().find(|format| format.is_called(file))
     }
-
-    /// True if times of frames are in it.
-    pub const fn has_times(self) -> bool {
-        matches!(self, Self::Csv | Self::Json)
-    }
 }
 
 /// What is known before the first frame.

@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::colors::GREEN;
     use crate::report::canvas::Canvas;
-    use smr_recordings::{BoundingBox, Colors, GrayFrame};
+    use smr_recordings::{BoundingBox, Colors, GrayFrame, Time};
     use std::fs;
 
     fn plan() -> Plan {
@@ -157,7 +157,7 @@ mod tests {
             return;
         }
         filmed(&out);
-        let mut colors = Colors::Video(out).open(1, Duration::from_secs(60));
+        let mut colors = Colors::Video(out, Time::default()).open(1, Duration::from_secs(60));
         for frame in frames() {
             let gray = GrayFrame { width: 61, height: 43, pixels: vec![0; 61 * 43] };
             let shown = colors.next(&gray).0;

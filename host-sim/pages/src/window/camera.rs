@@ -1,7 +1,8 @@
 //! A camera as the source of a window: frames come when they come, and the last minutes are kept.
 //!
-//! Trackers get the newest frame. If they are busy when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a
-//! frame of the last seconds is followed from there on, through every frame, until it has caught up.
+//! Frames have the numbers of the source, also of those that were gone before they could be taken. Trackers get the newest frame. If they are busy
+//! when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a frame of the last seconds is followed from
+//! there on, through every frame, until it has caught up.
 
 use super::{Known, LiveState, Numbered, Source};
 use crate::encode;
@@ -20,6 +21,8 @@ const MOST_PICTURES: usize = 160 << 20;
 
 /// A frame that has come.
 struct Seen {
+    /// Counts all frames of the source; the first is 1.
+    number: usize,
     gray: GrayFrame,
     /// Since the first one.
     seconds: f64,
@@ -34,10 +37,10 @@ type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
 /// The frames of `live`, and why it has ended.
 fn seen(mut live: Live) -> impl Iterator<Item = Result<Seen>> {
     std::iter::from_fn(move || {
-        let Some(LiveFrame { seconds, planes, .. }) = live.next() else {
+        let Some(LiveFrame { number, seconds, planes, .. }) = live.next() else {
             return live.ended.take().map(|said| Err(anyhow!(said)));
         };
-        Some(Ok(Seen { gray: planes.gray(), seconds, color: Box::new(move || planes.color()) }))
+        Some(Ok(Seen { number, gray: planes.gray(), seconds, color: Box::new(move || planes.color()) }))
     })
 }
 
@@ -49,14 +52,26 @@ struct Shared {
     came: Condvar,
 }
 
+/// A gray frame that is kept.
+struct Came {
+    number: usize,
+    /// How many were taken from the source, with this one.
+    taken: usize,
+    gray: Arc<GrayFrame>,
+    /// Since the first one.
+    seconds: f64,
+    at: Instant,
+}
+
 struct Kept {
-    /// Each with its time in seconds, and when it came.
-    gray: VecDeque<(Arc<GrayFrame>, f64, Instant)>,
+    gray: VecDeque<Came>,
     gray_bytes: usize,
     pictures: BTreeMap<usize, Arc<Vec<u8>>>,
     picture_bytes: usize,
-    /// The number of the newest frame.
+    /// The number of the newest frame, and how many were taken from the source.
     newest: usize,
+    taken: usize,
+    /// Frames taken that no tracker got.
     dropped: usize,
     latency_ms: f64,
     begin: Instant,
@@ -68,15 +83,15 @@ struct Kept {
 impl Kept {
     /// The number of the oldest gray frame that is kept.
     fn oldest_gray(&self) -> usize {
-        self.newest + 1 - self.gray.len()
+        self.gray.front().map_or(self.newest + 1, |came| came.number)
     }
 
-    fn add(&mut self, gray: GrayFrame, seconds: f64) {
-        self.newest += 1;
+    fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
+        (self.newest, self.taken) = (number, self.taken + 1);
         self.gray_bytes += gray.pixels.len();
-        self.gray.push_back((Arc::new(gray), seconds, Instant::now()));
+        self.gray.push_back(Came { number, taken: self.taken, gray: Arc::new(gray), seconds, at: Instant::now() });
         while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
-            self.gray_bytes -= self.gray.pop_front().map_or(0, |(gray, ..)| gray.pixels.len());
+            self.gray_bytes -= self.gray.pop_front().map_or(0, |came| came.gray.pixels.len());
         }
     }
 
@@ -98,13 +113,12 @@ impl Shared {
         let mut said = None;
         for frame in frames {
             match frame {
-                Ok(Seen { gray, seconds, color }) => {
+                Ok(Seen { number, gray, seconds, color }) => {
                     let mut kept = self.kept();
                     if kept.stopped {
                         break;
                     }
-                    kept.add(gray, seconds);
-                    let number = kept.newest;
+                    kept.add(number, gray, seconds);
                     drop(kept);
                     self.came.notify_all();
                     // While one picture is encoded, the next ones are left out.
@@ -148,18 +162,27 @@ impl Shared {
             }
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
-        let earliest = if reader.has_caught_up { kept.newest } else { kept.oldest_gray() };
-        let number = reader.next.max(earliest);
-        kept.dropped += number - reader.next;
-        let (gray, seconds, arrived) = &kept.gray[number - kept.oldest_gray()];
-        (reader.next, reader.arrived) = (number + 1, Some(*arrived));
-        Some(Ok((number, Some(*seconds), GrayFrame::clone(gray))))
+        let behind = kept.gray.partition_point(|came| came.number < reader.next);
+        let at = match reader.taken {
+            _ if reader.has_caught_up => kept.gray.len() - 1,
+            // The number of a frame that was dropped shows the one before.
+            None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
+            _ => behind,
+        };
+        let Came { number, taken, gray, seconds, at } = &kept.gray[at];
+        let (number, taken, frame) = (reader.next.max(*number), *taken, (Some(*seconds), GrayFrame::clone(gray)));
+        let missed = reader.taken.map_or(0, |before| taken - before - 1);
+        (reader.next, reader.taken, reader.arrived) = (number + 1, Some(taken), Some(*at));
+        kept.dropped += missed;
+        Some(Ok((number, frame.0, frame.1)))
     }
 }
 
 /// One pass of the trackers.
 struct Reader {
     next: usize,
+    /// How many were taken from the source, with the one that was answered last.
+    taken: Option<usize>,
     /// From then on only the newest frame counts.
     has_caught_up: bool,
     /// When the frame came that was answered last.
@@ -187,6 +210,7 @@ impl Camera {
             pictures: BTreeMap::new(),
             picture_bytes: 0,
             newest: 0,
+            taken: 0,
             dropped: 0,
             latency_ms: 0.0,
             begin: Instant::now(),
@@ -215,7 +239,7 @@ impl Source for Camera {
         }
         drop(kept);
         let shared = Arc::clone(&self.0);
-        let mut reader = Reader { next: number, has_caught_up: false, arrived: None, has_told: false };
+        let mut reader = Reader { next: number, taken: None, has_caught_up: false, arrived: None, has_told: false };
         Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
     }
 
@@ -234,7 +258,7 @@ impl Source for Camera {
         Some(LiveState {
             oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
-            dropped: kept.dropped,
+            dropped: kept.newest - kept.taken + kept.dropped,
             latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
             rate: (rate * 100.0).round() / 100.0,
             has_ended: kept.ended.is_some() || kept.stopped,
@@ -255,7 +279,7 @@ mod tests {
     fn frame(level: u8) -> Seen {
         let gray = GrayFrame { width: 8, height: 8, pixels: vec![level; 64] };
         let color = ColorFrame::from(&gray);
-        Seen { gray, seconds: f64::from(level), color: Box::new(|| color) }
+        Seen { number: level.into(), gray, seconds: f64::from(level), color: Box::new(|| color) }
     }
 
     fn wait_for(camera: &Camera, newest: usize) {
@@ -292,10 +316,17 @@ mod tests {
         wait_for(&camera, 9);
         assert_eq!(next().unwrap(), (9, 9, 9.0));
         assert_eq!(camera.live().unwrap().dropped, 3);
+        // Two that the source itself has dropped.
+        sender.send(Ok(frame(12))).unwrap();
+        wait_for(&camera, 12);
+        assert_eq!((next().unwrap(), camera.live().unwrap().dropped), ((12, 12, 12.0), 5));
+        let mut again =
+            camera.gray_from(11).unwrap().map(|frame| frame.map(|(number, _, gray)| (number, gray.pixels[0])));
+        assert_eq!([again.next().unwrap().unwrap(), again.next().unwrap().unwrap()], [(11, 9), (12, 12)]);
         drop(sender);
         assert_eq!(next().unwrap_err().to_string(), "the source has ended");
         assert!(seen.next().is_none() && camera.live().unwrap().has_ended);
-        assert!(camera.picture(9).is_some() && camera.picture(10).is_none());
+        assert!(camera.picture(12).is_some() && camera.picture(13).is_none());
     }
 
     #[test]
@@ -304,7 +335,7 @@ mod tests {
         let camera = Camera::of(Box::new(frames.into_iter()));
         let mut kept = camera.0.kept();
         for number in 1..=20 {
-            kept.add(GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
+            kept.add(number, GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
             kept.add_picture(number, vec![0; 20 << 20]);
         }
         assert_eq!((kept.gray.len(), kept.pictures.len()), (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));

@@ -28,7 +28,7 @@ use anyhow::Result;
 use smr_recordings::GrayFrame;
 use std::sync::Arc;
 
-/// Frames with their numbers, from some number on, and of a camera with their times in seconds.
+/// Frames with their numbers, from some number on, and with their times in seconds, if they have any.
 pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
 
 /// Where the frames of a window come from: a recording, or a camera.

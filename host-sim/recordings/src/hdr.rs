@@ -1,0 +1,88 @@
+//! Light of more than a screen has (HDR), as a screen shows it.
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Transfer {
+    Pq,
+    Hlg,
+}
+
+/// The levels of a screen: of the light L of the brightest of red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408), the screen
+/// shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2, and of the others as much less as they are darker. Colors that the screen
+/// (BT.709) lacks are cut.
+pub(super) struct Tones {
+    transfer: Transfer,
+    /// Of each level of 12 bits: light as a multiple of white; of HLG that of the scene, from 0 to 1.
+    light: Vec<f32>,
+    /// Of the root of light, in 4095 steps: the level that a screen takes (sRGB).
+    levels: Vec<u8>,
+}
+
+const PEAK: f32 = 1000.0 / 203.0;
+
+impl Tones {
+    pub fn of(transfer: Transfer) -> Self {
+        let steps = || (0..4096_u16).map(|step| f32::from(step) / 4095.0);
+        let light = match transfer {
+            Transfer::Pq => |level: f32| {
+                let root = level.powf(32.0 / 2523.0);
+                10_000.0 / 203.0
+                    * ((root - 0.835_937_5).max(0.0) / (18.851_562 - 18.687_5 * root)).powf(8192.0 / 1305.0)
+            },
+            Transfer::Hlg => |level: f32| match level {
+                ..=0.5 => level * level / 3.0,
+                _ => (((level - 0.559_910_7) / 0.178_832_77).exp() + 0.284_668_92) / 12.0,
+            },
+        };
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+        let level = |root: f32| match root * root {
+            light @ ..=0.003_130_8 => (light * 12.92 * 255.0).round() as u8,
+            light => ((1.055 * light.powf(1.0 / 2.4) - 0.055) * 255.0).round() as u8,
+        };
+        Self { transfer, light: steps().map(light).collect(), levels: steps().map(level).collect() }
+    }
+
+    /// Red, green and blue of 8 bits for those of 16, as ffmpeg writes them (rgb24, rgb48le).
+    pub fn of_all(&self, bytes: &[u8]) -> Vec<u8> {
+        let pixels = bytes.as_chunks::<6>().0.iter();
+        pixels.flat_map(|&[a, b, c, d, e, f]| self.shown([[a, b], [c, d], [e, f]].map(u16::from_le_bytes))).collect()
+    }
+
+    fn shown(&self, pixel: [u16; 3]) -> [u8; 3] {
+        let [red, green, blue] = pixel.map(|level| self.light[usize::from(level >> 4)]);
+        // A screen of 1000 cd/m2 shows the scene brighter where it is bright.
+        let gain = match self.transfer {
+            Transfer::Pq => 1.0,
+            Transfer::Hlg => PEAK * (0.2627 * red + 0.678 * green + 0.0593 * blue).powf(0.2),
+        };
+        let own = [
+            1.6605 * red - 0.5876 * green - 0.0729 * blue,
+            -0.1246 * red + 1.1329 * green - 0.0083 * blue,
+            -0.0182 * red - 0.1006 * green + 1.1188 * blue,
+        ];
+        let own = own.map(|light| (light * gain).max(0.0));
+        let brightest = own[0].max(own[1]).max(own[2]);
+        let by = (1.0 + brightest / (PEAK * PEAK)) / (1.0 + brightest);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and bounded
+        own.map(|light| self.levels[((light * by).sqrt().min(1.0) * 4095.0).round() as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Levels of 203 cd/m2 and of 1000 by ITU-R BT.2408: 58 and 75 % of PQ, 75 and 100 % of HLG.
+    #[test]
+    fn white_is_bright_and_what_is_brighter_still_differs() {
+        for (transfer, white, peak) in [(Transfer::Pq, 38_056, 49_269), (Transfer::Hlg, 49_151, 65_535)] {
+            let tones = Tones::of(transfer);
+            let shown = |level| tones.shown([level; 3]);
+            let [gray, ..] = shown(white);
+            assert!(gray.abs_diff(190) <= 2 && shown(white) == [gray; 3], "{transfer:?}: {gray}");
+            assert!((253..=255).contains(&shown(peak)[0]), "{transfer:?}: {:?}", shown(peak));
+            assert_eq!((shown(0), shown(65_535)), ([0; 3], [255; 3]));
+            let [red, green, blue] = tones.shown([40_000, 20_000, 20_000]);
+            assert!(red > green + 60 && green.abs_diff(blue) < 40, "{transfer:?}: {red} {green} {blue}");
+        }
+    }
+}
