@@ -30,8 +30,13 @@ cd "$here/../.."
 # The path is from cargo's messages, because the folder depends on the compiler and the environment.
 library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
-  build=(cargo build -p smr-c --profile firmware --locked --message-format json-render-diagnostics)
-  [ -z "$target" ] || build+=(--target "$target")
+  build=(cargo build)
+  if [ -n "$target" ]; then
+    build+=(--target "$target")
+    # Not the compiler in use, but another one may have the target.
+    [ -d "$(rustc --print target-libdir --target "$target" 2>/dev/null)" ] || build=(.ci/target-cargo "$target" build)
+  fi
+  build+=(-p smr-c --profile firmware --locked --message-format json-render-diagnostics)
   [ "$refiner" = no ] || build+=(--features refiner)
   library=$("${build[@]}" | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 fi
