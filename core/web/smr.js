@@ -62,6 +62,8 @@ const MOST_I32 = 2 ** 31 - 1;
 // The most bytes of a saved target of any build: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
 const MOST_SAVED = 65537 + 94;
 const NODE_FILES = ["node:fs", "promises"];
+// The address of the script that this is a part of, if a bundler makes one that is no module.
+const SCRIPT = globalThis.document?.currentScript?.src;
 
 // A module with one instruction of SIMD128. An engine that cannot run it says that it is not valid.
 const SIMD_PROBE = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
@@ -76,9 +78,18 @@ export function hasSimd() {
  * that is faster here.
  */
 export async function load(source) {
-  // Each address in one piece: bundlers look for it, and cannot follow a condition inside.
-  const file = source ?? (hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url));
-  return new Smr(await WebAssembly.instantiate(await moduleOf(file), {}));
+  return new Smr(await WebAssembly.instantiate(await moduleOf(source ?? ownModule()), {}));
+}
+
+function ownModule() {
+  if (import.meta.url !== undefined) {
+    // Each address in one piece: bundlers look for it, and cannot follow a condition inside.
+    return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
+  }
+  if (SCRIPT === undefined) {
+    throw new TypeError("this bundle is no ES module, and does not know its address: give load() the bytes or the address of smr.wasm");
+  }
+  return new URL(hasSimd() ? "smr-simd.wasm" : "smr.wasm", SCRIPT);
 }
 
 async function moduleOf(source) {

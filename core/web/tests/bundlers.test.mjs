@@ -29,6 +29,7 @@ async function follow() {
 }
 follow().catch(String).then((answer) => { document.title = answer; });
 `;
+const PAGE = '<!doctype html><title></title><script type="module" src="./app.js"></script>';
 const KINDS = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
 
 const why = !process.env.SMR_BUNDLERS ? "SMR_BUNDLERS does not name a folder with bundlers" : !hasBrowser() ? "no chromium" : null;
@@ -42,7 +43,7 @@ before(async () => {
   cpSync(PACKAGE, join(app, "node_modules/smr-tracker"), { recursive: true, filter: (name) => !name.endsWith(".html") });
   writeFileSync(join(app, "package.json"), '{ "type": "module" }');
   writeFileSync(join(app, "app.js"), APP);
-  writeFileSync(join(app, "index.html"), '<!doctype html><title></title><script type="module" src="./app.js"></script>');
+  writeFileSync(join(app, "index.html"), PAGE);
   browser = why === null ? new Browser() : undefined;
 });
 
@@ -76,8 +77,8 @@ async function built(folder) {
 }
 
 /** The same for a bundler that leaves addresses as they are: the README says what to copy. */
-async function besideModules(folder) {
-  copyFileSync(join(app, "index.html"), join(folder, "index.html"));
+async function besideModules(folder, page = PAGE) {
+  writeFileSync(join(folder, "index.html"), page);
   ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));
   await built(folder);
 }
@@ -106,6 +107,11 @@ const BUNDLERS = {
     const options = { absWorkingDir: app, entryPoints: ["app.js"], bundle: true, minify: true, format: "esm", outdir: folder, logLevel: "silent" };
     assert.deepEqual((await build(options)).warnings, []);
     await besideModules(folder);
+  },
+  async "esbuild, no module"(folder) {
+    const { build } = await bundler("esbuild");
+    await build({ absWorkingDir: app, entryPoints: ["app.js"], bundle: true, outdir: folder, logLevel: "silent" });
+    await besideModules(folder, '<!doctype html><title></title><script src="./app.js"></script>');
   },
   async rollup(folder) {
     const [{ rollup }, { default: resolve }] = [await bundler("rollup"), await bundler("@rollup/plugin-node-resolve")];
