@@ -284,10 +284,14 @@ def test_without_frames_it_answers_and_has_no_place(world, capsys):
         heard(lambda message: message.get_type() == "HEARTBEAT")
     one.link.mav.command_long_send(*OWN, REQUEST, 0, 259, 0, 0, 0, 0, 0, 0)
     heard(lambda message: message.get_type() == "CAMERA_INFORMATION")
+    # A target that is asked for in the old frame has no place, either.
+    one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
+    heard(lambda message: message.get_type() == "COMMAND_ACK" and message.command == TRACK)
+    assert heard(lambda message: message.get_type() == STATUS).tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR
     recording.goes_on.set()
     serving.join(10)
     assert not serving.is_alive() and source.end()
-    assert capsys.readouterr().err.splitlines()[1:] == [f"frame {camera.number}: no new frame for 1 s"]
+    assert capsys.readouterr().err.splitlines()[1:2] == [f"frame {camera.number}: no new frame for 1 s"]
     camera.show(FRAMES[2])
     assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
 

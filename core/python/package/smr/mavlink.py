@@ -127,11 +127,11 @@ class Camera:
         if now - self.beaten >= HEARTBEAT:
             self.beaten = now
             self.connection.mav.heartbeat_send(mavlink.MAV_TYPE_CAMERA, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE)
-        if self.state is not None and now - self.shown > self.patience:
-            first, self.is_stale = not self.is_stale, True
-            if first:
+        was_stale, self.is_stale = self.is_stale, now - self.shown > self.patience
+        if self.is_stale and self.state is not None:
+            if not was_stale:
                 say(f"frame {self.number}: no new frame for {self.patience:g} s")
-            self.send_status(None, at_once=first)
+            self.send_status(None, at_once=not was_stale)
         for _ in range(MOST_MESSAGES):
             message = self.connection.recv_msg()
             if message and message.get_type() in ("COMMAND_LONG", "COMMAND_INT"):
