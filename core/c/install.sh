@@ -2,7 +2,8 @@
 # Installs the C library: core/c/install.sh [--refiner] PREFIX [TARGET]
 #
 # Builds libsmr.a and installs it under PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config.
-# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine.
+# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine. If the compiler in use has not
+# the target, .ci/target-cargo finds another one or says what to install.
 # --refiner builds it with the refiner, so that smr_init takes what smr_config_refined fills. Both packages say which one it is: `refiner` of
 # pkg-config (pkg-config --variable=refiner smr) and smr_REFINER of CMake, yes or no.
 #
