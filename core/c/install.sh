@@ -2,7 +2,8 @@
 # Installs the C library: core/c/install.sh [--refiner] PREFIX [TARGET]
 #
 # Builds libsmr.a and installs it under PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config.
-# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine.
+# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine. If the compiler in use has not
+# the target, .ci/target-cargo finds another one or says what to install.
 # --refiner builds it with the refiner, so that smr_init takes what smr_config_refined fills. Both packages say which one it is: `refiner` of
 # pkg-config (pkg-config --variable=refiner smr) and smr_REFINER of CMake, yes or no.
 #
@@ -30,8 +31,13 @@ cd "$here/../.."
 # The path is from cargo's messages, because the folder depends on the compiler and the environment.
 library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
-  build=(cargo build -p smr-c --profile firmware --locked --message-format json-render-diagnostics)
-  [ -z "$target" ] || build+=(--target "$target")
+  build=(cargo build)
+  if [ -n "$target" ]; then
+    build+=(--target "$target")
+    # Not the compiler in use, but another one may have the target.
+    [ -d "$(rustc --print target-libdir --target "$target" 2>/dev/null)" ] || build=(.ci/target-cargo "$target" build)
+  fi
+  build+=(-p smr-c --profile firmware --locked --message-format json-render-diagnostics)
   [ "$refiner" = no ] || build+=(--features refiner)
   library=$("${build[@]}" | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 fi

@@ -36,7 +36,25 @@ export function object(value, name, expected) {
   return value;
 }
 
+/** The name of the class of a built-in object. Unlike `instanceof` it knows those of another realm: a frame, a context of Node. */
+export function kindOf(value) {
+  return Object.prototype.toString.call(value).slice(8, -1);
+}
+
+/** Returns the kind of `value` if it is one of these arrays of bytes, else throws. */
+export function bytesOf(value, name, kinds) {
+  const kind = kindOf(value);
+  if (!ArrayBuffer.isView(value) || !kinds.includes(kind)) {
+    throw new TypeError(`${name} must be a ${kinds.join(" or a ")}, not ${named(value)}`);
+  }
+  return kind;
+}
+
 /** The text of a value in the message of an error. */
 export function named(value) {
-  return value === null || value === undefined ? String(value) : `a ${typeof value}`;
+  if (value === null || value === undefined) {
+    return String(value);
+  }
+  const kind = typeof value === "object" ? kindOf(value) : typeof value;
+  return `${/^[AEIO]/i.test(kind) ? "an" : "a"} ${kind}`;
 }

@@ -1,7 +1,7 @@
 // Frames in the forms that JavaScript has: gray bytes, or the colors of a canvas. Only the pixels of a window are
 // copied.
 
-import { SmrError, named, object, whole } from "./errors.js";
+import { SmrError, bytesOf, object, whole } from "./errors.js";
 
 const SIDE = 65535;
 
@@ -16,6 +16,9 @@ export function frameOf(frame) {
   if (width === 0 || height === 0) {
     throw new SmrError("SMR_ERROR_FRAME_EMPTY");
   }
+  if (stride === undefined || format === undefined) {
+    checkPixels(data.length / (width * height), channels);
+  }
   if (checked.stride < row) {
     throw new SmrError("SMR_ERROR_STRIDE_TOO_SMALL");
   }
@@ -26,13 +29,18 @@ export function frameOf(frame) {
   return checked;
 }
 
+// Refuses pixels of another kind. They would be read without an error: colors as gray, say.
+function checkPixels(bytes, channels) {
+  if (Number.isInteger(bytes) && bytes >= 1 && bytes <= 4 * channels && bytes !== channels) {
+    const expected = channels === 1 ? '1 byte for each pixel (gray), or 4 with format: "rgba"' : '4 bytes for each pixel (RGBA), or 1 with format: "gray"';
+    throw new TypeError(`the frame's data must have ${expected}, not ${bytes}`);
+  }
+}
+
 // Bytes of a pixel, by the kind of frame.
 function channelsOf(data, format) {
-  const isClamped = data instanceof Uint8ClampedArray;
-  if (!isClamped && !(data instanceof Uint8Array)) {
-    throw new TypeError(`the frame's data must be a Uint8Array or a Uint8ClampedArray, not ${named(data)}`);
-  }
-  switch (format ?? (isClamped ? "rgba" : "gray")) {
+  const kind = bytesOf(data, "the frame's data", ["Uint8Array", "Uint8ClampedArray"]);
+  switch (format ?? (kind === "Uint8ClampedArray" ? "rgba" : "gray")) {
     case "gray":
       return 1;
     case "rgba":

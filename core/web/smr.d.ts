@@ -10,7 +10,7 @@ export interface Rect {
 
 /** A frame: an ImageData, or gray bytes. */
 export interface Frame {
-  /** Row by row. */
+  /** Row by row. Bytes that make another whole number for each pixel, up to four times as many, are refused: colors given as gray, say. */
   data: Uint8Array | Uint8ClampedArray;
   width: number;
   height: number;

@@ -2,9 +2,9 @@
 // README.md describes them.
 
 import { CONFIG, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
-import { SmrError, named, object, otherSetting, whole } from "./errors.js";
+import { SmrError, bytesOf, kindOf, named, object, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
-import { array, flag, i32, struct, u16, u32 } from "./layout.js";
+import { array, flag, i32, struct, u16, u32, u8 } from "./layout.js";
 import { Memory } from "./memory.js";
 
 export { SmrError } from "./errors.js";
@@ -37,6 +37,7 @@ const ANSWER = struct({
   foundAgain: flag,
 });
 const RESPONSE_SPAN = 17;
+const SAVED_HEAD = 14;
 // The memory of a call: what it takes and what it gives.
 const CALL = struct({
   frame: struct({ width: u16, height: u16, parts: array(PART, 2) }),
@@ -50,6 +51,7 @@ const CALL = struct({
   state: i32,
   image: struct({ pixels: u32, width: u16, height: u16 }),
   config: CONFIG,
+  head: array(u8, SAVED_HEAD),
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
 const TABLE_ENTRIES = 256;
@@ -57,6 +59,11 @@ const EARLY_PIXELS = 1600; // SMR_ROBUST_PIXELS
 // Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
 const PIXELS_STEP = 65536;
 const MOST_I32 = 2 ** 31 - 1;
+// The most bytes of a saved target of any build: SMR_PAPER_SAVED_SIZE with the largest SMR_PIXELS.
+const MOST_SAVED = 65537 + 94;
+const NODE_FILES = ["node:fs", "promises"];
+// The address of the script that this is a part of, if a bundler makes one that is no module.
+const SCRIPT = globalThis.document?.currentScript?.src;
 
 // A module with one instruction of SIMD128. An engine that cannot run it says that it is not valid.
 const SIMD_PROBE = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
@@ -71,35 +78,47 @@ export function hasSimd() {
  * that is faster here.
  */
 export async function load(source) {
-  const file = source ?? new URL(hasSimd() ? "./smr-simd.wasm" : "./smr.wasm", import.meta.url);
-  return new Smr(await WebAssembly.instantiate(await moduleOf(file), {}));
+  return new Smr(await WebAssembly.instantiate(await moduleOf(source ?? ownModule()), {}));
+}
+
+function ownModule() {
+  if (import.meta.url !== undefined) {
+    // Each address in one piece: bundlers look for it, and cannot follow a condition inside.
+    return hasSimd() ? new URL("./smr-simd.wasm", import.meta.url) : new URL("./smr.wasm", import.meta.url);
+  }
+  if (SCRIPT === undefined) {
+    throw new TypeError("this bundle is no ES module, and does not know its address: give load() the bytes or the address of smr.wasm");
+  }
+  return new URL(hasSimd() ? "smr-simd.wasm" : "smr.wasm", SCRIPT);
 }
 
 async function moduleOf(source) {
-  if (source instanceof WebAssembly.Module) {
-    return source;
-  }
-  return WebAssembly.compile(await bytesOf(source));
+  return kindOf(source) === "WebAssembly.Module" ? source : WebAssembly.compile(await moduleBytes(source));
 }
 
-async function bytesOf(source) {
-  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) {
+async function moduleBytes(source) {
+  if (ArrayBuffer.isView(source)) {
     return source;
   }
-  if (typeof source === "string" || source instanceof URL) {
-    return fetched(source);
+  switch (kindOf(source)) {
+    case "ArrayBuffer":
+      return source;
+    case "String":
+    case "URL":
+      return fetched(String(source));
+    case "Response":
+      return responded(source);
+    default:
+      throw new TypeError(`load takes a WebAssembly.Module, bytes, a Response or an address, not ${named(source)}`);
   }
-  if (typeof Response === "function" && source instanceof Response) {
-    return responded(source);
-  }
-  throw new TypeError(`load takes a WebAssembly.Module, bytes, a Response or an address, not ${named(source)}`);
 }
 
 // Node fetches no files.
 async function fetched(address) {
-  if (typeof process !== "undefined" && process.versions?.node !== undefined && !/^https?:/.test(address)) {
-    const { readFile } = await import("node:fs/promises");
-    return readFile(address);
+  if (typeof process !== "undefined" && process.versions?.node !== undefined && !/^(https?|data|blob):/.test(address)) {
+    // Bundlers look for names that they can read, and have no such module.
+    const { readFile } = await import(/* webpackIgnore: true */ /* @vite-ignore */ NODE_FILES.join("/"));
+    return readFile(address.startsWith("file:") ? new URL(address) : address);
   }
   return responded(await fetch(address));
 }
@@ -107,6 +126,11 @@ async function fetched(address) {
 async function responded(response) {
   if (!response.ok) {
     throw new Error(`cannot load ${response.url}: ${response.status} ${response.statusText}`);
+  }
+  // A server of development answers with its page for each file that it has not.
+  const kind = response.headers.get("content-type") ?? "";
+  if (kind.startsWith("text/html")) {
+    throw new Error(`cannot load ${response.url}: expected WebAssembly, found ${kind}: see "Loading" in the README of smr-tracker`);
   }
   return response.arrayBuffer();
 }
@@ -127,7 +151,7 @@ export class Smr {
     return this.#library.memory.text(this.#library.exports.smr_version());
   }
 
-  /** Bytes of the library's memory. It grows only with the number of trackers and the largest window. */
+  /** Bytes of the library's memory. It grows only with the number of trackers and the largest window or saved target. */
   get memory() {
     return this.#library.memory.bytes.length;
   }
@@ -293,12 +317,23 @@ export class Tracker {
   lock(frame, box) {
     this.#live();
     const given = frameOf(frame);
+    const { width, height } = given;
     const library = this.#library;
     library.write("box", box);
-    const windows = this.#show(given, [this.#get("smr_lock_window", "window", given.width, given.height, library.at("box"))]);
-    library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
+    const lock = () => library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
+    try {
+      // With one pixel of the frame: what is refused for its numbers takes no memory for its pixels.
+      library.write("frame", { width, height, parts: [{ ...NO_PART, pixels: library.at("head"), size: 1, stride: 1, width: 1, height: 1 }, NO_PART] });
+      lock();
+    } catch (error) {
+      if (error.status !== "SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY") {
+        throw error;
+      }
+    }
+    const windows = this.#show(given, [this.#get("smr_lock_window", "window", width, height, library.at("box"))]);
+    lock();
     this.answer = null;
-    this.#tell("locked", { width: given.width, height: given.height, box: library.read("box"), window: windows[0] });
+    this.#tell("locked", { width, height, box: library.read("box"), window: windows[0] });
     return this.quality;
   }
 
@@ -324,34 +359,37 @@ export class Tracker {
   /** Saves the target as bytes. */
   save() {
     this.#live();
-    const { memory } = this.#library;
     const size = this.#get("smr_saved_size", "number");
-    const bytes = memory.take(size);
-    try {
-      return memory.copy(bytes, this.#get("smr_save", "number", bytes, size));
-    } finally {
-      memory.give(bytes);
-    }
+    const bytes = this.#library.pixels(size);
+    return this.#library.memory.copy(bytes, this.#get("smr_save", "number", bytes, size));
   }
 
   /** Continues with a saved target. */
   restore(saved) {
     this.#live();
-    if (!(saved instanceof Uint8Array)) {
-      throw new TypeError(`a saved target is a Uint8Array, not ${named(saved)}`);
-    }
-    const { memory } = this.#library;
-    const bytes = memory.take(saved.length);
+    bytesOf(saved, "a saved target", ["Uint8Array"]);
     try {
-      memory.bytes.set(saved, bytes);
-      this.#library.call("smr_restore", this.#at, bytes, saved.length);
+      // Bytes that are no saved target are refused by their head, before they take memory.
+      this.#restore(saved.subarray(0, SAVED_HEAD), this.#library.at("head"));
     } catch (error) {
-      throw error.status === "SMR_ERROR_OTHER_CONFIG" ? otherSetting(memory.text(this.#get("smr_other_setting", "number", bytes, saved.length))) : error;
-    } finally {
-      memory.give(bytes);
+      if (error.status !== "SMR_ERROR_TRUNCATED") {
+        throw error;
+      }
     }
+    const all = saved.subarray(0, MOST_SAVED);
+    this.#restore(all, this.#library.pixels(all.length));
     this.answer = null;
     this.#tell("restored", { saved });
+  }
+
+  #restore(saved, at) {
+    const { memory } = this.#library;
+    memory.bytes.set(saved, at);
+    try {
+      this.#library.call("smr_restore", this.#at, at, saved.length);
+    } catch (error) {
+      throw error.status === "SMR_ERROR_OTHER_CONFIG" ? otherSetting(memory.text(this.#get("smr_other_setting", "number", at, saved.length))) : error;
+    }
   }
 
   /** The box and the state of the target: of the last answer, the lock or the saved target. null without a target. */

@@ -907,6 +907,40 @@ typedef struct smr_readout {
   size_t sizes[2];
 } smr_readout;
 
+/* Each type has the size that it has in the library, with pointers of 4 and of 8 bytes. */
+#if defined(__cplusplus) && __cplusplus >= 201103L
+#define SMR_UNPACKED(type, holds) static_assert(holds, #type " must not be packed: a header before smr.h has left #pragma pack on")
+#else
+#define SMR_UNPACKED(type, holds) typedef char type##_must_not_be_packed[(holds) ? 1 : -1]
+#endif
+#define SMR_SIZE(type, on_32_bits, on_64_bits) \
+    SMR_UNPACKED(type, sizeof(type) == (sizeof(void *) == 8 ? on_64_bits : on_32_bits))
+SMR_SIZE(smr_table, 512, 512);
+SMR_SIZE(smr_fraction, 4, 4);
+SMR_SIZE(smr_radius, 4, 4);
+SMR_SIZE(smr_margins, 8, 8);
+SMR_SIZE(smr_gate, 20, 20);
+SMR_SIZE(smr_paper_config, 56, 64);
+SMR_SIZE(smr_robust_config, 14, 14);
+SMR_SIZE(smr_config, 80, 96);
+SMR_SIZE(smr_rect, 12, 12);
+SMR_SIZE(smr_part, 20, 32);
+SMR_SIZE(smr_frame, 44, 72);
+SMR_SIZE(smr_fine_rect, 16, 16);
+SMR_SIZE(smr_answer, 48, 48);
+SMR_SIZE(smr_image, 8, 16);
+SMR_SIZE(smr_saved_copy, 16, 24);
+SMR_SIZE(smr_readout, 52, 72);
+#ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
+struct smr_storage {
+    char before;
+    smr_paper_target storage;
+};
+SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT);
+#endif
+#undef SMR_SIZE
+#undef SMR_UNPACKED
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1049,7 +1083,7 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * pixels in #smr_lock_window.
  *
  * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
- * as much as 25 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
+ * as much as 11 to 14 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.

@@ -42,7 +42,7 @@ pub unsafe extern "C" fn smr_lock_window(
 /// pixels in #smr_lock_window.
 ///
 /// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
-/// as much as 25 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
+/// as much as 11 to 14 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame. Its parts in memory cover #smr_lock_window.

@@ -5,21 +5,11 @@ mod missing;
 
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
-    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame,
-    smr_gate, smr_image, smr_margins, smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config,
-    smr_saved_copy, smr_state, smr_status, smr_table,
+    ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
 };
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
-
-/// Lines of C that compile only if each `$type` has the same size in C. Its fields are those of the header, which is made
-/// from them.
-macro_rules! sizes {
-    ($($type:ident),*) => {
-        [$(claim(concat!("sizeof(", stringify!($type), ")"), size_of::<$type>())),*].concat()
-    };
-}
 
 fn claim(what: &str, value: usize) -> String {
     format!("{{ char claim[{what} == {value} ? 1 : -1]; (void)claim; }}\n")
@@ -43,38 +33,49 @@ fn the_header_and_the_library_agree_on_every_size() {
     ] {
         source += &claim(name, size);
     }
-    source += &sizes!(
-        smr_status,
-        smr_state,
-        smr_table,
-        smr_fraction,
-        smr_radius,
-        smr_rect,
-        smr_gate,
-        smr_margins,
-        smr_paper_config,
-        smr_robust_config,
-        smr_config,
-        smr_fine_rect,
-        smr_part,
-        smr_frame,
-        smr_answer,
-        smr_image,
-        smr_saved_copy,
-        smr_readout
-    );
     writeln!(source, "return 0;\n}}").expect("a string takes text");
 
+    let (compiles, words) = compiles("cc", "c99", &source);
+    assert!(compiles, "{words}");
+}
+
+/// True if a source with the header compiles; and what the compiler says.
+fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     let folder = tempfile::tempdir().expect("a folder can be made");
-    let file = folder.path().join("sizes.c");
-    std::fs::write(&file, &source).expect("the folder can be written");
-    let output = Command::new("cc")
-        .args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I"])
+    let file = folder.path().join(if standard.starts_with("c++") { "source.cpp" } else { "source.c" });
+    std::fs::write(&file, source).expect("the folder can be written");
+    let output = Command::new(compiler)
+        .args(["-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", &format!("-std={standard}"), "-I"])
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))
         .arg(&file)
-        .output()
-        .expect("cc runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        .output();
+    let output = output.expect("the compiler runs");
+    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// A header before smr.h that does not end its packing gives types of other sizes.
+#[test]
+fn a_packing_does_not_compile() {
+    if !missing::has_c_compiler("a_packing_does_not_compile") {
+        return;
+    }
+    let has = |compiler| Command::new(compiler).arg("--version").output().is_ok();
+    for (compiler, standard) in [("cc", "c99"), ("cc", "c2x"), ("c++", "c++11"), ("c++", "c++20")] {
+        if !has(compiler) {
+            println!("skipped: a_packing_does_not_compile: no {compiler}");
+            continue;
+        }
+        for (packing, expected) in [("pack(1)", false), ("pack(2)", false), ("pack(4)", false), ("pack(16)", true)] {
+            let source =
+                format!("#pragma {packing}\n#include \"smr.h\"\n#include \"smr.h\"\nint main(void) {{ return 0; }}\n");
+            let (compiled, words) = compiles(compiler, standard, &source);
+            assert_eq!(compiled, expected, "{compiler}, {standard}, {packing}: {words}");
+            assert!(
+                expected || words.contains("must_not_be_packed") || words.contains("must not be packed"),
+                "{words}"
+            );
+        }
+    }
 }
 
 /// What a size of the header is on 32 bits, with other capacities than those of this library.

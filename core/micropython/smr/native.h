@@ -7,8 +7,6 @@
 // Names and types are known only when the module is loaded, so tables are built by the function that reads them.
 #define TABLE const
 
-#define mp_unpack_sequence mp_fun_table.unpack_sequence
-
 bool mp_obj_equal(mp_obj_t one, mp_obj_t other) {
     return mp_binary_op(MP_BINARY_OP_EQUAL, one, other) == mp_const_true;
 }

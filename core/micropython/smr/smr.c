@@ -75,29 +75,54 @@ static void check(smr_status status) {
 
 // Arguments
 
-static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, qstr name) {
+// A whole number. `of` and `name` are the names of the argument and of its part; `of` may be empty.
+static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char *of, qstr name) {
     // An int that is an object is larger than LARGEST.
     const bool is_large = mp_obj_is_exact_type(value, &mp_type_int);
+    if (!is_large && !mp_obj_is_small_int(value) && value != mp_const_true && value != mp_const_false) {
+        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s%q must be a whole number"), of, name);
+    }
     const mp_int_t number = is_large ? 0 : mp_obj_get_int(value);
     if (is_large || number < least || number > most) {
-        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%q must be %d to %d"), name, (int)least, (int)most);
+        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%s%q must be %d to %d"), of, name, (int)least, (int)most);
     }
     return number;
 }
 
+// The items of a tuple, a list or what else can be iterated over.
+static mp_obj_t *items_of(mp_obj_t value, size_t count, qstr name) {
+    if (!MP_OBJ_TYPE_HAS_SLOT(mp_obj_get_type(value), iter)) {
+        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q must be a tuple of %d numbers"), name, (int)count);
+    }
+    const mp_obj_t list = mp_call_function_n_kw(MP_OBJ_FROM_PTR(&mp_type_list), 1, 0, &value);
+    size_t length;
+    mp_obj_t *items;
+    mp_obj_get_array(list, &length, &items);
+    if (length != count) {
+        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%q must be %d numbers, not %d"), name, (int)count, (int)length);
+    }
+    return items;
+}
+
 static smr_rect box_of(mp_obj_t value) {
-    mp_obj_t items[4]; // the last one first
-    mp_unpack_sequence(value, 4, items);
+    const mp_obj_t *items = items_of(value, 4, MP_QSTR_box);
     return (smr_rect) {
-        number(items[3], -LARGEST, LARGEST, MP_QSTR_x), number(items[2], -LARGEST, LARGEST, MP_QSTR_y),
-        number(items[1], 0, UINT16_MAX, MP_QSTR_width), number(items[0], 0, UINT16_MAX, MP_QSTR_height),
+        number(items[0], -LARGEST, LARGEST, "box: ", MP_QSTR_x), number(items[1], -LARGEST, LARGEST, "box: ", MP_QSTR_y),
+        number(items[2], 0, UINT16_MAX, "box: ", MP_QSTR_width), number(items[3], 0, UINT16_MAX, "box: ", MP_QSTR_height),
     };
 }
 
-static smr_radius radius_of(mp_obj_t value) {
-    mp_obj_t items[2];
-    mp_unpack_sequence(value, 2, items);
-    return (smr_radius) { number(items[1], 0, UINT16_MAX, MP_QSTR_x), number(items[0], 0, UINT16_MAX, MP_QSTR_y) };
+static smr_radius radius_of(mp_obj_t value, const char *of, qstr name) {
+    const mp_obj_t *items = items_of(value, 2, name);
+    return (smr_radius) { number(items[0], 0, UINT16_MAX, of, MP_QSTR_x), number(items[1], 0, UINT16_MAX, of, MP_QSTR_y) };
+}
+
+static mp_buffer_info_t bytes_of(mp_obj_t value, qstr name) {
+    mp_buffer_info_t bytes;
+    if (!mp_get_buffer(value, &bytes, MP_BUFFER_READ)) {
+        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q must be an object with bytes"), name);
+    }
+    return bytes;
 }
 
 static mp_obj_t rect(mp_int_t x, mp_int_t y, mp_int_t width, mp_int_t height) {
@@ -125,7 +150,7 @@ static size_t line_bytes(const picture_t *picture) {
 }
 
 static picture_t picture_of(mp_obj_t buffer, uint16_t width, uint16_t height, mp_obj_t format, mp_obj_t stride) {
-    picture_t picture = { buffer, number(format, -LARGEST, LARGEST, MP_QSTR_format), width, height, number(stride, 0, LARGEST, MP_QSTR_stride) };
+    picture_t picture = { buffer, number(format, -LARGEST, LARGEST, "", MP_QSTR_format), width, height, number(stride, 0, LARGEST, "", MP_QSTR_stride) };
     const size_t least = line_bytes(&picture);
     if (picture.stride == 0) {
         picture.stride = least;
@@ -157,8 +182,7 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     const size_t sizes[] = { area(&windows[0]), area(&windows[1]) };
     uint8_t *gray = is_gray ? NULL : pixels(sizes[0] + sizes[1]);
     // After the allocation: a finaliser could change the buffer.
-    mp_buffer_info_t bytes;
-    mp_get_buffer_raise(picture->buffer, &bytes, MP_BUFFER_READ);
+    const mp_buffer_info_t bytes = bytes_of(picture->buffer, MP_QSTR_buffer);
     if (is_gray) {
         return (smr_frame) { picture->width, picture->height, {
             { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 },
@@ -213,9 +237,9 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t k
         }
         uint8_t *place = (uint8_t *)config + options[i].place;
         if (options[i].bytes == 1) {
-            *place = number(value, 0, UINT8_MAX, name);
+            *place = number(value, 0, UINT8_MAX, "", name);
         } else {
-            *(uint16_t *)place = number(value, 0, UINT16_MAX, name);
+            *(uint16_t *)place = number(value, 0, UINT16_MAX, "", name);
         }
         return;
     }
@@ -238,22 +262,28 @@ static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
     }
 }
 
-// The configuration of the keyword arguments: the preset first, whatever their order.
-static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_obj_t *keywords) {
+// The configuration of the keyword arguments: the preset first, whatever their order. `preset` may be MP_OBJ_NULL.
+static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t count, const mp_obj_t *keywords) {
     const bool is_paper = type == PAPER;
     smr_config config;
     check(is_paper ? smr_config_camera(&config) : smr_config_robust(&config));
     for (size_t i = 0; i < count; i++) {
         if (keywords[2 * i] == MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
-            set_preset(&config, is_paper, keywords[2 * i + 1]);
+            if (preset != MP_OBJ_NULL) {
+                mp_raise_msg(&mp_type_TypeError, MP_ERROR_TEXT("preset is given twice"));
+            }
+            preset = keywords[2 * i + 1];
         }
+    }
+    if (preset != MP_OBJ_NULL) {
+        set_preset(&config, is_paper, preset);
     }
     for (size_t i = 0; i < count; i++) {
         const mp_obj_t keyword = keywords[2 * i], value = keywords[2 * i + 1];
         if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window)) {
-            config.paper.window = radius_of(value);
+            config.paper.window = radius_of(value, "window: ", MP_QSTR_window);
         } else if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window_limit)) {
-            config.paper.window_limit = radius_of(value);
+            config.paper.window_limit = radius_of(value, "window_limit: ", MP_QSTR_window_limit);
         } else if (keyword != MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
             set_option(&config, type, keyword, value);
         }
@@ -262,8 +292,8 @@ static smr_config config_of(const mp_obj_type_t *type, size_t count, const mp_ob
 }
 
 static mp_obj_t make_new(const mp_obj_type_t *type, size_t n_args, size_t n_kw, const mp_obj_t *args) {
-    mp_arg_check_num(n_args, n_kw, 0, 0, true);
-    const smr_config config = config_of(type, n_kw, args);
+    mp_arg_check_num(n_args, n_kw, 0, 1, true);
+    const smr_config config = config_of(type, n_args > 0 ? args[0] : MP_OBJ_NULL, n_kw, args + n_args);
     const size_t size = smr_target_size(&config), room = smr_workspace_size(&config);
     void **workspace = &SHARED->workspaces[type == ROBUST];
     if (*workspace == NULL) {
@@ -291,8 +321,8 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
     mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
-    const uint16_t width = number(values[WIDTH].u_obj, 0, UINT16_MAX, MP_QSTR_width);
-    const uint16_t height = number(values[HEIGHT].u_obj, 0, UINT16_MAX, MP_QSTR_height);
+    const uint16_t width = number(values[WIDTH].u_obj, 0, UINT16_MAX, "", MP_QSTR_width);
+    const uint16_t height = number(values[HEIGHT].u_obj, 0, UINT16_MAX, "", MP_QSTR_height);
     const smr_rect target = box_of(values[BOX].u_obj);
     const picture_t picture = picture_of(values[BUFFER].u_obj, width, height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
@@ -355,7 +385,7 @@ static MP_DEFINE_CONST_FUN_OBJ_KW(update_obj, 1, update);
 // moved(right, down), in 1/256 pixel
 static mp_obj_t moved(mp_obj_t self_in, mp_obj_t right, mp_obj_t down) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
-    check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, MP_QSTR_right), number(down, -LARGEST, LARGEST, MP_QSTR_down)));
+    check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, "", MP_QSTR_right), number(down, -LARGEST, LARGEST, "", MP_QSTR_down)));
     return mp_const_none;
 }
 static MP_DEFINE_CONST_FUN_OBJ_3(moved_obj, moved);
@@ -375,13 +405,12 @@ static MP_DEFINE_CONST_FUN_OBJ_1(save_obj, save);
 // restore(saved, width=0, height=0): the size of the coming buffers; 0: as before
 static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
-    const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, MP_QSTR_width) : 0;
-    const uint16_t height = n_args > 3 ? number(args[3], 0, UINT16_MAX, MP_QSTR_height) : 0;
+    const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, "", MP_QSTR_width) : 0;
+    const uint16_t height = n_args > 3 ? number(args[3], 0, UINT16_MAX, "", MP_QSTR_height) : 0;
     if ((width == 0 && self->width == 0) || (height == 0 && self->height == 0)) {
         mp_raise_ValueError(MP_ERROR_TEXT("this tracker has seen no frame: restore needs width and height"));
     }
-    mp_buffer_info_t bytes;
-    mp_get_buffer_raise(args[1], &bytes, MP_BUFFER_READ);
+    const mp_buffer_info_t bytes = bytes_of(args[1], MP_QSTR_saved);
     const smr_status status = smr_restore(self->tracker, bytes.buf, bytes.len);
     if (status == SMR_ERROR_OTHER_CONFIG) {
         const char *setting;

@@ -20,7 +20,7 @@ mod _smr {
     #[pymodule_export]
     use super::{
         recording::{Recording, measure, recordings, start_beside},
-        tracker::{Paper, Robust, Tracker},
+        tracker::{Paper, Robust, Tracker, follow},
     };
     use pyo3::prelude::*;
 

@@ -5,15 +5,17 @@ use crate::options;
 use crate::target::{Target, refused};
 use crate::tracker::{Tracker, bounding_box};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
 use smr_recordings::{BoundingBox, ColorFrames, Colors, FFMPEG_PATIENCE, Frames, Now, OpenOptions, Sequence, messages};
+use std::mem::ManuallyDrop;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::process;
 use std::sync::Mutex;
 
 fn open(path: &Path) -> anyhow::Result<Sequence> {
@@ -26,12 +28,40 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
+/// A value with threads or a child process. A process that forked has a copy without them: it can neither use nor drop it.
+struct OfProcess<T>(u32, ManuallyDrop<T>);
+
+impl<T> OfProcess<T> {
+    fn new(value: T) -> Self {
+        Self(process::id(), ManuallyDrop::new(value))
+    }
+
+    /// Errors: another process made it.
+    fn get(&mut self) -> PyResult<&mut T> {
+        let other =
+            "another process began to read this recording: make a smr.Recording and iterate over it in this one";
+        if self.0 == process::id() { Ok(&mut self.1) } else { Err(PyRuntimeError::new_err(other)) }
+    }
+}
+
+impl<T> Drop for OfProcess<T> {
+    fn drop(&mut self) {
+        if self.0 == process::id() {
+            // SAFETY: The value is dropped only here.
+            #[allow(unsafe_code)]
+            unsafe {
+                ManuallyDrop::drop(&mut self.1);
+            }
+        }
+    }
+}
+
 /// A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
 /// Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
 ///
 /// Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
 /// with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
-/// use are dropped.
+/// use are dropped. After a fork, begin to iterate anew.
 ///
 /// Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
 /// opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -48,7 +78,7 @@ pub struct Recording {
     truth: Option<Vec<Option<BoundingBox>>>,
     color: bool,
     /// A live source is opened once: the first iteration takes it.
-    live: Mutex<Option<(Frames, Colors)>>,
+    live: Mutex<OfProcess<Option<(Frames, Colors)>>>,
 }
 
 #[pymethods]
@@ -61,7 +91,7 @@ impl Recording {
         }
         let is_live = smr_recordings::is_live(&path);
         let Sequence { name, init, truth, frames, colors, .. } = py.detach(|| open(&path)).map_err(refused)?;
-        let live = Mutex::new(is_live.then_some((frames, colors)));
+        let live = Mutex::new(OfProcess::new(is_live.then_some((frames, colors))));
         Ok(Self { path, name, is_live, start: init, truth, color, live })
     }
 
@@ -80,12 +110,15 @@ impl Recording {
     }
 
     fn __iter__(&self, py: Python<'_>) -> PyResult<Decoded> {
-        let kept = self.live.lock().ok().and_then(|mut live| live.take());
+        let kept = match self.live.lock() {
+            Ok(mut live) if self.is_live => live.get()?.take(),
+            _ => None,
+        };
         let opened = || kept.map_or_else(|| open(&self.path).map(|sequence| (sequence.frames, sequence.colors)), Ok);
         let (gray, colors) = py.detach(opened).map_err(refused)?;
         let now = colors.now();
         let color = self.color.then(|| colors.open(1, FFMPEG_PATIENCE));
-        Ok(Decoded(Mutex::new(Stream { gray, color, now })))
+        Ok(Decoded(Mutex::new(OfProcess::new(Stream { gray, color, now }))))
     }
 
     /// The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
@@ -106,7 +139,7 @@ impl Recording {
 }
 
 #[pyclass(frozen)]
-struct Decoded(Mutex<Stream>);
+struct Decoded(Mutex<OfProcess<Stream>>);
 
 struct Stream {
     gray: Frames,
@@ -136,10 +169,11 @@ impl Decoded {
     }
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<u8>>>> {
-        let next = py.detach(|| self.0.lock().map_or(Ok(None), |mut stream| stream.next()));
-        let Some((shape, bytes)) = next.map_err(|error| PyOSError::new_err(messages::of(&error)))? else {
-            return Ok(None);
-        };
+        let next = py.detach(|| {
+            let Ok(mut stream) = self.0.lock() else { return Ok(None) };
+            stream.get()?.next().map_err(|error| PyOSError::new_err(messages::of(&error)))
+        });
+        let Some((shape, bytes)) = next? else { return Ok(None) };
         let shape = if shape[2] == 1 { &shape[..2] } else { &shape[..] };
         PyArray1::from_vec(py, bytes).reshape(shape).map(Some)
     }

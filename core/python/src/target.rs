@@ -20,17 +20,24 @@ pub enum Target {
     Robust(Box<Robust>),
 }
 
-/// Scratch memory for any number of targets, used by one call at a time. Each thread has its own.
+/// Scratch memory for any number of targets, used by one call at a time.
 #[derive(Default)]
-struct Scratch {
+pub struct Scratch {
     paper: Option<Box<PaperWorkspace>>,
     robust: Option<Box<robust::Workspace>>,
     /// The gray pixels of frames that had to be converted.
     gray: Vec<u8>,
 }
 
-thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+/// Lends `count` scratches of this thread to `call`.
+pub fn with_scratch<T>(count: usize, call: impl FnOnce(&mut [Scratch]) -> T) -> T {
+    thread_local! {
+        static SCRATCH: RefCell<Vec<Scratch>> = RefCell::default();
+    }
+    SCRATCH.with_borrow_mut(|all| {
+        all.resize_with(count.max(all.len()), Scratch::default);
+        call(&mut all[..count])
+    })
 }
 
 /// A Python exception with the error text of the core or of host-sim.
@@ -72,45 +79,42 @@ impl Target {
         }
     }
 
-    pub fn lock(&mut self, pixels: &Pixels<'_>, target: Rect) -> PyResult<()> {
+    pub fn lock(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>, target: Rect) -> PyResult<()> {
         let (bounds, kind) = (pixels.bounds(), self.kind());
         let window = each!(self, of => of.lock_window(bounds, target));
-        SCRATCH.with_borrow_mut(|Scratch { paper, robust, gray }| {
-            let frame = pixels.frame([Some(window), None], gray)?;
-            let locked = match self {
-                Self::Paper(of) => of.lock(paper.get_or_insert_default(), &frame, target),
-                Self::Robust(of) => of.lock(robust.get_or_insert_default(), &frame, target),
-            };
-            locked.map(drop).map_err(|error| refused(Refused::or(error.into(), kind, target, bounds)))
-        })
+        let Scratch { paper, robust, gray } = scratch;
+        let frame = pixels.frame([Some(window), None], gray)?;
+        let locked = match self {
+            Self::Paper(of) => of.lock(paper.get_or_insert_default(), &frame, target),
+            Self::Robust(of) => of.lock(robust.get_or_insert_default(), &frame, target),
+        };
+        locked.map(drop).map_err(|error| refused(Refused::or(error.into(), kind, target, bounds)))
     }
 
     /// Checks whether `update` can be called with this frame. Changes nothing and reads no pixel.
-    pub fn check(&mut self, pixels: &Pixels<'_>) -> PyResult<()> {
+    pub fn check(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
-        SCRATCH.with_borrow_mut(|Scratch { paper, robust, .. }| {
-            let begun = match self {
-                Self::Paper(of) => of.begin(paper.get_or_insert_default(), &frame).map(drop),
-                Self::Robust(of) => of.begin(robust.get_or_insert_default(), &frame).map(drop),
-            };
-            match begun {
-                // The core checks this last, so everything else is right.
-                Err(UpdateError::WindowNotInMemory) => Ok(()),
-                begun => begun.map_err(not_updated),
-            }
-        })
+        let Scratch { paper, robust, .. } = scratch;
+        let begun = match self {
+            Self::Paper(of) => of.begin(paper.get_or_insert_default(), &frame).map(drop),
+            Self::Robust(of) => of.begin(robust.get_or_insert_default(), &frame).map(drop),
+        };
+        match begun {
+            // The core checks this last, so everything else is right.
+            Err(UpdateError::WindowNotInMemory) => Ok(()),
+            begun => begun.map_err(not_updated),
+        }
     }
 
-    pub fn update(&mut self, pixels: &Pixels<'_>) -> PyResult<Answer> {
+    pub fn update(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>) -> PyResult<Answer> {
         let windows = each!(self, of => [of.window(), of.sweep_window()]);
-        SCRATCH.with_borrow_mut(|Scratch { paper, robust, gray }| {
-            let frame = pixels.frame(windows, gray)?;
-            let answer = match self {
-                Self::Paper(of) => of.update(paper.get_or_insert_default(), &frame),
-                Self::Robust(of) => of.update(robust.get_or_insert_default(), &frame),
-            };
-            answer.map_err(not_updated)
-        })
+        let Scratch { paper, robust, gray } = scratch;
+        let frame = pixels.frame(windows, gray)?;
+        let answer = match self {
+            Self::Paper(of) => of.update(paper.get_or_insert_default(), &frame),
+            Self::Robust(of) => of.update(robust.get_or_insert_default(), &frame),
+        };
+        answer.map_err(not_updated)
     }
 
     /// The target as saved bytes; `None` if there is none.

@@ -1,15 +1,16 @@
 //! The classes `Tracker`, `Paper` and `Robust`.
 
 use crate::answer;
-use crate::frame::Borrowed;
+use crate::frame::{Borrowed, Pixels};
 use crate::options::{Options, of_range, with};
-use crate::target::{Target, each, refused};
+use crate::target::{Scratch, Target, each, refused, with_scratch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use smr_core::{Answer, ConfigError, Rect, State, Target as _, paper, robust};
 use smr_recordings::BoundingBox;
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 /// Follows one target. `Paper` and `Robust` are its kinds.
 ///
@@ -108,7 +109,7 @@ impl Tracker {
     fn next(&self, frame: &Bound<'_, PyAny>) -> PyResult<Answer> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, target) = (frame.pixels(), &mut *self.target()?);
-        py.detach(|| target.update(&pixels))
+        py.detach(|| with_scratch(1, |scratch| target.update(&mut scratch[0], &pixels)))
     }
 }
 
@@ -121,11 +122,11 @@ impl Tracker {
     fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
-        py.detach(|| target.lock(&pixels, place))
+        py.detach(|| with_scratch(1, |scratch| target.lock(&mut scratch[0], &pixels, place)))
     }
 
-    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is
-    /// lost.
+    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
+    /// is lost: a box that is uncertain has True. `follow` says which.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
@@ -134,11 +135,6 @@ impl Tracker {
     /// Looks for the target in the next frame: the whole `Answer`.
     fn follow<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         answer::answer(py, &self.next(frame)?)
-    }
-
-    /// For `Group`: raises what `follow` would raise, and changes nothing.
-    fn _check(&self, frame: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.target()?.check(&Borrowed::new(frame)?.pixels())
     }
 
     /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
@@ -240,4 +236,45 @@ impl Robust {
         let presets = [("refined", robust::Config::refined()), ("robust", robust::Config::robust())];
         Ok(Tracker::new(presets, preset, options, Target::robust)?.add_subclass(Self))
     }
+}
+
+/// For `Group`: the answers of all trackers in the next frame, by at most `threads` threads. If one of them cannot follow, or
+/// is in use, none does.
+#[pyfunction]
+pub fn follow<'py>(
+    trackers: Vec<Bound<'py, Tracker>>,
+    frame: &Bound<'py, PyAny>,
+    threads: usize,
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let (py, frame) = (frame.py(), Borrowed::new(frame)?);
+    let pixels = frame.pixels();
+    let guards: PyResult<Vec<_>> = trackers.iter().map(|tracker| tracker.get().target()).collect();
+    let mut guards = guards?;
+    let mut targets: Vec<&mut Target> = guards.iter_mut().map(|guard| &mut **guard).collect();
+    with_scratch(1, |scratch| targets.iter_mut().try_for_each(|target| target.check(&mut scratch[0], &pixels)))?;
+    let threads = threads.clamp(1, targets.len().max(1));
+    let answers = py.detach(|| with_scratch(threads, |scratch| side_by_side(targets, scratch, &pixels)))?;
+    answers.iter().map(|one| answer::answer(py, one)).collect()
+}
+
+/// Updates each target, with a thread for each scratch. They end before this does: a process that forks has no thread that its
+/// child would lack.
+fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
+    let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
+    let queue = Mutex::new(targets.into_iter().zip(&mut answers));
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = |scratch: &mut Scratch| {
+        while let Some((target, answer)) = next() {
+            *answer = target.update(scratch, pixels).map(Some);
+        }
+    };
+    let [own, others @ ..] = scratch else { return Ok(Vec::new()) };
+    thread::scope(|scope| {
+        for scratch in others {
+            // The targets of a thread that cannot be started are left to the others.
+            let _ = thread::Builder::new().spawn_scoped(scope, || work(scratch));
+        }
+        work(own);
+    });
+    answers.into_iter().filter_map(Result::transpose).collect()
 }

@@ -1,9 +1,10 @@
 """Bad calls are exceptions that say what was expected, and change nothing."""
 
 import copy
+import multiprocessing
+import os
 import random
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -196,30 +197,65 @@ def test_a_group_that_cannot_follow_changes_nothing(threads):
     assert group.follow(large) == expected
 
 
-def test_a_group_waits_for_all_its_threads():
-    """Also for those that work on when one has failed."""
-    running, failed = [], threading.Event()
+def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
+    frames, box = synthetic
+    group, others = smr.Group(4), smr.Group()
+    for number in range(8):
+        group.add(smr.Robust() if number % 2 else smr.Paper(), frames[0], box)
+    others.trackers = group.trackers[::-1]
+    refused, members = [], group.trackers[:]
 
-    class Broken:
-        def _check(self, frame):
-            pass
+    def call(follow, frame):
+        try:
+            follow(frame)
+        except RuntimeError as error:
+            refused.append(str(error))
 
-        def follow(self, frame):
-            failed.set()
-            raise RuntimeError("broken")
+    for frame in frames[1:25]:
+        calls = [group.follow, others.follow, group.update, others.update]
+        threads = [threading.Thread(target=call, args=(one, frame)) for one in calls]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert refused and all("in use by another thread" in words for words in refused)
+    assert [len({member.save() for member in members[kind::2]}) for kind in (0, 1)] == [1, 1]
+    # Also if one of them is followed by itself meanwhile.
+    single = threading.Thread(target=lambda: [members[1].follow(frame) for frame in frames[25:75]])
+    single.start()
+    while single.is_alive():
+        call(group.follow, frames[25])
+        assert len({member.save() for member in members[::2]}) == 1
+    single.join()
 
-    class Slow(Broken):
-        def follow(self, frame):
-            running.append(self)
-            failed.wait()
-            time.sleep(0.2)
-            running.remove(self)
 
-    group = smr.Group(3)
-    group.trackers = [Broken(), Slow(), Slow()]
-    with pytest.raises(RuntimeError, match="broken"):
-        group.follow(None)
-    assert failed.is_set() and running == []
+def test_a_process_that_forks(synthetic):
+    """What was made before a fork works after it, or says why not."""
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork")
+    frames, box = synthetic
+    group, begun = smr.Group(2), iter(smr.Recording("synthetic"))
+    for make in (smr.Robust, smr.Paper, smr.Robust):
+        group.add(make(), frames[0], box)
+    group.follow(frames[1])
+    next(begun)
+    results = multiprocessing.get_context("fork").SimpleQueue()
+
+    def child():
+        results.put((group.follow(frames[2]), copy.deepcopy(group).follow(frames[3]), len(list(smr.Recording("synthetic")))))
+        try:
+            next(begun)
+        except RuntimeError as error:
+            results.put(str(error))
+
+    process = multiprocessing.get_context("fork").Process(target=child)
+    process.start()
+    process.join(60)
+    assert process.exitcode == 0
+    second, third, count = results.get()
+    assert (second, third, count) == (group.follow(frames[2]), group.follow(frames[3]), len(frames))
+    assert "another process began to read this recording" in results.get()
+    assert next(begun).shape == frames[0].shape
 
 
 def test_an_array_is_kept_while_it_is_read():

@@ -7,6 +7,8 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 
@@ -186,7 +188,7 @@ def test_nonsense_is_refused_and_changes_nothing(world):
         ((65535,), UNSUPPORTED),
     ]:
         assert one.ask(*command) == result, command
-    for other in [(1, 101), (2, 100), (1, 1)]:
+    for other in [(1, 101), (2, 100), (1, 1), (0, 101), (2, 0)]:
         assert one.ask(TRACK, 0.1, 0.1, 0.2, 0.2, to=other) is None
     pick = random.Random(46)
     for length in (1, 7, 60, 280, 280, 280):
@@ -211,6 +213,118 @@ def test_the_interval_is_that_which_was_asked_for(world):
         assert len(one.heard(STATUS)) == count
 
 
+def test_what_is_asked_of_all_is_asked_of_the_camera(world):
+    one = world[1](255)
+    for to in [(1, 0), (0, 100), (0, 0)]:
+        assert one.ask(TRACK, *parts(RECORDING.start), to=to) == ACCEPTED
+        assert one.ask(REQUEST, 259, to=to) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
+        assert one.ask(TRACK, 0.2, 0.1, 0.1, 0.2, to=to) == DENIED
+        # Another component may know this one.
+        assert one.ask(mavlink.MAV_CMD_IMAGE_START_CAPTURE, to=to) is None
+        assert one.ask(STOP, to=to) == ACCEPTED
+
+
+def test_each_receiver_has_its_own_interval(world):
+    camera, station = world
+    never, some, silent = station(255), station(254), station(253)
+    assert never.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
+    assert never.ask(INTERVAL, 275, -1) == ACCEPTED
+    some.heard(STATUS)
+    assert some.ask(INTERVAL, 275, 1e9) == ACCEPTED
+    for one in (never, some, silent):
+        one.heard(STATUS)
+    for frame in FRAMES[1:10]:
+        camera.show(frame)
+    assert [len(one.heard(STATUS)) for one in (never, some, silent)] == [0, 1, 9]
+    # On a connection that all share, it is sent if one of them waits for it.
+    camera.receivers = {(None, number, 190): program.Receiver() for number in (1, 2)}
+    for interval, count in [(math.inf, 0), (0, 3)]:
+        camera.receivers[None, 1, 190].interval, camera.receivers[None, 2, 190].interval = interval, math.inf
+        camera.connection, sent = program.Nobody(*OWN), []
+        camera.connection.write = sent.append
+        for frame in FRAMES[10:13]:
+            camera.show(frame)
+        assert len([message for message in sent if message[7] | message[8] << 8 == 275]) == count
+    camera.connection = silent.link
+
+
+class Stalled:
+    """A live source that stops sending after two frames."""
+
+    is_live = True
+
+    def __init__(self):
+        self.goes_on = threading.Event()
+
+    def __iter__(self):
+        yield from FRAMES[:2]
+        self.goes_on.wait(60)
+
+
+def test_without_frames_it_answers_and_has_no_place(world, capsys):
+    camera, station = world
+    one, recording = station(255), Stalled()
+    source = program.Source(recording, False)
+    serving = threading.Thread(target=program.serve, args=(source, camera, 30, None))
+    serving.start()
+
+    def heard(wanted):
+        until = time.monotonic() + 10
+        while time.monotonic() < until:
+            message = one.link.recv_match(blocking=True, timeout=1)
+            if message and wanted(message):
+                return message
+        raise AssertionError("not heard")
+
+    one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
+    assert heard(lambda message: message.get_type() == "COMMAND_ACK").result == ACCEPTED
+    for _ in range(2):
+        status = heard(lambda message: message.get_type() == STATUS and message.tracking_status != 1)
+        assert (status.tracking_status, status.target_data) == (mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR, 0)
+        heard(lambda message: message.get_type() == "HEARTBEAT")
+    one.link.mav.command_long_send(*OWN, REQUEST, 0, 259, 0, 0, 0, 0, 0, 0)
+    heard(lambda message: message.get_type() == "CAMERA_INFORMATION")
+    # A target that is asked for in the old frame has no place, either.
+    one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
+    heard(lambda message: message.get_type() == "COMMAND_ACK" and message.command == TRACK)
+    assert heard(lambda message: message.get_type() == STATUS).tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR
+    recording.goes_on.set()
+    serving.join(10)
+    assert not serving.is_alive() and source.end()
+    assert capsys.readouterr().err.splitlines()[1:2] == [f"frame {camera.number}: no new frame for 1 s"]
+    camera.show(FRAMES[2])
+    assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
+
+
+def test_before_the_first_frame_it_asks_to_try_again(world):
+    camera, station = world
+    one, camera.frame = station(255), None
+    for command in [(TRACK, *parts(RECORDING.start)), (POINT, 0.5, 0.5), (REQUEST, 259)]:
+        assert one.ask(*command) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
+    assert one.ask(STOP) == ACCEPTED
+
+
+def test_the_time_since_the_start_wraps(world):
+    camera, station = world
+    one = station(255)
+    camera.begun -= 2**32 / 1000
+    assert one.ask(REQUEST, 259) == ACCEPTED and one.after[0].time_boot_ms < 60_000
+
+
+def test_a_peer_that_goes_is_connected_again():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(30)
+        command = [sys.executable, "-m", "smr.mavlink", "synthetic", f"tcp:127.0.0.1:{server.getsockname()[1]}", "--repeat"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+            for _ in range(3):
+                with server.accept()[0] as peer:
+                    assert peer.recv(300)
+            running.terminate()
+            assert running.stdout.read() == ""
+            said = running.stderr.read().splitlines()
+    assert len(said) <= 6 and "the peer has gone; trying again" in said[1] and said[2] == "connected again"
+
+
 def run(*arguments):
     command = [sys.executable, "-m", "smr.mavlink", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=30)
@@ -230,6 +344,9 @@ def test_the_program_sends_until_the_recording_ends():
     (["/no/such.mp4", "udpout:127.0.0.1:1"], "error: cannot open /no/such.mp4: "),
     (["synthetic", "udpout:nowhere"], "error: cannot connect to udpout:nowhere: "),
     (["synthetic", "/dev/no-such-port"], "error: cannot connect to /dev/no-such-port: "),
+    (["synthetic", "udpout:no-such-host.invalid:14550"], "error: cannot connect to udpout:no-such-host.invalid:14550: there is no host no-such-host.invalid: "),
+    (["synthetic", "tcp:no-such-host.invalid:5760"], "error: cannot connect to tcp:no-such-host.invalid:5760: there is no host no-such-host.invalid: "),
+    (["synthetic", "udpout:127.0.0.1:70000"], "error: cannot connect to udpout:127.0.0.1:70000: the port must be 1 to 65535"),
 ])  # fmt: skip
 def test_bad_input_is_one_line_and_exit_code_2(arguments, reason):
     ran = run(*arguments)

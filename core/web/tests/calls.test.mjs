@@ -1,9 +1,12 @@
 // Calls with wrong arguments throw an error that says what is wrong, and change nothing.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { test } from "node:test";
-import { POOR_QUALITY, SmrError, State, Tracker } from "../smr.js";
-import { frames, libraries, random } from "./library.mjs";
+import { runInNewContext } from "node:vm";
+import { POOR_QUALITY, SmrError, State, Tracker, load } from "../smr.js";
+import { PACKAGE, colored, frames, libraries, random } from "./library.mjs";
 
 const { simd: smr } = await libraries();
 const [first, second, third] = frames();
@@ -33,6 +36,10 @@ const FRAMES = [
   { data: data.subarray(1), width, height }, { data: new Uint8Array(0), width, height }, { data, width: 65535, height: 65535 },
   { data, width, height, format: "bgr" }, { data, width, height, format: "rgba" }, { data, width, height, format: Symbol("x") },
   { data: new Uint8ClampedArray(width * height), width, height },
+  // Colors as gray, 16 bits as 8, gray as colors, floats as colors; by their number or by the stride.
+  ...[2, 3, 4].flatMap((bytes) => [undefined, "gray"].map((format) => ({ data: new Uint8Array(bytes * width * height), width, height, format }))),
+  { data: new Uint8Array(4 * width * height), width, height, stride: 4 * width }, { data: new Uint8Array(4 * width * height), width, height, stride: width },
+  ...[1, 2, 3, 8, 12, 16].map((bytes) => ({ data: new Uint8ClampedArray(bytes * width * height), width, height })),
 ];
 const BOXES = [
   undefined, null, 5, "box", {}, [20, 20, 8, 8],
@@ -214,6 +221,20 @@ test("a tracker tells what it knows", () => {
     assert.ok(answer.work > 0);
     tracker.moved(256 * 5, 0);
     assert.equal(tracker.answer, answer);
+  }
+});
+
+test("arrays of another realm are arrays", async () => {
+  const [own, foreign] = [locked(), locked()];
+  const other = (bytes, kind = "Uint8Array") => runInNewContext(`new ${kind}(bytes)`, { bytes });
+  assert.deepEqual(foreign.update({ ...second, data: other(second.data) }), own.update(second));
+  const color = colored(third);
+  assert.deepEqual(foreign.update({ ...color, data: other(color.data, "Uint8ClampedArray") }), own.update(color));
+  foreign.restore(other(own.save()));
+  assert.deepEqual(foreign.save(), own.save());
+  const bytes = readFileSync(join(PACKAGE, "smr.wasm"));
+  for (const kind of ["Uint8Array(bytes)", "Uint8Array(bytes).buffer", "WebAssembly.Module(bytes)"]) {
+    assert.equal((await load(runInNewContext(`new ${kind}`, { bytes }))).simd, false, kind);
   }
 });
 

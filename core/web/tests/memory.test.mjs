@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Memory } from "../memory.js";
+import { SmrError } from "../smr.js";
 import { frames, libraries, random } from "./library.mjs";
 
 const UPDATES = { paper: 98_000, robust: 2_000 };
@@ -44,6 +45,34 @@ test("locks, saved targets and freed trackers take no memory", () => {
     cycle();
   }
   assert.equal(simd.memory, before);
+});
+
+test("a call that is refused takes no memory", async () => {
+  const { simd } = await libraries();
+  const [frame] = frames();
+  const [paper, robust] = [simd.paper(), simd.robust()];
+  const large = new Uint8Array(4_000_000);
+  const whole = { data: large, width: 2000, height: 2000 };
+  const starts = (head) => {
+    const bytes = large.slice();
+    bytes.set(head);
+    return bytes;
+  };
+  const [before, calls] = [simd.memory, [
+    () => robust.restore(large),
+    () => robust.restore(starts([83, 77, 82])), // "SMR"
+    () => paper.lock(whole, { x: 0, y: 0, width: 2000, height: 2000 }),
+    () => robust.update(whole),
+  ]];
+  calls.forEach((call) => assert.throws(call, SmrError));
+  assert.equal(simd.memory, before);
+  // What begins like a saved target takes at most as much as the largest one.
+  robust.lock(frame, frame.box);
+  const head = robust.save().subarray(0, 14);
+  for (const bytes of [starts(head), starts([...head.subarray(0, 13), 1])]) {
+    assert.throws(() => robust.restore(bytes), SmrError);
+  }
+  assert.ok(simd.memory - before <= 3 * 65_536, `${simd.memory - before} bytes`);
 });
 
 test("many targets take their storage only", () => {

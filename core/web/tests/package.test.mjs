@@ -14,8 +14,9 @@ const file = join(PACKAGE, "smr.wasm");
 const bytes = readFileSync(file);
 
 const server = createServer((request, response) => {
-  const known = request.url === "/smr.wasm";
-  response.writeHead(known ? 200 : 404).end(known ? bytes : undefined);
+  const found = { "/smr.wasm": [200, bytes], "/page": [200, "<!doctype html>", { "content-type": "text/html" }] };
+  const [status, body, head] = found[request.url] ?? [404];
+  response.writeHead(status, head).end(body);
 });
 await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
 after(() => server.close());
@@ -28,7 +29,7 @@ test("by default the module is the one for this engine", async () => {
 test("a module comes from bytes, a WebAssembly.Module, a Response, a file or an address", async () => {
   const [first, second] = frames();
   const sources = [
-    bytes, new Uint8Array(bytes).buffer, await WebAssembly.compile(bytes), new Response(bytes), file, pathToFileURL(file), `${address}/smr.wasm`,
+    bytes, new Uint8Array(bytes).buffer, await WebAssembly.compile(bytes), new Response(bytes), file, pathToFileURL(file), pathToFileURL(file).href, `${address}/smr.wasm`,
     fetch(`${address}/smr.wasm`),
   ];
   for (const source of sources) {
@@ -47,6 +48,7 @@ test("what is no module is refused", async () => {
   await assert.rejects(load(empty), /^TypeError: the WebAssembly module is not smr's$/);
   await assert.rejects(load(5), /^TypeError: load takes a WebAssembly.Module, bytes, a Response or an address, not a number$/);
   await assert.rejects(load(`${address}/missing`), /^Error: cannot load http:.*\/missing: 404 Not Found$/);
+  await assert.rejects(load(`${address}/page`), /^Error: cannot load http:.*\/page: expected WebAssembly, found text\/html: see "Loading" in the README/);
   await assert.rejects(load(new Uint8Array(5)), WebAssembly.CompileError);
   await assert.rejects(load(join(PACKAGE, "missing.wasm")), { code: "ENOENT" });
 });

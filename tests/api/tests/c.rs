@@ -2,7 +2,12 @@
 //!
 //! Write it with `SMR_RECORD=1 cargo test -p smr-api`.
 
-use smr::STATUSES;
+use smr::{
+    STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins,
+    smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_saved_copy, smr_state,
+    smr_status, smr_table,
+};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -16,6 +21,8 @@ fn the_header_is_current() {
     let source = cbindgen::Builder::new().with_crate(here).with_config(config);
     source.generate().expect("cbindgen reads the source").write(&mut written);
     let written = String::from_utf8(written).expect("a header is text");
+    let (types, calls) = written.split_once("\n#ifdef __cplusplus\nextern").expect("types come before calls");
+    let written = format!("{types}{}\n#ifdef __cplusplus\nextern{calls}", sizes(types));
     if std::env::var_os("SMR_RECORD").is_some() {
         std::fs::write(&path, &written).expect("the header can be written");
     }
@@ -55,4 +62,93 @@ typedef int32_t smr_status;
 #endif
 #endif
 "
+}
+
+/// The sizes of this library, by the names of the types.
+macro_rules! sizes {
+    ($($type:ident),* $(,)?) => {
+        BTreeMap::from([$((stringify!($type), size_of::<$type>())),*])
+    };
+}
+
+/// Lines of C that compile only if each struct has the library's size: not while another header has left a packing on.
+fn sizes(types: &str) -> String {
+    let mut text = String::from(
+        "
+/* Each type has the size that it has in the library, with pointers of 4 and of 8 bytes. */
+#if defined(__cplusplus) && __cplusplus >= 201103L
+#define SMR_UNPACKED(type, holds) static_assert(holds, #type \" must not be packed: a header before smr.h has left #pragma pack on\")
+#else
+#define SMR_UNPACKED(type, holds) typedef char type##_must_not_be_packed[(holds) ? 1 : -1]
+#endif
+#define SMR_SIZE(type, on_32_bits, on_64_bits) \\
+    SMR_UNPACKED(type, sizeof(type) == (sizeof(void *) == 8 ? on_64_bits : on_32_bits))
+",
+    );
+    let mut here = sizes!(
+        smr_answer,
+        smr_config,
+        smr_fine_rect,
+        smr_fraction,
+        smr_frame,
+        smr_gate,
+        smr_image,
+        smr_margins,
+        smr_paper_config,
+        smr_part,
+        smr_radius,
+        smr_readout,
+        smr_rect,
+        smr_robust_config,
+        smr_saved_copy,
+        smr_table,
+    );
+    assert_eq!([size_of::<smr_state>(), size_of::<smr_status>()], [4; 2], "both are int32_t in C");
+    for (name, [on_32_bits, on_64_bits]) in layouts(types) {
+        let natural = if size_of::<usize>() == 8 { on_64_bits } else { on_32_bits };
+        assert_eq!(here.remove(name), Some(natural), "the size of {name} in the library and in C");
+        writeln!(text, "SMR_SIZE({name}, {on_32_bits}, {on_64_bits});").expect("a string takes text");
+    }
+    assert!(here.is_empty(), "not in the header: {here:?}");
+    text + "#ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
+struct smr_storage {
+    char before;
+    smr_paper_target storage;
+};
+SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT);
+#endif
+#undef SMR_SIZE
+#undef SMR_UNPACKED
+"
+}
+
+/// The size of each struct of the header by the rules of C, which are those of `repr(C)`, with pointers of 4 and of 8 bytes.
+fn layouts(types: &str) -> Vec<(&str, [usize; 2])> {
+    let mut known =
+        BTreeMap::from([("uint8_t", [[1_usize, 1]; 2]), ("uint16_t", [[2, 2]; 2]), ("size_t", [[4, 4], [8, 8]])]);
+    known.extend(["int32_t", "uint32_t", "smr_state"].map(|name| (name, [[4, 4]; 2])));
+    let mut found = Vec::new();
+    for block in types.split("typedef struct ").skip(1) {
+        // What is only declared has no fields.
+        let Some((name, body)) = block.split_once(" {\n").filter(|(name, _)| !name.contains(';')) else { continue };
+        let body = body.split_once("\n}").expect("a struct has an end").0;
+        let fields = body.lines().map(str::trim).filter(|line| line.ends_with(';') && !line.starts_with('*'));
+        let mut layout = [[0_usize, 1]; 2];
+        for field in fields {
+            let of =
+                field.trim_start_matches("const ").trim_start_matches("struct ").split(' ').next().expect("a type");
+            let of = if field.contains('*') { "size_t" } else { of };
+            let part = known.get(of).unwrap_or_else(|| panic!("{name}: an unknown type: {field}"));
+            let count = field.split_once('[').map_or("1", |(_, count)| count.trim_end_matches("];"));
+            let count: usize = count.parse().expect("a number of elements");
+            for ([size, alignment], [one, of]) in layout.iter_mut().zip(part) {
+                *size = size.next_multiple_of(*of) + count * one;
+                *alignment = *of.max(alignment);
+            }
+        }
+        let layout = layout.map(|[size, alignment]: [usize; 2]| [size.next_multiple_of(alignment), alignment]);
+        known.insert(name, layout);
+        found.push((name, layout.map(|[size, _]| size)));
+    }
+    found
 }

@@ -4,11 +4,11 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from typing import Optional, Union
+from typing import Any, Optional, Union
 
 from ._smr import Robust, Tracker, measure, recordings
 
-Path = Union[str, os.PathLike]
+Path = Union[str, "os.PathLike[str]"]
 
 
 def evaluate(
@@ -17,7 +17,7 @@ def evaluate(
     *,
     starts: Union[str, int] = "given",
     executor: Optional[Executor] = None,
-) -> dict[str, list]:
+) -> dict[str, list[Any]]:
     """Runs trackers over recordings with ground truth and returns the figures of `host-sim eval --robustness`.
 
     `paths` is a recording, a folder of recordings, or a list of them. `trackers` is a tracker, or a dict of trackers by name; their options
@@ -48,7 +48,7 @@ def evaluate(
             raise
 
 
-def _rows(executor, found, trackers, starts):
+def _rows(executor: Executor, found: Sequence[Path], trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
     futures = [executor.submit(measure, path, trackers, starts) for path in found]
     tables, failures = [], []
     for future in futures:

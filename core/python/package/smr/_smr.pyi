@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from ._answer import Answer, Box
 
-_Frame = npt.NDArray[np.uint8]
+# OpenCV types its frames as arrays of any numbers. A call checks that they are uint8.
+_Frame = npt.NDArray[Any]
 _Box = Union[Sequence[float], npt.NDArray[Any]]
 _Path = Union[str, os.PathLike[str]]
 _Pair = tuple[int, int]
@@ -38,8 +39,8 @@ class Tracker:
         the box does not lie inside, or its size does not suit the tracker.
         """
     def update(self, frame: _Frame) -> tuple[bool, Box]:
-        """Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False if the target is
-        lost.
+        """Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
+        is lost: a box that is uncertain has True. `follow` says which.
         """
     def follow(self, frame: _Frame) -> Answer:
         """Looks for the target in the next frame: the whole `Answer`."""
@@ -146,7 +147,7 @@ class Recording:
 
     Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
     with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
-    use are dropped.
+    use are dropped. After a fork, begin to iterate anew.
 
     Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
     opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -166,7 +167,7 @@ class Recording:
         """The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
         truth.
         """
-    def __iter__(self) -> Iterator[_Frame]: ...
+    def __iter__(self) -> Iterator[npt.NDArray[np.uint8]]: ...
     def score(self, boxes: Sequence[Optional[_Box]]) -> dict[str, Any]:
         """The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
 
@@ -184,4 +185,8 @@ def recordings(paths: Sequence[_Path]) -> list[os.PathLike[str]]:
 def measure(path: _Path, trackers: Mapping[str, Tracker], starts: Union[str, int]) -> dict[str, list[Any]]:
     """Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
     takes many recordings, and says what `starts` may be.
+    """
+def follow(trackers: Sequence[Tracker], frame: _Frame, threads: int) -> list[Answer]:
+    """For `Group`: the answers of all trackers in the next frame, by at most `threads` threads. If one of them cannot follow, or
+    is in use, none does.
     """

@@ -9,7 +9,9 @@ import argparse
 import itertools
 import math
 import os
+import socket
 import sys
+import threading
 import time
 
 from . import Paper, Recording, Robust, State, __version__
@@ -29,25 +31,67 @@ PRESETS = {"refined": Robust, "robust": Robust, "camera": Paper, "paper": Paper}
 RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
 LEAST_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
 MOST_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
+MOST_RECEIVERS = 100  # Whose intervals are kept.
 HEARTBEAT = 1.0  # In seconds, as MAVLink wants it.
+TICK = 0.01  # The longest wait for a frame, in seconds, before messages are taken.
+PATIENCE = 1.0  # The age of a frame, in seconds, from which the place of its target is no place.
+RECONNECT = 1.0  # Seconds between two attempts to connect again. An attempt takes half of it at most.
 
 
 def say(text):
     print(text, file=sys.stderr, flush=True)
 
 
-class Camera:
-    """A camera component on a MAVLink connection. `tracker` follows the target; one frame after the other goes into `show`.
+class Receiver:
+    """A system and component that has sent a command, with the interval that it asked for."""
 
-    Places and sizes in messages are parts of the frame, 0 to 1.
+    def __init__(self):
+        self.interval = 0.0  # Seconds between two messages of the status; infinite for none.
+        self.sent = -math.inf
+
+
+class Addresses(dict):
+    """The time of the last packet from each address, as pymavlink keeps it for a server; and the address of the newest."""
+
+    newest = None
+
+    def __setitem__(self, address, time):
+        self.newest = address
+        super().__setitem__(address, time)
+
+
+class Nobody:
+    """A connection that leads nowhere: the camera goes on while there is no other."""
+
+    def __init__(self, system, component):
+        self.mav = mavlink.MAVLink(self, system, component)
+
+    def write(self, _):
+        pass
+
+    def recv_msg(self):
+        return None
+
+    def select(self, seconds):
+        time.sleep(seconds)
+        return False
+
+
+class Camera:
+    """A camera component on a MAVLink connection. `tracker` follows the target; one frame after the other goes into `show`. `poll` does what is due
+    by the clock, and is called more often than frames come.
+
+    Places and sizes in messages are parts of the frame, 0 to 1. A connection whose peer has gone raises OSError.
     """
 
     def __init__(self, connection, tracker):
-        self.connection, self.tracker = connection, tracker
+        self.tracker = tracker
         self.frame, self.number, self.mode = None, 0, mavlink.CAMERA_TRACKING_MODE_NONE
         self.state = None  # The target's in the last frame; None without a target.
-        self.interval = 0.0  # Seconds between two messages of the status; infinite for none.
-        self.sent = self.beaten = -math.inf  # When the last one was sent, and the last heartbeat.
+        self.receivers, self.strangers = {}, Receiver()  # By address, system and component; and all others.
+        self.beaten = -math.inf  # When the last heartbeat was sent,
+        self.shown = -math.inf  # and when the last frame came.
+        self.patience, self.is_stale = PATIENCE, False
         self.begun = time.monotonic()
         self.commands = {
             mavlink.MAV_CMD_CAMERA_TRACK_RECTANGLE: self.track_rectangle,
@@ -57,30 +101,37 @@ class Camera:
             mavlink.MAV_CMD_REQUEST_MESSAGE: self.request,
             mavlink.MAV_CMD_REQUEST_CAMERA_INFORMATION: lambda *_: self.request(mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION),
         }
+        self.connect(connection)
+
+    def connect(self, connection):
+        self.connection, self.addresses = connection, Addresses()
+        if getattr(connection, "udp_server", False):
+            connection.clients_last_alive = self.addresses
 
     def show(self, frame):
         """Follows the target in the next frame, and sends where it is."""
-        self.frame, self.number = frame, self.number + 1
+        came_again, self.is_stale = self.is_stale, False
+        self.frame, self.number, self.shown = frame, self.number + 1, time.monotonic()
         if self.state is not None:
             answer = self.tracker.follow(frame)
             changed = (answer.state == State.LOST) != (self.state == State.LOST)
             if changed:
                 say(f"frame {self.number}: " + ("lost" if answer.state == State.LOST else f"found again at {place(answer.box)}"))
             self.state = answer.state
-            self.send_status(answer.fine_box, at_once=changed)
+            self.send_status(answer.fine_box, at_once=changed or came_again)
         self.poll()
 
-    def wait(self, until):
-        """Takes messages until this time of `time.monotonic`."""
-        while (left := until - time.monotonic()) > 0:
-            if self.connection.select(min(left, HEARTBEAT)):
-                self.poll()
-
     def poll(self):
-        """Sends the heartbeat if it is due, and answers all commands that have come."""
-        if time.monotonic() - self.beaten >= HEARTBEAT:
-            self.beaten = time.monotonic()
+        """Sends what is due, and answers all commands that have come."""
+        now = time.monotonic()
+        if now - self.beaten >= HEARTBEAT:
+            self.beaten = now
             self.connection.mav.heartbeat_send(mavlink.MAV_TYPE_CAMERA, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE)
+        was_stale, self.is_stale = self.is_stale, now - self.shown > self.patience
+        if self.is_stale and self.state is not None:
+            if not was_stale:
+                say(f"frame {self.number}: no new frame for {self.patience:g} s")
+            self.send_status(None, at_once=not was_stale)
         for _ in range(MOST_MESSAGES):
             message = self.connection.recv_msg()
             if message and message.get_type() in ("COMMAND_LONG", "COMMAND_INT"):
@@ -91,12 +142,18 @@ class Camera:
 
     def command(self, message):
         own = self.connection.mav
-        if (message.target_system, message.target_component) != (own.srcSystem, own.srcComponent):
+        to = (message.target_system, message.target_component)
+        if to[0] not in (0, own.srcSystem) or to[1] not in (0, own.srcComponent):  # 0 is for all.
             return
         act, parameters = self.commands.get(message.command), (message.param1, message.param2, message.param3, message.param4)
         sender = message.get_srcSystem(), message.get_srcComponent()
+        self.receiver = self.receivers.setdefault((self.addresses.newest, *sender), Receiver())
+        if len(self.receivers) > MOST_RECEIVERS:
+            del self.receivers[next(iter(self.receivers))]
         result, after = mavlink.MAV_RESULT_UNSUPPORTED, None
-        if act:
+        if act and self.frame is None and act not in (self.stop, self.set_interval):
+            result = mavlink.MAV_RESULT_TEMPORARILY_REJECTED
+        elif act:
             try:
                 result, after = mavlink.MAV_RESULT_ACCEPTED, act(*parameters)
             except NotImplementedError:
@@ -104,6 +161,8 @@ class Camera:
             except ValueError as error:
                 result = mavlink.MAV_RESULT_DENIED
                 say(f"denied to {sender[0]}/{sender[1]}: {error}")
+        if result == mavlink.MAV_RESULT_UNSUPPORTED and 0 in to:
+            return  # Another component may do what was asked of all.
         own.command_ack_send(message.command, result, 0, 0, *sender)
         if after:  # The answer comes after its acknowledgement.
             after()
@@ -142,7 +201,7 @@ class Camera:
             raise NotImplementedError
         if not (interval == -1 or 0 <= interval < math.inf):
             raise ValueError(f"expected an interval of microseconds, 0 or -1, found {interval:g}")
-        self.interval = math.inf if interval == -1 else interval / 1e6
+        self.receiver.interval = math.inf if interval == -1 else interval / 1e6
 
     def request(self, message, *_):
         if message == mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION:
@@ -154,18 +213,30 @@ class Camera:
         major, minor, patch = map(int, __version__.split("-")[0].split("."))
         vendor, model = (list(name.encode().ljust(32, b"\0")) for name in ("smr", type(self.tracker).__name__))
         flags = mavlink.CAMERA_CAP_FLAGS_HAS_TRACKING_POINT | mavlink.CAMERA_CAP_FLAGS_HAS_TRACKING_RECTANGLE
-        milliseconds, version = int(1000 * (time.monotonic() - self.begun)), patch << 16 | minor << 8 | major
+        version = (patch & 255) << 16 | (minor & 255) << 8 | major & 255
+        milliseconds = int(1000 * (time.monotonic() - self.begun)) & 0xFFFFFFFF  # It wraps after 49.7 days.
         optics = [math.nan] * 3
         self.connection.mav.camera_information_send(milliseconds, vendor, model, version, *optics, width, height, 0, flags, 0, b"")
 
     def send_status(self, box, at_once=False):
-        """Sends where the target is. A lost target has no place: an autopilot must not steer by an old one."""
-        now = time.monotonic()
-        if math.isinf(self.interval) or (now - self.sent < self.interval and not at_once):
+        """Sends where the target is to all for whom it is time. A target that is lost, or was in an old frame, has no place: an autopilot must not
+        steer by it.
+        """
+        now, least = time.monotonic(), HEARTBEAT if self.is_stale else 0
+        # A server sends to each address by itself. Elsewhere, all on the connection hear the same.
+        clients = self.connection.clients if getattr(self.connection, "udp_server", False) else None
+        due = set()
+        for address in [None] if clients is None else clients:
+            # Who has asked for nothing hears all.
+            for one in [one for (at, *_), one in self.receivers.items() if at == address] or [self.strangers]:
+                if one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least)):
+                    due.add((address, one))
+        if not due:
             return
-        self.sent = now
+        for _, one in due:
+            one.sent = now
         status, data, numbers = mavlink.CAMERA_TRACKING_STATUS_FLAGS_IDLE, 0, [math.nan] * 7
-        if self.state == State.LOST:
+        if self.state == State.LOST or (self.state is not None and self.is_stale):
             status = mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR
         elif self.state is not None:
             status, data = mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE, mavlink.CAMERA_TRACKING_TARGET_DATA_IN_STATUS
@@ -175,7 +246,13 @@ class Camera:
                 for edge, side in zip((box.x, box.y, box.x + box.width, box.y + box.height), (width, height, width, height))
             )
             numbers = [(left + right) / 2, (top + bottom) / 2, (right - left) / 2, left, top, right, bottom]
-        self.connection.mav.camera_tracking_image_status_send(status, self.mode, data, *numbers)
+        if clients is not None:
+            self.connection.clients = {address for address, _ in due}
+        try:
+            self.connection.mav.camera_tracking_image_status_send(status, self.mode, data, *numbers)
+        finally:
+            if clients is not None:
+                self.connection.clients = clients
 
 
 def place(box):
@@ -186,32 +263,130 @@ def listed(numbers):
     return ",".join(f"{number:g}" for number in numbers)
 
 
-def connected(options):
-    """The connection. Errors are those of pymavlink, of sockets and of serial ports."""
+def gone():
+    raise ConnectionError("the peer has gone")
+
+
+def connected(options, seconds=None):
+    """The connection. Errors are those of pymavlink, of sockets and of serial ports. `seconds` is the longest wait for a peer."""
     try:
-        return mavutil.mavlink_connection(
-            options.connection,
-            baud=options.baud,
-            source_system=options.system_id,
-            source_component=options.component,
-            dialect="common",
-        )
+        kind, *address = options.connection.split(":")
+        if kind in ("udp", "udpin", "udpout", "udpbcast", "tcp", "tcpin") and len(address) == 2:
+            if not (address[1].isdecimal() and 0 < int(address[1]) < 65536):
+                raise ValueError("the port must be 1 to 65535")
+            try:
+                socket.gethostbyname(address[0])
+            except OSError as error:
+                raise ValueError(f"there is no host {address[0]}: {error}") from None
+        socket.setdefaulttimeout(seconds)
+        try:
+            connection = mavutil.mavlink_connection(
+                options.connection,
+                baud=options.baud,
+                source_system=options.system_id,
+                source_component=options.component,
+                dialect="common",
+                retries=1,
+            )
+        finally:
+            socket.setdefaulttimeout(None)
     except ImportError as error:
         raise ValueError(f"{options.connection}: there is no module {error.name}: pip install smr-tracker[mavlink]") from None
     except (OSError, ValueError) as error:
         expected = "expected udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or a serial device"
         raise ValueError(f"cannot connect to {options.connection}: {error}: {expected}") from None
+    # pymavlink prints these, and goes on reading where nothing comes.
+    connection.handle_eof = connection.handle_disconnect = gone
+    connection.portdead = True
+    return connection
 
 
-def serve(recording, camera, rate, repeat):
-    """Shows the camera all frames: those of a recording at `rate` frames a second, those of a live source as they come."""
-    for _ in itertools.count() if repeat and not recording.is_live else range(1):
-        due = time.monotonic()
-        for frame in recording:
-            camera.show(frame)
-            if not recording.is_live:
-                due = max(due + 1 / rate, time.monotonic() - 1)  # After a pause it does not catch up for long.
-                camera.wait(due)
+class Source(threading.Thread):
+    """Reads frames in a thread of its own: one that stalls stalls nothing else."""
+
+    def __init__(self, recording, repeat):
+        super().__init__(daemon=True)
+        self.recording, self.repeat = recording, repeat
+        self.frame, self.error, self.has_ended, self.is_wanted = None, None, False, True
+        self.changed = threading.Condition()
+        self.start()
+
+    def run(self):
+        try:
+            while self.read() and self.repeat and not self.recording.is_live:
+                pass
+        except Exception as error:
+            self.error = error
+        with self.changed:
+            self.has_ended = True
+            self.changed.notify_all()
+
+    def read(self):
+        """Reads the recording once. True if there is more to come."""
+        frame = None
+        for frame in self.recording:
+            with self.changed:
+                # Of a live source only the newest frame counts.
+                self.changed.wait_for(lambda: self.frame is None or self.recording.is_live or not self.is_wanted)
+                if not self.is_wanted:
+                    return False
+                self.frame = frame
+                self.changed.notify_all()
+        return frame is not None
+
+    def take(self, seconds):
+        """The next frame; None if there is none after so many seconds. Raises what the recording has raised."""
+        with self.changed:
+            self.changed.wait_for(lambda: self.frame is not None or self.has_ended, seconds)
+            frame, self.frame = self.frame, None
+            self.changed.notify_all()
+        if frame is None and self.error is not None:
+            raise self.error
+        return frame
+
+    def is_over(self):
+        with self.changed:
+            return self.has_ended and self.frame is None and self.error is None
+
+    def end(self):
+        """False if the thread still waits for a frame."""
+        with self.changed:
+            self.is_wanted = False
+            self.changed.notify_all()
+        self.join(0.2)
+        return not self.is_alive()
+
+
+def serve(source, camera, rate, connect):
+    """Shows the camera all frames: those of a recording at `rate` frames a second, those of a live source as they come. `connect` makes a new
+    connection when the peer has gone.
+    """
+    due, tried = time.monotonic(), -math.inf
+    if not source.recording.is_live:
+        camera.patience = max(PATIENCE, 2 / rate)
+    while not source.is_over():
+        now, frame = time.monotonic(), None
+        if source.recording.is_live or now >= due:
+            frame = source.take(TICK)
+        if connect and isinstance(camera.connection, Nobody) and now - tried >= RECONNECT:
+            tried = now
+            try:
+                camera.connect(connect(RECONNECT / 2))
+                say("connected again")
+            except ValueError:
+                pass
+        try:
+            if frame is None:
+                camera.connection.select(min(TICK, max(due - now, 0)))
+                camera.poll()
+            else:
+                due = max(due + 1 / rate, now - 1)  # After a pause it does not catch up for long.
+                camera.show(frame)
+        except OSError as error:
+            own = camera.connection.mav
+            say(f"frame {camera.number}: no connection: {error}; trying again each {RECONNECT:g} s")
+            camera.connection.close()
+            camera.connect(Nobody(own.srcSystem, own.srcComponent))
     if camera.frame is None:
         raise ValueError("there are no frames")
 
@@ -242,19 +417,26 @@ def arguments():
     return parser.parse_args()
 
 
-def main():
-    options = arguments()
-    recording = Recording(options.source)
-    camera = Camera(connected(options), PRESETS[options.preset](options.preset))
-    say(f"{recording.name}: camera {options.system_id}/{options.component} at {options.connection}; Ctrl-C ends it")
-    serve(recording, camera, options.rate, options.repeat)
+def run():
+    """The exit code of the program."""
+    source = None
+    try:
+        options = arguments()
+        recording = Recording(options.source)
+        camera = Camera(connected(options), PRESETS[options.preset](options.preset))
+        say(f"{recording.name}: camera {options.system_id}/{options.component} at {options.connection}; Ctrl-C ends it")
+        source = Source(recording, options.repeat)
+        serve(source, camera, options.rate, lambda seconds: connected(options, seconds))
+        code = 0
+    except KeyboardInterrupt:
+        code = 130
+    except (ValueError, OSError) as error:
+        say(f"error: {error}")
+        code = 2
+    if source is not None and not source.end():
+        os._exit(code)  # Python's end would break off the thread inside of the extension.
+    return code
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except (ValueError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
+    sys.exit(run())

@@ -1,0 +1,130 @@
+// The package in an app, as each bundler builds it: in Chromium it loads the library and follows a target.
+//
+// SMR_BUNDLERS names a folder where `.ci/web` has installed the bundlers.
+
+import assert from "node:assert/strict";
+import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer as createHttp } from "node:http";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { extname, join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { promisify } from "node:util";
+import { load } from "../smr.js";
+import { Browser, hasBrowser } from "./browser.mjs";
+import { PACKAGE, frames } from "./library.mjs";
+
+const [first, second] = frames({ width: 80, height: 60 });
+const APP = `
+import { load } from "smr-tracker";
+import { Recorder } from "smr-tracker/record";
+const frames = ${JSON.stringify([first, second].map(({ data, ...frame }) => ({ ...frame, data: [...data] })))};
+const [first, second] = frames.map((frame) => ({ ...frame, data: Uint8Array.from(frame.data) }));
+async function follow() {
+  const tracker = (await load()).robust();
+  new Recorder(tracker);
+  tracker.lock(first, first.box);
+  return JSON.stringify(tracker.update(second));
+}
+follow().catch(String).then((answer) => { document.title = answer; });
+`;
+const PAGE = '<!doctype html><title></title><script type="module" src="./app.js"></script>';
+const KINDS = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
+
+const why = !process.env.SMR_BUNDLERS ? "SMR_BUNDLERS does not name a folder with bundlers" : !hasBrowser() ? "no chromium" : null;
+const app = mkdtempSync(join(tmpdir(), "smr-app-"));
+let browser, expected;
+
+before(async () => {
+  const tracker = (await load(readFileSync(join(PACKAGE, "smr-simd.wasm")))).robust();
+  tracker.lock(first, first.box);
+  expected = JSON.stringify(tracker.update(second));
+  cpSync(PACKAGE, join(app, "node_modules/smr-tracker"), { recursive: true, filter: (name) => !name.endsWith(".html") });
+  writeFileSync(join(app, "package.json"), '{ "type": "module" }');
+  writeFileSync(join(app, "app.js"), APP);
+  writeFileSync(join(app, "index.html"), PAGE);
+  browser = why === null ? new Browser() : undefined;
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(app, { recursive: true });
+});
+
+/** The module of a bundler. */
+const bundler = (name) => import(pathToFileURL(createRequire(join(process.env.SMR_BUNDLERS, "package.json")).resolve(name)));
+
+/** What the app answers at an address. */
+async function answers(address) {
+  const page = await browser.page(address);
+  assert.equal(await page.until("document.title"), expected);
+  await page.close();
+}
+
+/** What the app answers that lies in a folder, beside a page. */
+async function built(folder) {
+  const server = createHttp((request, response) => {
+    try {
+      const path = join(folder, new URL(request.url, "http://localhost").pathname.replace(/\/$/, "/index.html"));
+      response.setHeader("content-type", KINDS[extname(path)]).end(readFileSync(path));
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+  await answers(`http://127.0.0.1:${server.address().port}/`).finally(() => server.close());
+}
+
+/** The same for a bundler that leaves addresses as they are: the README says what to copy. */
+async function besideModules(folder, page = PAGE) {
+  writeFileSync(join(folder, "index.html"), page);
+  ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));
+  await built(folder);
+}
+
+const BUNDLERS = {
+  async vite(folder) {
+    const { build } = await bundler("vite");
+    await build({ root: app, logLevel: "error", build: { outDir: folder } });
+    await built(folder);
+  },
+  async "vite in development"() {
+    const { createServer } = await bundler("vite");
+    const server = await createServer({ root: app, logLevel: "error", server: { host: "127.0.0.1", port: 0 } });
+    await server.listen();
+    await answers(server.resolvedUrls.local[0]).finally(() => server.close());
+  },
+  async webpack(folder) {
+    const { default: webpack } = await bundler("webpack");
+    const stats = await promisify(webpack)({ context: app, mode: "production", entry: "./app.js", output: { path: folder, filename: "app.js" } });
+    assert.deepEqual(stats.toJson({ all: false, errors: true, warnings: true }), { errors: [], warnings: [] });
+    copyFileSync(join(app, "index.html"), join(folder, "index.html"));
+    await built(folder);
+  },
+  async esbuild(folder) {
+    const { build } = await bundler("esbuild");
+    const options = { absWorkingDir: app, entryPoints: ["app.js"], bundle: true, minify: true, format: "esm", outdir: folder, logLevel: "silent" };
+    assert.deepEqual((await build(options)).warnings, []);
+    await besideModules(folder);
+  },
+  async "esbuild, no module"(folder) {
+    const { build } = await bundler("esbuild");
+    await build({ absWorkingDir: app, entryPoints: ["app.js"], bundle: true, outdir: folder, logLevel: "silent" });
+    await besideModules(folder, '<!doctype html><title></title><script src="./app.js"></script>');
+  },
+  async rollup(folder) {
+    const [{ rollup }, { default: resolve }] = [await bundler("rollup"), await bundler("@rollup/plugin-node-resolve")];
+    const bundle = await rollup({ input: join(app, "app.js"), plugins: [resolve()], onwarn: ({ message }) => assert.fail(message) });
+    await bundle.write({ dir: folder, format: "es" });
+    await besideModules(folder);
+  },
+};
+
+for (const [name, follow] of Object.entries(BUNDLERS)) {
+  test(`${name}: the app follows a target`, { skip: why ?? false }, async () => {
+    const folder = join(app, name);
+    mkdirSync(folder);
+    await follow(folder);
+  });
+}
