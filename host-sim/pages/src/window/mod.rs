@@ -40,6 +40,11 @@ pub trait Source: Send + Sync {
     /// Errors: They cannot be read, or are not kept any more.
     fn gray_from(&self, number: usize) -> Result<Numbered>;
 
+    /// The number of the oldest frame that a tracker can be locked in.
+    fn oldest(&self) -> usize {
+        1
+    }
+
     /// The frame as a JPEG, in color if there is color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
