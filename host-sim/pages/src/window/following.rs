@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, messages};
+use smr_recordings::{BoundingBox, GrayFrame, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -167,9 +167,9 @@ impl State {
     fn tasks(&self) -> Vec<Task> {
         let last = self.end.unwrap_or(usize::MAX);
         let task = |(key, end): (Key, usize)| {
-            let Segment { failed, in_vain, .. } = *self.segments.get(&key)?;
-            let next = self.segments[&key].next();
-            (!failed && !in_vain && next < end && next <= last).then_some(Task { key, next })
+            let segment = self.segments.get(&key)?;
+            let next = segment.next();
+            (!segment.failed && !segment.in_vain && next < end && next <= last).then_some(Task { key, next })
         };
         self.plan().filter_map(task).collect()
     }
@@ -212,6 +212,9 @@ impl State {
     fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
         for target in &mut targets {
             target.locks.sort_by_key(|lock| lock.frame);
+            if !target.name.is_empty() {
+                checked_name(&target.name)?;
+            }
             for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
                 let name = &target.name;
                 ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
@@ -485,6 +488,11 @@ impl Followed {
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
         let done = || state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1)).max();
         (open.or_else(done).unwrap_or(0), at)
+    }
+
+    /// The number of the last frame before the first that lacks an answer of a target.
+    pub fn answered(&self) -> usize {
+        self.reached().0
     }
 
     /// Follows what there is to follow, until [`Self::stop`].

@@ -11,6 +11,7 @@
 
 mod camera;
 mod following;
+mod growing;
 mod made;
 mod news;
 mod pictures;
@@ -19,8 +20,9 @@ mod server;
 
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
+pub use growing::Growing;
 pub use made::{Job, Made};
-pub use pictures::Recorded;
+use pictures::Recorded;
 pub use routes::{Window, Wish};
 pub use server::Server;
 

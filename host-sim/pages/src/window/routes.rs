@@ -88,7 +88,7 @@ impl Window {
         self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
     }
 
-    fn routed(&self, Request { posts, path, query, body }: &Request) -> Result<Reply> {
+    fn routed(&self, Request { posts, path, query, revision, body }: &Request) -> Result<Reply> {
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         Ok(match (posts, first, rest) {
             (false, "", "") => {
@@ -124,8 +124,7 @@ impl Window {
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
-                let revision = value(query, "revision").map(|_| number(query, "revision")).transpose()?;
-                let made = self.followed.set_targets(targets, revision, self.source.as_ref())?;
+                let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
                 json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
             }
             (true, "method", "") => {
