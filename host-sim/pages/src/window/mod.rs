@@ -5,8 +5,9 @@
 //! page  <-- news, pictures --   routes  <--  news, pictures
 //! ```
 //!
-//! `server` lets in the page and nobody else. The page keeps the targets and their corrections, and sends them all after each change;
-//! `following` finds out what is to be followed again. Answers come back as `news`. `pictures` gives any frame as a JPEG.
+//! `server` lets in the page and nobody else. A page sends all targets and their corrections after each change, which the other pages are told;
+//! `following` finds out what is to be followed again. What changed is `news`; where many answers did, a page asks for parts of them. `pictures`
+//! gives any frame as a JPEG, and `growing` opens a file anew that has grown.
 //! The page itself is core/web/page/window.html.
 
 mod camera;
