@@ -3,6 +3,7 @@
 use crate::missing::{has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
 use serde_json::{Value, json};
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -21,10 +22,15 @@ struct Window {
 }
 
 impl Window {
-    fn open(arguments: &[&str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
+    fn open<Word: AsRef<OsStr>>(arguments: &[Word]) -> Self {
         let mut command = Command::new(PROGRAM);
-        command.arg("view").args(arguments).args(["--no-open", "--json"]).env("TMPDIR", folder.path());
+        command.args(["view", "--no-open", "--json"]).args(arguments);
+        Self::start(command)
+    }
+
+    fn start(mut command: Command) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        command.env("TMPDIR", folder.path());
         let mut process = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
@@ -34,20 +40,30 @@ impl Window {
         Self { process, place: place.to_owned(), token: token.to_owned(), folder }
     }
 
-    fn asked(&self, head: &str, body: &str) -> (u16, Vec<u8>) {
+    /// The status, the head and the body of an answer.
+    fn asked(&self, head: &str, headers: &str, body: &str) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.place).unwrap();
         let length = body.len();
-        let rest = format!("Host: {}\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n{body}", self.place);
+        let rest =
+            format!("Host: {}\r\n{headers}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}", self.place);
         stream.write_all(format!("{head} HTTP/1.1\r\n{rest}").as_bytes()).unwrap();
         let mut said = Vec::new();
         stream.read_to_end(&mut said).unwrap();
         let status = std::str::from_utf8(&said[9..12]).unwrap().parse().unwrap();
         let end = said.windows(4).position(|four| four == b"\r\n\r\n").unwrap() + 4;
-        (status, said.split_off(end))
+        let body = said.split_off(end);
+        (status, String::from_utf8(said).unwrap(), body)
     }
 
     fn get(&self, path: &str) -> (u16, Vec<u8>) {
-        self.asked(&format!("GET /{}/{path}", self.token), "")
+        let (status, _, body) = self.asked(&format!("GET /{}/{path}", self.token), "", "");
+        (status, body)
+    }
+
+    /// The name under which boxes are saved.
+    fn saved(&self, format: &str) -> String {
+        let (_, head, _) = self.asked(&format!("GET /{}/boxes?format={format}", self.token), "", "");
+        head.split_once("filename=\"").unwrap().1.split('"').next().unwrap().to_owned()
     }
 
     fn text(&self, path: &str) -> String {
@@ -62,7 +78,11 @@ impl Window {
     }
 
     fn post(&self, path: &str, body: &Value) -> (u16, String) {
-        let (status, body) = self.asked(&format!("POST /{}/{path}", self.token), &body.to_string());
+        self.post_by(path, "", body)
+    }
+
+    fn post_by(&self, path: &str, headers: &str, body: &Value) -> (u16, String) {
+        let (status, _, body) = self.asked(&format!("POST /{}/{path}", self.token), headers, &body.to_string());
         (status, String::from_utf8(body).unwrap())
     }
 
@@ -80,8 +100,21 @@ impl Window {
         }
     }
 
-    fn followed(&self) {
-        self.wait("the end", |news| news["progress"].is_null());
+    fn followed(&self) -> Value {
+        self.wait("the end", |news| news["progress"].is_null())
+    }
+
+    /// Makes a file, and gives its bytes.
+    fn made(&self, path: &str, body: &Value) -> Vec<u8> {
+        let (status, said) = self.post(path, body);
+        assert_eq!(status, 200, "{said}");
+        let id = serde_json::from_str::<Value>(&said).unwrap()["id"].clone();
+        let is_done = |news: &Value| {
+            assert_eq!(news["export"]["error"], Value::Null);
+            news["export"]["id"] == id && !news["export"]["file"].is_null()
+        };
+        self.wait(path, is_done);
+        self.get(&format!("made/{id}")).1
     }
 
     #[cfg(unix)]
@@ -163,20 +196,130 @@ fn the_page_has_all_that_it_asks_for() {
 fn a_video_and_a_report_are_made_to_be_taken_away() {
     let window = Window::open(&["synthetic"]);
     window.followed();
-    let made = |path: &str, body: &Value| {
-        let (status, said) = window.post(path, body);
-        assert_eq!(status, 200, "{said}");
-        let id = serde_json::from_str::<Value>(&said).unwrap()["id"].clone();
-        let is_done = |news: &Value| news["export"]["id"] == id && !news["export"]["file"].is_null();
-        window.wait(path, is_done);
-        window.get(&format!("made/{id}")).1
-    };
-    let report = String::from_utf8(made("report", &json!({}))).unwrap();
+    let report = String::from_utf8(window.made("report", &json!({}))).unwrap();
     assert!(report.contains("<html") && report.contains("36,24,24,28"));
     if !has_ffmpeg("a_video_and_a_report_are_made_to_be_taken_away") {
         return;
     }
-    assert!(made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
+    assert!(window.made("film", &json!({ "as": "mp4" }))[4..].starts_with(b"ftyp"));
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
+        let files: Vec<_> = fs::read_dir(&folder).unwrap().map(|file| mode(&file.unwrap().path())).collect();
+        assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
+    }
+}
+
+/// All users see what a program is started with.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (browser, seen) = (folder.path().join("xdg-open"), folder.path().join("seen"));
+    fs::write(
+        &browser,
+        "#!/bin/sh\nstat -c %a \"$1\" >\"$SEEN.part\"; cat \"$1\" >>\"$SEEN.part\"; mv \"$SEEN.part\" \"$SEEN\"\n",
+    )
+    .unwrap();
+    fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).unwrap();
+    let path = std::env::join_paths([folder.path(), Path::new("/usr/bin"), Path::new("/bin")]).unwrap();
+    let mut command = Command::new(PROGRAM);
+    command.args(["view", "--json", "synthetic"]).env("PATH", path).env("SEEN", &seen);
+    let window = Window::start(command);
+    let begin = Instant::now();
+    while !seen.exists() {
+        assert!(begin.elapsed() < Duration::from_secs(20), "no browser is opened, or not with a file");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let said = fs::read_to_string(seen).unwrap();
+    assert!(
+        said.starts_with("600\n") && said.contains(&format!("url=http://{}/{}/", window.place, window.token)),
+        "{said}"
+    );
+}
+
+/// The file is cut, or still being copied, while the window is open.
+#[test]
+fn the_end_of_a_read_is_not_the_end_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("clip.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "--out", utf8(&file)]).code, Some(0));
+    let all = fs::read(&file).unwrap();
+    let head = all.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    let frames = |count: usize| &all[..head + (all.len() - head) / 240 * count];
+    fs::write(&file, frames(40)).unwrap();
+    let window = Window::open(&[utf8(&file), "--init", "36,24,24,28"]);
+    assert_eq!((window.followed()["followed"].clone(), window.saved("csv")), (json!(40), "clip.csv".to_owned()));
+    fs::write(&file, frames(20)).unwrap();
+    let corrected = |at| target(&[(1, [36, 24, 24, 28]), (at, [40, 24, 24, 28])]);
+    assert_eq!(window.post("targets", &corrected(10)).0, 200);
+    window.wait("why it ends", |news| news["said"].is_string());
+    assert_eq!(
+        (window.json("source")["frames"].clone(), window.saved("csv")),
+        (json!(40), "clip-20-of-40-frames.csv".to_owned())
+    );
+    fs::write(&file, frames(40)).unwrap();
+    assert_eq!(window.post("targets", &corrected(30)).0, 200);
+    assert_eq!(window.followed()["followed"], 40);
+    // It has grown: what waited goes on by itself.
+    fs::write(&file, frames(60)).unwrap();
+    let grown = window.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
+    assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
+    let inits = ["--init", "36,24,24,28", "--init", "40,24,24,28@30", "--format", "csv"];
+    assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
+}
+
+/// Names that look like an option, or that are no text.
+#[cfg(target_os = "linux")]
+#[test]
+fn odd_names_are_made_and_typed() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let clip = folder.path().join("clip.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "--out", utf8(&clip)]).code, Some(0));
+    for (name, typed) in [(&b"-a b.y4m"[..], "'./-a b.y4m'"), (b"bad\xff'.y4m", r"$'bad\xff\'.y4m'")] {
+        let name = OsStr::from_bytes(name);
+        fs::copy(&clip, folder.path().join(name)).unwrap();
+        let mut command = Command::new(PROGRAM);
+        command
+            .current_dir(folder.path())
+            .args(["view", "--no-open", "--json", "--init", "36,24,24,28", "--"])
+            .arg(name);
+        let window = Window::start(command);
+        assert_eq!(window.json("source")["words"], typed);
+        let report = String::from_utf8(window.made("report", &json!({}))).unwrap();
+        assert!(report.contains("<html"));
+    }
+}
+
+#[test]
+fn targets_are_told_to_all_pages_and_none_takes_the_place_of_another() {
+    let window = Window::open(&["synthetic"]);
+    let (source, here) = (window.json("source"), window.followed()["position"].clone());
+    let post = |revision: &Value, targets: &Value| {
+        let (status, said) = window.post_by("targets", &format!("If-Match: \"{revision}\"\r\n"), targets);
+        (status, serde_json::from_str::<Value>(&said).map_or(json!(said), |said| said["revision"].clone()))
+    };
+    let car = target(&[(2, [37, 24, 24, 28])]);
+    let (status, revision) = post(&source["revision"], &car);
+    assert_eq!(status, 200);
+    let news = window.json(&format!("news?since={here}"));
+    assert_eq!((&news["targets"], &news["revision"]), (&car, &revision));
+    let (status, said) = post(&source["revision"], &json!([]));
+    assert!(status == 400 && said.as_str().unwrap().starts_with("another page has changed the targets"), "{said}");
+    assert_eq!(window.json("source")["targets"], car);
+    let mut other = target(&[(3, [90, 24, 24, 28])]);
+    other[0]["name"] = json!("man");
+    assert_eq!(window.post("targets", &other).0, 400, "its id is that of the car");
+    window.followed();
+    let part = window.json("answers?target=7&from=200&to=230");
+    assert_eq!(
+        (part["rows"].as_array().unwrap().len(), &part["rows"][0][1], &part["to"]),
+        (31, &json!(200), &json!(230))
+    );
 }
 
 #[cfg(unix)]

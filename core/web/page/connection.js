@@ -8,6 +8,8 @@ const MOST_FAILURES = 3;
 export class Connection {
   /** Whether targets are followed while the page is open. */
   follows = true;
+  #revision = 0; // of the targets that this page knows
+  #sending = Promise.resolve();
 
   /**
    * What there is to see: its name and size, `live`, the number of its first frame and of all `frames`, their `times` in
@@ -15,6 +17,7 @@ export class Connection {
    */
   async open() {
     const source = await (await asked("source")).json();
+    this.#revision = source.revision;
     return { first: 1, ...source, targets: source.targets.map(targetOf) };
   }
 
@@ -28,14 +31,28 @@ export class Connection {
     return createImageBitmap(await (await asked(`frames/${number}.jpg`)).blob());
   }
 
-  /** Calls `heard` with all news, as long as the page is open, and `gone` when host-sim does not answer any more. */
-  async listen(heard, gone) {
+  /**
+   * Calls `heard` with all news, as long as the page is open, and `gone` when host-sim does not answer any more. Of many answers, those from the
+   * frame `now()` on come first.
+   */
+  async listen(heard, gone, now) {
     let [position, failures] = [0, 0];
+    const parts = []; // of answers that are to be asked for: [target, first frame, last frame]
     while (failures < MOST_FAILURES) {
       try {
-        const news = await (await asked(`news?since=${position}`)).json();
+        const { targets, ...news } = await (await asked(`news?since=${position}&ranges=1${parts.length === 0 ? "" : "&wait=0"}`)).json();
         [position, failures] = [news.position, 0];
-        heard({ ...news, ...(news.targets === undefined ? {} : { targets: news.targets.map(targetOf) }) });
+        if (news.rows.length === 0) {
+          parts.push(...news.changed);
+        }
+        if (parts.length > 0) {
+          news.rows.push(...(await answersOf(parts, now())));
+        }
+        // What this page has sent is no news.
+        await this.#sending;
+        const isNew = news.revision > this.#revision;
+        this.#revision = Math.max(this.#revision, news.revision ?? 0);
+        heard({ ...news, ...(isNew ? { targets: targets.map(targetOf) } : {}) });
       } catch (error) {
         failures += 1;
         console.debug(error);
@@ -45,9 +62,14 @@ export class Connection {
     gone();
   }
 
-  /** Says which targets are wanted. If host-sim refuses them, throws its reason. */
-  async targets(targets) {
-    await told("targets", targets.map(toldOf));
+  /** Says which targets are wanted, one list after the other. If host-sim refuses them, throws its reason. */
+  targets(targets) {
+    const sent = this.#sending.then(async () => {
+      const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });
+      this.#revision = (await answer.json()).revision;
+    });
+    this.#sending = sent.catch(() => {});
+    return sent;
   }
 
   async method(method, options) {
@@ -75,6 +97,18 @@ export class Connection {
   }
 }
 
+// Asks for a portion of `parts`, which keep the rest.
+async function answersOf(parts, now) {
+  const isHere = ([, first, last]) => first <= now && now <= last;
+  const [part] = parts.splice(Math.max(parts.findIndex(isHere), 0), 1);
+  const [target, first, last] = part;
+  const from = isHere(part) ? now : first;
+  const { rows, to } = await (await asked(`answers?target=${target}&from=${from}&to=${last}`)).json();
+  const rest = [[target, first, from - 1], [target, to + 1, last]];
+  parts.push(...rest.filter(([, begin, end]) => begin <= end));
+  return rows;
+}
+
 async function asked(address, options) {
   const answer = await fetch(address, options).catch(() => {
     throw new Error("host-sim does not answer: it has ended, or this machine was asleep.");
@@ -85,4 +119,6 @@ async function asked(address, options) {
   return answer;
 }
 
-const told = (address, body) => asked(address, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+function told(address, body, headers = {}) {
+  return asked(address, { method: "POST", headers: { "Content-Type": "application/json", ...headers }, body: JSON.stringify(body) });
+}

@@ -2,6 +2,7 @@
 
 const COLORS = ["#ff6ec7", "#4aa8ff", "#ffb02e", "#3ddc84", "#c58bff", "#ff5a4f", "#35d6e6", "#d6e35a"];
 const MOST_UNDONE = 500;
+const MOST_UNDER_WAY = 50; // changes that host-sim may still refuse
 
 /** What a shell and host-sim take as a name without quotes. */
 export const plainName = (name) => name.trim().replace(/[^\p{L}\p{N}_-]+/gu, "_").replace(/^-+/, "");
@@ -30,6 +31,7 @@ export class Edits {
   #ids = 0;
   #past = [];
   #future = [];
+  #steps = []; // the last changes: the targets after each, and all that was before
 
   /** The target that the next box is for; null if it is for a new one. */
   get chosen() {
@@ -50,10 +52,11 @@ export class Edits {
 
   /** Takes targets that were made elsewhere, { id, name, locks }: that cannot be undone here. */
   load(targets) {
-    [this.#past, this.#future] = [[], []];
+    [this.#past, this.#future, this.#steps] = [[], [], []];
+    const isAdding = this.targets.length > 0 && this.#chosen === null;
     this.targets = targets.map((target) => ({ ...target, name: ["target", `target${target.id}`].includes(target.name) ? "" : target.name, color: colorOf(target.id) }));
     this.#ids = Math.max(this.#ids, ...targets.map(({ id }) => id));
-    this.#chosen ??= this.targets[0]?.id ?? null;
+    this.#chosen = this.chosen?.id ?? (isAdding ? null : (this.targets[0]?.id ?? null));
   }
 
   /** Locks a target on `box` in a frame, also again; without a target, a new one. */
@@ -89,18 +92,37 @@ export class Edits {
   }
 
   undo() {
-    this.#move(this.#past, this.#future);
+    if (this.canUndo) {
+      this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.targets]);
+      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
+    }
   }
 
   redo() {
-    this.#move(this.#future, this.#past);
+    if (this.canRedo) {
+      this.#change(this.#future.at(-1), [...this.#past, this.targets], this.#future.slice(0, -1));
+      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
+    }
   }
 
-  /** Takes back a change that was refused. `targets` are those after the change. */
+  /** Takes back a change, an undo too, that was refused: all is as before it. `targets` are those after it. A later change stays. */
   takeBack(targets) {
-    if (this.targets === targets && this.canUndo) {
-      this.targets = this.#past.pop();
+    const step = this.#steps.findLast(({ after }) => after === targets);
+    if (step === undefined) {
+      return;
     }
+    // If a later change is refused as well, all is as before this one.
+    this.#steps.filter(({ before }) => before.targets === targets).forEach((later) => (later.before = step.before));
+    if (this.targets === targets) {
+      ({ targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen } = step.before);
+    }
+  }
+
+  // Changes the targets, and remembers what was before.
+  #change(targets, past, future) {
+    const before = { targets: this.targets, past: this.#past, future: this.#future, chosen: this.#chosen };
+    [this.targets, this.#past, this.#future] = [targets, past.slice(-MOST_UNDONE), future];
+    this.#steps = [...this.#steps, { after: targets, before }].slice(-MOST_UNDER_WAY);
   }
 
   #made() {
@@ -111,18 +133,7 @@ export class Edits {
   }
 
   #replace(targets) {
-    this.#past.push(this.targets);
-    this.#past = this.#past.slice(-MOST_UNDONE);
-    this.#future = [];
-    this.targets = targets;
-  }
-
-  #move(from, to) {
-    if (from.length > 0) {
-      to.push(this.targets);
-      this.targets = from.pop();
-      this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
-    }
+    this.#change(targets, [...this.#past, this.targets], []);
   }
 }
 

@@ -18,8 +18,20 @@ const SLOWER = 0.8, PATIENCE = 10;
 // Less would be slower than to seek each picture.
 const LEAST_PART = 0.3;
 const SLOWEST = 0.0625, FASTEST = 16; // of browsers
-// How long a picture may come after its seek, and how often it is waited for.
-const LATE_MS = 150, WAITS = 2;
+// How long a picture may come after its seek, and how often it is waited for: an old one, or none at all.
+const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
+
+// The picture that a video shows; null if there is none yet.
+function pictureOf(video) {
+  try {
+    return new VideoFrame(video);
+  } catch (error) {
+    if (error.name === "InvalidStateError") {
+      return null;
+    }
+    throw error;
+  }
+}
 
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
@@ -287,13 +299,29 @@ export class Video {
     const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
     video.currentTime = time;
     await seeked;
-    let found = this.#shown();
+    let found = await this.#next();
     for (let waits = 0; waits < WAITS && this.#isLate(found, before, time); waits++) {
       found.close();
-      await Promise.race([new Promise((resolve) => video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
-      found = this.#shown();
+      await this.#soon();
+      found = await this.#next();
     }
     return found;
+  }
+
+  // The picture that is shown. On a busy machine a seek may end before its picture is there.
+  async #next() {
+    for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
+      const found = this.#shown();
+      if (found !== null) {
+        return found;
+      }
+      await this.#soon();
+    }
+    throw new Error("no picture comes");
+  }
+
+  #soon() {
+    return Promise.race([new Promise((resolve) => this.#video.requestVideoFrameCallback(resolve)), wait(LATE_MS)]);
   }
 
   // True if this may still be the picture of before the seek to `time`, or the one that came while it paused.
@@ -303,8 +331,12 @@ export class Video {
     return !this.#isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
+  // The picture that is there; null if there is none yet.
   #shown() {
-    const picture = new VideoFrame(this.#video);
+    const picture = pictureOf(this.#video);
+    if (picture === null) {
+      return null;
+    }
     if (this.#isTimed) {
       this.#mediaTime = picture.timestamp / 1e6;
     }
@@ -342,8 +374,9 @@ export class Video {
     this.#tick = this.#video.requestVideoFrameCallback((_, { mediaTime }) => {
       this.#mediaTime = mediaTime;
       this.#nextTick();
-      if (this.#isPlaying && this.#seeks === 0) {
-        this.#played(this.#shown());
+      const found = this.#isPlaying && this.#seeks === 0 ? this.#shown() : null;
+      if (found !== null) {
+        this.#played(found);
       }
     });
   }

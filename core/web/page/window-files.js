@@ -29,6 +29,16 @@ export function drawMade(place, { id, done, file, error }) {
   }
 }
 
+/** Of boxes that were saved while targets are followed, how far they are: their name says it. */
+export function drawTaken(place, name) {
+  const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
+  place.hidden = frames === undefined;
+  if (frames !== undefined) {
+    const said = [frames, all].filter(Boolean).map((count) => Number(count).toLocaleString("en")).join(" of ");
+    place.replaceChildren(`${name} holds ${said} frames: save it again when all are followed.`);
+  }
+}
+
 /** The lines that repeat what was done. `verbs`: { track: "--video out.mp4", ... }, what follows after the boxes. */
 export function drawCommands(place, verbs, { words, method, options }, targets) {
   const shown = Object.keys(TITLES).filter((verb) => verb in verbs);

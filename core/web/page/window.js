@@ -15,7 +15,7 @@ import { FRAMES, Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { METHODS, SETTINGS, TITLES } from "./methods.js";
 import { Timeline } from "./timeline.js";
-import { drawCommands, drawFiles, drawMade } from "./window-files.js";
+import { drawCommands, drawFiles, drawMade, drawTaken } from "./window-files.js";
 import { Pictures } from "./window-pictures.js";
 import { drawWindow } from "./window-stage.js";
 
@@ -44,7 +44,6 @@ let news = {};
 let proposed = null; // a box that is being drawn
 let pulled = null; // what it is pulled by
 let playing = null; // since when, and from which frame
-let sending = Promise.resolve();
 let hasEnded = false;
 let [drawing, reading] = [null, null];
 let timeline, graph, figures, drag, seesCurves;
@@ -178,7 +177,8 @@ const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? nul
 // Only boxes that were drawn are moved: over one that a tracker found, a better one can be drawn.
 function gripAt(point, reach) {
   const chosen = edits.chosen;
-  for (const target of [...(chosen === null ? [] : [chosen]), ...edits.targets]) {
+  // While a target is added, every drag draws.
+  for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
     const box = lockIn(target, shown)?.box;
     const held = box && gripOf(box, point, target === chosen ? reach : 0);
     if (held) {
@@ -203,14 +203,13 @@ function choose(target) {
 // Each change is sent as all that is wanted now. What host-sim refuses is taken back.
 async function changed() {
   const { targets } = edits;
-  answers.keep(targets.map(({ id }) => id));
   draw();
   if (!connection.follows) {
     return;
   }
-  sending = sending.catch(() => {}).then(() => connection.targets(targets));
   try {
-    await sending;
+    await connection.targets(targets);
+    answers.keep(edits.targets.map(({ id }) => id));
   } catch (error) {
     edits.takeBack(targets);
     say(error.message);
@@ -247,6 +246,7 @@ function heard(told) {
   Object.assign(source, { frames: told.frames ?? source.frames, times: told.times ?? source.times });
   if (told.targets !== undefined) {
     edits.load(told.targets);
+    answers.keep(edits.targets.map(({ id }) => id));
   }
   if (told.said !== undefined) {
     say(told.said);
@@ -604,6 +604,7 @@ async function take(format) {
   const file = await trying(connection.boxes(format));
   if (file !== "") {
     save(file.name, file.bytes);
+    drawTaken(byId("made"), file.name);
   }
 }
 
@@ -650,7 +651,7 @@ async function start() {
   measure();
   goTo(addressed() ?? source.shown ?? first);
   if (connection.follows) {
-    await connection.listen(heard, gone);
+    await connection.listen(heard, gone, () => shown ?? first);
   }
 }
 

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Answers } from "../page/answers.js";
 import { gripOf } from "../page/drag.js";
+import { Connection } from "../page/connection.js";
 import { Edits, lockIn, nameOf, plainName } from "../page/edits.js";
 import { Pictures } from "../page/window-pictures.js";
 
@@ -61,13 +62,37 @@ test("names are what a shell takes, and none is given twice", () => {
 
 test("a change that is refused is taken back, unless there is a later one", () => {
   const edits = new Edits();
+  edits.lock(9, BOX);
   edits.lock(1, BOX);
   const refused = edits.targets;
   edits.lock(2, BOX);
   edits.takeBack(refused);
-  assert.deepEqual(numbers(edits), [[1, 2]]);
+  assert.deepEqual(numbers(edits), [[1, 2, 9]]);
   edits.takeBack(edits.targets);
-  assert.deepEqual([numbers(edits), edits.canRedo], [[[1]], false]);
+  assert.deepEqual([numbers(edits), edits.canRedo], [[[9]], false], "both were refused");
+});
+
+test("an undo and a redo that are refused change nothing", () => {
+  const edits = new Edits();
+  const now = () => [edits.targets.map(nameOf), numbers(edits), edits.chosen?.id, edits.canUndo, edits.canRedo];
+  const refused = (change) => {
+    const before = now();
+    change();
+    assert.notDeepEqual(now(), before);
+    edits.takeBack(edits.targets);
+    assert.deepEqual(now(), before);
+  };
+  edits.lock(5, BOX);
+  edits.choose(null);
+  edits.lock(6, BOX);
+  edits.remove(edits.targets[0]);
+  refused(() => edits.undo());
+  refused(() => edits.rename(edits.chosen, "car"));
+  edits.undo();
+  refused(() => edits.redo());
+  refused(() => edits.undo());
+  edits.redo();
+  assert.deepEqual(now(), [["target2"], [[6]], 2, true, false]);
 });
 
 test("targets of another page are taken as they are", () => {
@@ -75,8 +100,12 @@ test("targets of another page are taken as they are", () => {
   edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }, { id: 7, name: "target7", locks: [{ number: 2, box: BOX }] }]);
   assert.deepEqual([edits.canUndo, edits.chosen.id, edits.targets.map(({ name }) => name)], [false, 4, ["car", ""]]);
   edits.choose(null);
+  edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }, { id: 9, name: "man", locks: [{ number: 1, box: BOX }] }]);
+  assert.equal(edits.chosen, null, "who adds a target goes on with that");
   edits.lock(1, BOX);
-  assert.equal(edits.chosen.id, 8);
+  assert.equal(edits.chosen.id, 10);
+  edits.load([{ id: 4, name: "car", locks: [{ number: 1, box: BOX }] }]);
+  assert.equal(edits.chosen.id, 4);
 });
 
 const row = (id, number, state, confidence = 0.5) => [id, number, state, 1.25, 2, 30, 40, confidence, null, 0.25, 1, 12];
@@ -146,4 +175,32 @@ test("pictures come two at a time, in the order in which they are wanted, and no
   pictures.want([5, 1]);
   await come(5);
   assert.deepEqual([closed, pictures.get(2), pictures.get(1).width], [[2], undefined, 4096], "what is wanted stays");
+});
+
+test("a page asks for answers where there are many, and tells others' targets from its own", async () => {
+  const asked = [];
+  const told = [{ id: 1, name: "a", locks: [] }];
+  const news = [
+    { position: 9, rows: [], changed: [[1, 1, 100], [2, 1, 50]], targets: told, revision: 3 },
+    { position: 9, rows: [], changed: [] },
+    { position: 12, rows: [[1, 7]], changed: [[1, 7, 7]], targets: told, revision: 12 },
+  ];
+  globalThis.fetch = async (address, { body } = {}) => {
+    asked.push(body === undefined ? address : `${address} ${body}`);
+    const [, target, from, to] = /answers\?target=(\d+)&from=(\d+)&to=(\d+)/.exec(address)?.map(Number) ?? [];
+    if (news.length === 0 && address.startsWith("news")) {
+      await new Promise(() => {}); // no more news
+    }
+    const answers = () => ({ rows: [[target, from]], to: Math.min(to, from + 19) });
+    return Response.json(target ? answers() : address === "targets" ? { revision: 3 } : news.shift());
+  };
+  const connection = new Connection();
+  const heard = [];
+  const sent = connection.targets([]);
+  await new Promise((resolve) => {
+    connection.listen(({ rows, targets }) => heard.push([rows, targets?.length]) === 3 && resolve(), () => {}, () => 30);
+  });
+  await sent;
+  assert.deepEqual(heard, [[[[1, 30]], undefined], [[[2, 30]], undefined], [[[1, 7], [1, 1]], 1]]);
+  assert.deepEqual(asked.slice(0, 4), ["news?since=0&ranges=1", "targets []", "answers?target=1&from=30&to=100", "news?since=9&ranges=1&wait=0"]);
 });

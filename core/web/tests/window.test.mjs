@@ -177,6 +177,18 @@ onWindow("a drag in a later frame is a correction, which is moved, resized, remo
   await page.until(`Number(document.getElementById("place").value.split(" ")[1]) > 1`);
 });
 
+onWindow("while a target is added, every drag draws it, also one that begins in the box of another", async (page) => {
+  await page.click("#plays");
+  await dragBox(page, BOX);
+  await commands(page, /--init 36,24,24,28 --method/);
+  await page.click("#add");
+  await says(page, "load", /Drag a box over the new target/);
+  await dragBox(page, [40, 30, 30, 30]);
+  await commands(page, /--init target1=36,24,24,28 --init target2=40,30,30,30 --method/);
+  await page.drag(await place(page, 45, 35), await place(page, 50, 36));
+  await commands(page, /--init target1=36,24,24,28 --init target2=45,31,30,30 --method/);
+});
+
 onWindow("a target that is lost is said to be, and a box over it locks again", async (page) => {
   await page.click("#plays");
   await dragBox(page, BOX);
@@ -260,6 +272,11 @@ onWindow("boxes are saved, in a format that has names if there are several targe
     await new Promise((resolve) => setTimeout(resolve, 20));
   }
   assert.equal(readFileSync(file, "utf8"), host(...(await command(page)).split(" ").slice(1), "--format", "csv").stdout);
+  assert.equal(await page.value(`document.getElementById("made").hidden`), true);
+  const partial = "clip-2561-of-15000-frames.csv";
+  await page.value(`{ const ask = fetch; window.fetch = (address, ...of) => (address.startsWith("boxes") ? Promise.resolve(new Response("", { headers: { "Content-Disposition": 'attachment; filename="${partial}"' } })) : ask(address, ...of)); }`);
+  await button("CSV");
+  await says(page, "made", new RegExp(`^${partial} holds 2,561 of 15,000 frames`));
 });
 
 onWindow("a live picture goes on, waits while a box is drawn, is followed, and can be looked through", async (page) => {
@@ -313,6 +330,16 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.until(`document.getElementById("track") !== null`);
   await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
   await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
+  // What one of them draws comes to the other, which goes on from there.
+  await other.click("#plays");
+  await other.click("#add");
+  await dragBox(other, [100, 60, 30, 30]);
+  await commands(page, /--init target1=36,24,24,28 --init target2=100,60,30,30 --method/);
+  await page.until(`[...document.querySelectorAll("#targets .now")].every(({ textContent }) => textContent === "tracking" || textContent === "uncertain")`);
+  await page.click("#add");
+  await dragBox(page, [10, 60, 30, 30]);
+  await commands(other, /--init target2=100,60,30,30 --init target3=10,60,30,30/);
+  assert.equal(await other.value(`document.getElementById("said").hidden`), true);
   await other.close();
 });
 

@@ -52,7 +52,7 @@ pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
 pub use seekable::{Seekable, is_seekable};
-pub use start::{Start, Target};
+pub use start::{Start, Target, checked_name};
 pub use video::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use y4m::Planes;
 

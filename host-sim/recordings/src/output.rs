@@ -227,7 +227,7 @@ fn fill(from: &Path, to: &Path) -> io::Result<()> {
     })
 }
 
-/// A folder for what this program and another one exchange. Dropped, it is removed.
+/// A folder of this user alone for what this program and another one exchange. Dropped, it is removed.
 pub struct Exchange {
     made: TempDir,
     _kept: Kept,
@@ -236,13 +236,29 @@ pub struct Exchange {
 impl Exchange {
     /// Errors: The system has no place for it.
     pub fn create() -> Result<Self> {
-        let make = || tempfile::Builder::new().prefix("smr-").tempdir();
+        let mut builder = tempfile::Builder::new();
+        builder.prefix("smr-");
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let make = || builder.tempdir();
         let (made, _kept) = cleanup::folder(make).context("cannot make a temporary folder")?;
         Ok(Self { made, _kept })
     }
 
     pub fn path(&self) -> &Path {
         self.made.path()
+    }
+
+    /// Writes a file that nobody else can read, nor what takes its place by [`Output`]. Returns its place.
+    /// Errors: There is such a file already, or the disk's.
+    pub fn private(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
+        let place = self.path().join(name);
+        let mut options = fs::OpenOptions::new();
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+        let written = options.write(true).create_new(true).open(&place).and_then(|mut file| file.write_all(bytes));
+        written.with_context(|| cannot_write(&place))?;
+        Ok(place)
     }
 }
 

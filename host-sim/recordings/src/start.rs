@@ -97,7 +97,7 @@ fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
 }
 
 /// A name stands in tables, file names and pictures.
-fn checked_name(name: &str) -> Result<String> {
+pub fn checked_name(name: &str) -> Result<String> {
     let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let plain = !name.trim().is_empty() && name.trim() == name && name.chars().all(fits);
     ensure!(plain, "the name {name:?}: expected letters, digits, spaces and - _ . only");

@@ -3,7 +3,7 @@
 use super::number::from;
 use super::paths::{Bare, Places, Taken};
 use super::recording_options::RecordingOptions;
-use super::{BUDGET, Outcome, progress, say};
+use super::{BUDGET, Outcome, progress, say, shell};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use smr_pages::report::{self, Choosing, SIDE, Shots};
@@ -11,7 +11,7 @@ use smr_recordings::output::{Output, complain};
 use smr_recordings::{BoundingBox, ColorFrame, Colors, Sequence, messages};
 use std::io::Write;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const TAKEN: Taken = Taken { endings: &["html"], bare: Bare::Refused };
 
@@ -95,8 +95,8 @@ impl Frame {
             shown: self.number(),
             target: bbox,
             options: shlex::try_join(self.recording.words().iter().map(String::as_str))?,
-            recording: quoted(&self.sequence)?,
-            file: quoted(&self.out)?,
+            recording: shell::word(shell::file(&self.sequence).as_os_str()),
+            file: shell::word(shell::file(&self.out).as_os_str()),
         };
         let bar = progress::bar(&choosing.name, length);
         let least = self.recording.least_box(size.0, size.1);
@@ -149,13 +149,6 @@ impl Frame {
             inside: bbox.map(|bbox| is_inside(&bbox, width, height)),
         }
     }
-}
-
-/// A path as a shell takes it; one that looks like an option is set apart from those.
-fn quoted(path: &Path) -> Result<String> {
-    let text = path.to_string_lossy();
-    let text = if text.starts_with('-') && text != "-" { format!("./{text}") } else { text.into_owned() };
-    Ok(shlex::try_quote(&text)?.into_owned())
 }
 
 /// Whether a tracker can be locked on the box.

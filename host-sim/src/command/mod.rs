@@ -24,6 +24,7 @@ mod report;
 pub mod robustness;
 #[cfg(feature = "emulator")]
 mod run;
+mod shell;
 pub mod table_options;
 #[cfg(feature = "emulator")]
 mod target;

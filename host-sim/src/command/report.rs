@@ -4,13 +4,14 @@ use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{BUDGET, Outcome, progress};
+use super::{BUDGET, Outcome, progress, shell};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
 use smr_pages::report::{self, About, Choice, Film, Refusal};
 use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{BUILT_IN, Sequence, Target};
+use std::ffi::OsString;
 use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -126,12 +127,11 @@ impl Report {
 
     /// What the foot of the page says.
     fn about(&self, title: &str, methods: &[Variant]) -> Result<About> {
-        let words: Vec<_> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-        let words = std::iter::once("host-sim").chain(words.iter().map(String::as_str));
+        let words: Vec<_> = std::iter::once("host-sim".into()).chain(std::env::args_os().skip(1)).collect();
         let origins: Vec<_> = methods.iter().map(Variant::origin).collect();
         Ok(About {
             title: title.to_owned(),
-            command_line: shlex::try_join(words)?,
+            command_line: shell::line(words.iter().map(OsString::as_os_str)),
             options: serde_json::to_string(&origins)?,
         })
     }

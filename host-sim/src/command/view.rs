@@ -2,7 +2,7 @@
 
 use super::number::whole;
 use super::tracker_options::{Pair, TrackerOptions};
-use super::{Outcome, say};
+use super::{Outcome, say, shell};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Parser, ValueEnum};
 use serde_json::{Map, Value};
@@ -10,10 +10,10 @@ use smr_core::{Robust, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::window::{Camera, Followed, Job, Known, Lock, Made, Recorded, Server, Source, Target, Window, Wish};
+use smr_pages::window::{Camera, Followed, Growing, Job, Known, Lock, Made, Server, Source, Target, Window, Wish};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
-use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Seekable, Start, is_live, is_seekable};
+use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -79,6 +79,7 @@ impl View {
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
         }
+        let made = Arc::new(Made::new()?);
         let server = Server::bind()?;
         let address = server.address();
         let words = self.words();
@@ -86,12 +87,12 @@ impl View {
         let window = Window {
             name: name.clone(),
             size,
-            words: shlex::try_join(words.iter().map(String::as_str))?,
+            words: shell::line(words.iter().map(OsString::as_os_str)),
             formats: formats(),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
-            made: Arc::new(Made::new()?),
+            made: Arc::clone(&made),
             wish: Box::new(Desk { words, name, size, pictures, is_live }),
         };
         say(|out| match self.json {
@@ -99,9 +100,9 @@ impl View {
             false => writeln!(out, "{address}\nCtrl+C ends it."),
         })?;
         if !self.no_open
-            && let Err(error) = open::that_detached(&address)
+            && let Err(error) = made.door(&address).and_then(|door| Ok(open::that_detached(door)?))
         {
-            complain(&format!("note: no browser could be opened ({error}): open the address yourself"));
+            complain(&format!("note: no browser could be opened ({error:#}): open the address yourself"));
         }
         window.serve(server)?;
         Ok(Outcome::Holds)
@@ -129,10 +130,10 @@ impl View {
         );
         let size = self.size.map(|Pair(width, height)| (width, height));
         let options = OpenOptions { size, ffmpeg_patience: patience, ..OpenOptions::default() };
-        let (recording, sequence) = Seekable::open(path, &options)?;
+        let (source, sequence) = Growing::open(path, options)?;
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
         let (pictures, length) = (sequence.colors.picture_names(), sequence.length);
-        Ok(Opened { name: sequence.name, source: Arc::new(Recorded::new(recording)), pictures, length, beside })
+        Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
     }
 
     /// The targets that are given, or else the one beside the recording.
@@ -152,10 +153,10 @@ impl View {
     }
 
     /// The source and its options, as they are typed.
-    fn words(&self) -> Vec<String> {
-        let size = self.size.map(|size| ["--size".to_owned(), size.to_string()]);
-        let timeout = self.ffmpeg_timeout.map(|seconds| ["--ffmpeg-timeout".to_owned(), seconds.to_string()]);
-        let path = self.source.to_string_lossy().into_owned();
+    fn words(&self) -> Vec<OsString> {
+        let size = self.size.map(|size| ["--size".into(), size.to_string().into()]);
+        let timeout = self.ffmpeg_timeout.map(|seconds| ["--ffmpeg-timeout".into(), seconds.to_string().into()]);
+        let path = shell::file(&self.source).into_os_string();
         std::iter::once(path).chain(size.into_iter().chain(timeout).flatten()).collect()
     }
 }
@@ -168,7 +169,7 @@ fn has_ffmpeg() -> bool {
 
 /// What this program does for the window.
 struct Desk {
-    words: Vec<String>,
+    words: Vec<OsString>,
     name: String,
     /// Of a frame.
     size: (u16, u16),
@@ -239,25 +240,36 @@ impl Wish for Desk {
             Format::Csv => "csv",
             _ => "txt",
         };
-        Ok((self.file(ending), text.into_bytes()))
+        let (reached, all) = (followed.answered(), known.frames);
+        // What is still followed says how far it is.
+        let so_far = match all {
+            Some(all) if reached >= all || self.is_live => String::new(),
+            Some(all) => format!("-{reached}-of-{all}-frames"),
+            None => format!("-{reached}-frames"),
+        };
+        Ok((self.file(&so_far, ending), text.into_bytes()))
     }
 
     fn made(&self, ending: &str, followed: &Followed) -> Result<Job> {
         ensure!(!self.is_live, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
         ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
+        let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|other| other.name == targets[at].name));
+        if let Some(Target { name, .. }) = twice.map(|at| &targets[at]) {
+            bail!("two targets are called {name}: give one of them another name");
+        }
         let lines = followed.rows().iter().map(|(_, rows)| rows.len()).sum();
         let Variant { kind, options, .. } = followed.variant();
         let is_report = ending == "html";
         let mut words: Vec<OsString> = vec![if is_report { "report" } else { "track" }.into()];
-        words.extend(self.words.iter().map(OsString::from));
+        words.extend(self.words.iter().cloned());
         words.extend(inits(&targets).into_iter().flat_map(|init| ["--init".into(), init.into()]));
         words.extend(["--method".into(), kind.name().into()]);
         words.extend(typed(&options).map(OsString::from));
         let (out, more): (&str, &[&str]) = if is_report { ("--out", &[]) } else { ("--video", &["--format", "csv"]) };
         words.extend(more.iter().map(OsString::from));
         words.push(out.into());
-        Ok(Job { name: self.file(ending), words, lines: if is_report { 0 } else { lines } })
+        Ok(Job { name: self.file("", ending), words, lines: if is_report { 0 } else { lines } })
     }
 
     fn firmware(&self, variant: &Variant) -> String {
@@ -271,10 +283,10 @@ impl Wish for Desk {
 
 impl Desk {
     /// A name that every system takes.
-    fn file(&self, ending: &str) -> String {
+    fn file(&self, so_far: &str, ending: &str) -> String {
         let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
-        let name: String = self.name.chars().map(plain).take(80).collect();
-        format!("{}.{ending}", if name.is_empty() { "boxes" } else { &name })
+        let name: String = self.name.trim_start_matches('-').chars().map(plain).take(80).collect();
+        format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
     }
 }
 

@@ -243,6 +243,10 @@ impl Source for Camera {
         Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
     }
 
+    fn oldest(&self) -> usize {
+        self.0.kept().oldest_gray()
+    }
+
     /// If the frame has no picture, this is the picture before it.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();

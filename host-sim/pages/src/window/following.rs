@@ -3,17 +3,20 @@
 //! A target is locked in one or more frames. From each lock to the next one it is followed in one go: a [`Segment`]. A new correction makes one new
 //! segment; the others keep their answers. Segments that are no longer wanted are kept for a while, so that undo is at once.
 //!
-//! The thread begins at the earliest frame that lacks an answer and reads on. All segments that wait for the frame that it is at are
-//! asked. If a lock in an earlier frame comes meanwhile, it goes back there; the others wait until it is at their frame again.
+//! The thread begins at the earliest frame that lacks an answer and reads on: a pass. All segments that wait for the frame that it is at are
+//! asked. If a lock in an earlier frame comes meanwhile, it goes back there; the others wait until it is at their frame again. A pass whose
+//! frames end or fail concerns the segments that waited for its next frame, and nobody else: they are tried again after a change.
 
-use super::news::{Item, News};
+use super::news::{News, Part};
 use super::{Known, Source};
-use anyhow::{Result, ensure};
+use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
-use smr_evaluation::{Follower, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, messages};
+use smr_evaluation::{Follower, Origin, Report, Variant};
+use smr_recordings::{BoundingBox, GrayFrame, checked_name, messages};
+use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
+use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -33,6 +36,16 @@ pub struct Lock {
     /// Left, top, width and height in whole pixels.
     #[serde(rename = "box")]
     pub bbox: (i32, i32, u16, u16),
+}
+
+impl Target {
+    /// True of a target that shares nothing but the id: two pages have given it.
+    fn is_another(&self, other: &Self) -> bool {
+        self.id == other.id
+            && self.name != other.name
+            && !other.locks.is_empty()
+            && !self.locks.iter().any(|lock| other.locks.contains(lock))
+    }
 }
 
 impl Lock {
@@ -59,33 +72,47 @@ pub struct Row {
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    /// Counts the changes of the trackers' settings.
-    edition: u32,
+    /// The place of the trackers' settings in [`State::editions`].
+    edition: usize,
 }
 
 struct Segment {
-    key: Key,
-    /// One for each frame from the lock on; `None` of a frame that was dropped.
-    rows: VecDeque<Option<Row>>,
-    /// The number of older rows that were dropped.
-    gone: usize,
-    /// The tracker refused a frame: nothing follows.
+    /// The frame of the first row: that of the lock, or of a camera later.
+    first: usize,
+    /// One for each frame, with the position of its last change, which grows from row to row; `None` of a frame that was dropped.
+    rows: VecDeque<(u64, Option<Row>)>,
+    /// The tracker refused a frame, or a camera does not keep that of the lock: nothing follows.
     failed: bool,
+    /// A pass ended before the frame that it waits for.
+    in_vain: bool,
+    /// When targets asked for it last, in changes of the targets.
+    used: u64,
 }
 
 impl Segment {
     /// The first frame without an answer.
     fn next(&self) -> usize {
-        self.key.lock.0 + self.gone + self.rows.len()
+        self.first + self.rows.len()
     }
 
-    fn row(&self, frame: usize) -> Option<Row> {
-        *self.rows.get(frame.checked_sub(self.key.lock.0 + self.gone)?)?
+    /// The places of the rows of the frames from `from` on and before `end`.
+    fn places(&self, from: usize, end: usize) -> Range<usize> {
+        let place = |frame: usize| frame.saturating_sub(self.first).min(self.rows.len());
+        place(from)..place(end).max(place(from))
+    }
+
+    /// The answers at these places, each with its frame.
+    fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, Row)> + '_ {
+        let first = self.first + places.start;
+        (first..).zip(self.rows.range(places)).filter_map(|(frame, (_, row))| Some((frame, (*row)?)))
     }
 }
 
-/// The segments that are kept for undo and redo, beside those in use.
+/// The most segments that are kept for undo and redo beside those in use, and the most rows of them.
 const SPARE: usize = 24;
+const SPARE_ROWS: usize = 1 << 18;
+/// The most answers in one reply.
+const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// A gap of at most this many frames is read; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
 /// The most rows that a segment of a camera keeps: five minutes of 60 frames a second.
@@ -94,11 +121,17 @@ const MOST_LIVE_ROWS: usize = 18_000;
 struct State {
     targets: Vec<Target>,
     variant: Variant,
-    edition: u32,
-    segments: Vec<Segment>,
+    /// Of all settings that were in use. Who goes back to one finds its answers.
+    editions: Vec<Origin>,
+    edition: usize,
+    segments: HashMap<Key, Segment>,
+    /// Counts the changes of the targets.
+    changes: u64,
     news: News,
-    /// The number of the last frame, once it was read.
-    last: Option<usize>,
+    /// The number of the last frame: it was read, and the recording is known to have no more.
+    end: Option<usize>,
+    /// The highest number of a frame that was read.
+    seen: usize,
     /// The frame that is followed, and how many a second.
     at: Option<(usize, f64)>,
     stopped: bool,
@@ -110,12 +143,18 @@ pub struct Followed {
     changed: Condvar,
 }
 
-/// A piece of work: a segment, the frame that it waits for, and the frame where another one takes over.
+/// A piece of work: a segment, and the frame that it waits for.
 #[derive(Clone, Copy)]
 struct Task {
     key: Key,
     next: usize,
-    end: usize,
+}
+
+impl Task {
+    /// The tracker is locked.
+    const fn has_begun(&self) -> bool {
+        self.next > self.key.lock.0
+    }
 }
 
 impl State {
@@ -124,84 +163,112 @@ impl State {
         self.targets.iter().flat_map(|target| planned(target, self.edition))
     }
 
-    fn segment(&self, key: Key) -> Option<&Segment> {
-        self.segments.iter().find(|segment| segment.key == key)
-    }
-
-    fn segment_mut(&mut self, key: Key) -> Option<&mut Segment> {
-        self.segments.iter_mut().find(|segment| segment.key == key)
-    }
-
-    /// What is not answered yet.
+    /// What is not answered yet and can be.
     fn tasks(&self) -> Vec<Task> {
-        let last = self.last.unwrap_or(usize::MAX);
+        let last = self.end.unwrap_or(usize::MAX);
         let task = |(key, end): (Key, usize)| {
-            let (next, failed) = self.segment(key).map_or((key.lock.0, false), |one| (one.next(), one.failed));
-            (!failed && next < end && next <= last).then_some(Task { key, next, end })
+            let segment = self.segments.get(&key)?;
+            let next = segment.next();
+            (!segment.failed && !segment.in_vain && next < end && next <= last).then_some(Task { key, next })
         };
         self.plan().filter_map(task).collect()
     }
 
-    fn row(&self, target: u32, frame: usize) -> Option<Row> {
-        let target = self.targets.iter().find(|one| one.id == target)?;
-        let (key, _) = planned(target, self.edition).find(|(key, end)| (key.lock.0..*end).contains(&frame))?;
-        self.segment(key)?.row(frame)
+    /// The answers of a target from one frame to another, in order.
+    fn rows(&self, Part { target, from, to }: Part) -> impl Iterator<Item = (usize, Row)> + '_ {
+        let target = self.targets.iter().find(move |one| one.id == target);
+        let plan = target.into_iter().flat_map(|target| planned(target, self.edition));
+        plan.filter_map(|(key, end)| Some((self.segments.get(&key)?, end)))
+            .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// The frames of a target that have answers, in order.
-    fn rows(&self, target: &Target) -> Vec<(usize, Row)> {
-        let of = |(key, end): (Key, usize)| {
-            let segment = self.segment(key);
-            let rows = segment.into_iter().flat_map(|one| {
-                let first = one.key.lock.0 + one.gone;
-                (first..).zip(&one.rows).filter_map(|(frame, row)| Some((frame, (*row)?)))
-            });
-            rows.take_while(move |(frame, _)| *frame < end)
-        };
-        planned(target, self.edition).flat_map(of).collect()
+    /// The rows that changed behind a position: their target, segment and places.
+    fn changed(&self, since: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
+        self.plan().filter_map(move |(key, end)| {
+            let segment = self.segments.get(&key)?;
+            let places = segment.rows.partition_point(|(at, _)| *at <= since)..segment.places(0, end).end;
+            (!places.is_empty()).then_some((key.target, segment, places))
+        })
     }
 
-    /// Tells the page again what is true of a target in these frames.
-    fn tell_again(&mut self, target: u32, from: usize, to: usize) {
-        self.news.add(Item::Clear { target, from, to });
-        let Some(one) = self.targets.iter().find(|one| one.id == target) else { return };
-        for (frame, _) in self.rows(one) {
-            if (from..=to).contains(&frame) {
-                self.news.add(Item::Row { target, frame });
-            }
+    /// Tells the page again what is true of a part. Behind it in a segment are only rows that no target asks for.
+    fn tell_again(&mut self, part: Part) {
+        self.news.void(part);
+        let Self { targets, segments, news, edition, .. } = self;
+        let Some(target) = targets.iter().find(|one| one.id == part.target) else { return };
+        for (key, _) in planned(target, *edition).filter(|(key, _)| key.lock.0 <= part.to) {
+            let Some(segment) = segments.get_mut(&key) else { continue };
+            let places = segment.places(part.from, usize::MAX);
+            segment.rows.range_mut(places).for_each(|row| row.0 = news.next());
         }
     }
 
-    /// Makes the segments that are missing, and drops the oldest of those that no target asks for.
+    /// How many frames there are, if the source knows of so many.
+    fn frames(&self, known: Option<usize>) -> Option<usize> {
+        known.map(|known| known.max(self.seen)).or(self.end)
+    }
+
+    /// The targets with their locks in order, if all can be followed. A camera keeps the frames from `oldest` on.
+    fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
+        for target in &mut targets {
+            target.locks.sort_by_key(|lock| lock.frame);
+            if !target.name.is_empty() {
+                checked_name(&target.name)?;
+            }
+            for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
+                let name = &target.name;
+                ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
+                let last = self.frames(known).unwrap_or(usize::MAX);
+                ensure!((1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
+                let twice = at > 0 && target.locks[at - 1].frame == *frame;
+                ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
+            }
+            // What was followed from such a frame before needs no other.
+            let late =
+                planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
+            if let Some((key, _)) = late {
+                bail!(
+                    "frame {} of {}: trackers can go back to frame {oldest} only: lock in a newer frame",
+                    key.lock.0,
+                    known.unwrap_or(0)
+                );
+            }
+        }
+        for (at, target) in targets.iter().enumerate() {
+            ensure!(
+                !targets[..at].iter().any(|one| one.id == target.id),
+                "two targets have the id {}: expected one",
+                target.id
+            );
+        }
+        Ok(targets)
+    }
+
+    /// Makes the segments that are missing, lets all be tried again, and drops those that no target has asked for longest.
     fn arrange(&mut self) {
+        self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
-        for &key in &plan {
-            match self.segments.iter().position(|segment| segment.key == key) {
-                // The list is in the order of use.
-                Some(at) => {
-                    let segment = self.segments.remove(at);
-                    self.segments.push(segment);
-                }
-                None => self.segments.push(Segment { key, rows: VecDeque::new(), gone: 0, failed: false }),
+        for key in plan {
+            let new = || Segment { first: key.lock.0, rows: VecDeque::new(), failed: false, in_vain: false, used: 0 };
+            let segment = self.segments.entry(key).or_insert_with(new);
+            (segment.used, segment.in_vain) = (self.changes, false);
+        }
+        let unused = self.segments.iter().filter(|(_, segment)| segment.used < self.changes);
+        let mut spare: Vec<_> =
+            unused.map(|(key, segment)| (Reverse(segment.used), segment.rows.len(), *key)).collect();
+        spare.sort_unstable_by_key(|(used, ..)| *used);
+        let mut rows = 0;
+        for (count, (_, more, key)) in spare.into_iter().enumerate() {
+            rows += more;
+            if count >= SPARE || rows > SPARE_ROWS {
+                self.segments.remove(&key);
             }
         }
-        let spare = self.segments.len().saturating_sub(plan.len() + SPARE);
-        self.segments.drain(..spare);
-    }
-
-    fn everything(&self) -> Vec<Item> {
-        let rows = |target: &Target| {
-            let id = target.id;
-            let cleared = Item::Clear { target: id, from: 1, to: usize::MAX };
-            let rows: Vec<_> = self.rows(target);
-            std::iter::once(cleared).chain(rows.into_iter().map(move |(frame, _)| Item::Row { target: id, frame }))
-        };
-        std::iter::once(Item::Frames).chain(self.targets.iter().flat_map(rows)).collect()
     }
 }
 
 /// The segments of a target, each with its end.
-fn planned(target: &Target, edition: u32) -> impl Iterator<Item = (Key, usize)> + '_ {
+fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
     target.locks.iter().enumerate().map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
         (Key { target: target.id, lock: (lock.frame, lock.rect()), edition }, end)
@@ -217,15 +284,35 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
+/// What changed behind a position.
+pub(super) struct Heard {
+    pub position: u64,
+    /// The answers of these parts are void, unless they come again.
+    pub void: Vec<Part>,
+    /// The parts that have new answers.
+    pub changed: Vec<Part>,
+    /// The answers, or none of them if they are to be asked for.
+    pub rows: Vec<(u32, usize, Row)>,
+    pub said: Vec<String>,
+    pub made: Vec<u32>,
+    /// How many frames there are, or their times.
+    pub frames: bool,
+    /// Also the number of their last change.
+    pub targets: Option<(Vec<Target>, u64)>,
+}
+
 impl Followed {
     pub fn new(variant: Variant, targets: Vec<Target>) -> Self {
         let state = State {
             targets,
+            editions: vec![variant.origin()],
             variant,
             edition: 0,
-            segments: Vec::new(),
+            segments: HashMap::new(),
+            changes: 0,
             news: News::default(),
-            last: None,
+            end: None,
+            seen: 0,
             at: None,
             stopped: false,
         };
@@ -238,8 +325,21 @@ impl Followed {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Changes something and wakes all who wait for it.
+    fn change<T>(&self, act: impl FnOnce(&mut State) -> T) -> T {
+        let done = act(&mut self.state());
+        self.changed.notify_all();
+        done
+    }
+
     pub fn targets(&self) -> Vec<Target> {
         self.state().targets.clone()
+    }
+
+    /// The targets, and the number of their last change.
+    pub(super) fn revision(&self) -> (Vec<Target>, u64) {
+        let state = self.state();
+        (state.targets.clone(), state.news.targets)
     }
 
     pub fn variant(&self) -> Variant {
@@ -249,79 +349,135 @@ impl Followed {
     /// The answers of each target, in the order of the frames.
     pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
         let state = self.state();
-        state.targets.iter().map(|target| (target.clone(), state.rows(target))).collect()
+        state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()
     }
 
-    /// Follows these targets from now on; only what changed is followed again.
-    /// Errors: A box without pixels, two locks of a target in one frame, or a frame that there is not.
-    pub(super) fn set_targets(&self, mut targets: Vec<Target>, frames: Option<usize>) -> Result<()> {
-        for target in &mut targets {
-            target.locks.sort_by_key(|lock| lock.frame);
-            for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
-                let name = &target.name;
-                ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
-                let last = frames.unwrap_or(usize::MAX);
-                ensure!((1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
-                let twice = at > 0 && target.locks[at - 1].frame == *frame;
-                ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
+    /// A portion of the answers of a part, and the last frame of it that they reach.
+    pub(super) fn part(&self, part: Part) -> (Vec<(usize, Row)>, usize) {
+        let rows: Vec<_> = self.state().rows(part).take(PORTION).collect();
+        let to = rows.last().filter(|_| rows.len() == PORTION).map_or(part.to, |(frame, _)| *frame);
+        (rows, to)
+    }
+
+    /// Follows these targets from now on; only what changed is followed again. `revision` is the change that they are made from, where the page
+    /// names it. Returns that of these.
+    /// Errors: A box without pixels, two locks of a target in one frame, a frame that there is not or that a camera does not keep, or targets
+    /// that another page has changed meanwhile.
+    pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
+        let (known, oldest) = (source.known().frames, source.oldest());
+        self.change(|state| {
+            let targets = state.checked(targets, known, oldest)?;
+            let others = match revision {
+                Some(revision) => revision != state.news.targets,
+                // The first list takes the place of the one that the window began with.
+                None => {
+                    state.news.targets > 0
+                        && targets.iter().any(|one| state.targets.iter().any(|other| one.is_another(other)))
+                }
+            };
+            ensure!(!others, "another page has changed the targets meanwhile: look at them, and do it again");
+            if targets == state.targets {
+                state.arrange();
+                return Ok(state.news.targets);
             }
-        }
-        let mut state = self.state();
-        let old = std::mem::replace(&mut state.targets, targets);
-        state.arrange();
-        let part = |target: &Target| {
-            let before = old.iter().find(|one| one.id == target.id).map_or(&[][..], |one| &one.locks);
-            Some((target.id, differing(before, &target.locks)?))
-        };
-        let changed: Vec<_> = state.targets.iter().filter_map(part).collect();
-        for (target, (from, to)) in changed {
-            state.tell_again(target, from, to);
-        }
-        drop(state);
-        self.changed.notify_all();
-        Ok(())
+            let old = std::mem::replace(&mut state.targets, targets);
+            state.arrange();
+            state.news.targets = state.news.next();
+            let part = |target: &Target| {
+                let before = old.iter().find(|one| one.id == target.id).map_or(&[][..], |one| &one.locks);
+                let (from, to) = differing(before, &target.locks)?;
+                Some(Part { target: target.id, from, to })
+            };
+            let changed: Vec<_> = state.targets.iter().filter_map(part).collect();
+            changed.into_iter().for_each(|part| state.tell_again(part));
+            Ok(state.news.targets)
+        })
     }
 
-    /// Follows all again by other trackers.
+    /// Follows all by these trackers.
     pub(super) fn set_variant(&self, variant: Variant) {
-        let mut state = self.state();
-        state.variant = variant;
-        state.edition += 1;
-        state.segments.clear();
-        state.arrange();
-        let ids: Vec<u32> = state.targets.iter().map(|target| target.id).collect();
-        for target in ids {
-            state.tell_again(target, 1, usize::MAX);
-        }
-        drop(state);
-        self.changed.notify_all();
+        self.change(|state| {
+            let origin = variant.origin();
+            state.edition = state.editions.iter().position(|one| *one == origin).unwrap_or(state.editions.len());
+            if state.edition == state.editions.len() {
+                state.editions.push(origin);
+            }
+            state.variant = variant;
+            state.arrange();
+            let all: Vec<_> = state.targets.iter().map(|target| Part::all(target.id)).collect();
+            all.into_iter().for_each(|part| state.tell_again(part));
+        });
     }
 
     pub(super) fn stop(&self) {
-        self.state().stopped = true;
-        self.changed.notify_all();
+        self.change(|state| state.stopped = true);
     }
 
-    pub(super) fn tell(&self, item: Item) {
-        self.state().news.add(item);
-        self.changed.notify_all();
+    /// More is known of the source: what ended too early is tried again.
+    pub(super) fn learns(&self, known: Option<usize>) {
+        self.change(|state| {
+            if known > state.end {
+                state.end = None;
+                state.segments.values_mut().for_each(|segment| segment.in_vain = false);
+            }
+            state.news.frames = state.news.next();
+        });
     }
 
-    /// Waits for something behind `position`, but not longer than `patience`. Returns the items, the position behind them, and the rows that they name.
-    pub(super) fn heard(&self, position: u64, patience: Duration) -> (Vec<Item>, u64, Vec<(u32, usize, Row)>) {
+    /// A file that is made for the user has progressed.
+    pub(super) fn makes(&self, id: u32) {
+        self.change(|state| state.news.makes(id));
+    }
+
+    /// Waits for something behind `since`, but not longer than `patience`. If `asks`, the page asks for the answers where there are more than a
+    /// portion of them; otherwise a portion comes, and the position is that behind it.
+    pub(super) fn heard(&self, since: u64, patience: Duration, asks: bool) -> Heard {
         let mut state = self.state();
         let begin = Instant::now();
-        while state.news.end() <= position {
+        while state.news.end() <= since {
             let Some(left) = patience.checked_sub(begin.elapsed()) else { break };
             state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
         }
-        let (items, end) = state.news.since(position);
-        let row = |item: &Item| match *item {
-            Item::Row { target, frame } => state.row(target, frame).map(|row| (target, frame, row)),
-            _ => None,
+        let news = &state.news;
+        let told = (news.said(since), news.made(since), news.frames > since, news.targets > since);
+        // Who was away for long begins anew.
+        let (void, since) = news.voided(since).map_or_else(
+            || (state.targets.iter().map(|target| Part::all(target.id)).collect(), 0),
+            |void| (void, since.min(news.end())),
+        );
+        let first = state.changed(since).map(|(_, segment, places)| segment.rows[places.start].0).min();
+        let position = match first.filter(|_| !asks) {
+            Some(first) => news.end().min(first - 1 + PORTION as u64),
+            None => news.end(),
         };
-        let rows = items.iter().filter_map(row).collect();
-        (items, end, rows)
+        let changed: Vec<_> = state
+            .changed(since)
+            .map(|(target, segment, places)| {
+                let end = segment.rows.partition_point(|(at, _)| *at <= position).min(places.end);
+                (target, segment, places.start..end)
+            })
+            .filter(|(.., places)| !places.is_empty())
+            .collect();
+        let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
+        let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
+            let target = *target;
+            segment.answers(places.clone()).map(move |(frame, row)| (target, frame, row)).collect::<Vec<_>>()
+        };
+        let part = |(target, segment, places): &(u32, &Segment, Range<usize>)| Part {
+            target: *target,
+            from: segment.first + places.start,
+            to: segment.first + places.end - 1,
+        };
+        Heard {
+            position,
+            void,
+            rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
+            changed: changed.iter().map(part).collect(),
+            said: told.0,
+            made: told.1,
+            frames: told.2,
+            targets: told.3.then(|| (state.targets.clone(), news.targets)),
+        }
     }
 
     /// How far all targets are followed: the number of the last frame before the first that lacks an answer. While they are followed, also
@@ -330,73 +486,95 @@ impl Followed {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
-        let done = || state.plan().filter_map(|(key, end)| Some(state.segment(key)?.next().min(end) - 1)).max();
+        let done = || state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1)).max();
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// The number of the last frame, once it was read.
-    pub(super) fn last(&self) -> Option<usize> {
-        self.state().last
+    /// The number of the last frame before the first that lacks an answer of a target.
+    pub fn answered(&self) -> usize {
+        self.reached().0
     }
 
     /// Follows what there is to follow, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
         let mut trackers: HashMap<Key, Follower> = HashMap::new();
-        while let Some(start) = self.wait() {
-            let mut last = None;
-            match source.gray_from(start) {
-                Err(error) => self.ends(start - 1, Some(&error)),
-                Ok(frames) => {
-                    let mut pace = Pace::new();
-                    let mut goes_on = true;
-                    for frame in frames {
-                        match frame {
-                            Ok((number, time, frame)) => {
-                                last = Some(number);
-                                goes_on = self.frame((number, time), &frame, &mut trackers, source, pace.next());
-                            }
-                            Err(error) => {
-                                self.ends(last.unwrap_or(start - 1), Some(&error));
-                                goes_on = false;
-                            }
-                        }
-                        if !goes_on {
-                            break;
-                        }
-                    }
-                    if goes_on {
-                        self.ends(last.unwrap_or(start - 1), None);
-                    }
-                }
+        while let Some(start) = self.wait(source) {
+            if let Some((last, error)) = self.pass(start, &mut trackers, source) {
+                self.ended(start, last, error.as_ref(), source);
             }
             self.state().at = None;
         }
     }
 
+    /// Reads on from a frame for as long as somebody waits for the next one. If the frames end before that: the number of the last one, and
+    /// the error that ended them.
+    fn pass(
+        &self,
+        start: usize,
+        trackers: &mut HashMap<Key, Follower>,
+        source: &dyn Source,
+    ) -> Option<(usize, Option<Error>)> {
+        let frames = match source.gray_from(start) {
+            Ok(frames) => frames,
+            Err(error) => return Some((start - 1, Some(error))),
+        };
+        let (mut last, mut pace) = (start - 1, Pace::new());
+        for frame in frames {
+            match frame {
+                Ok((number, time, frame)) => {
+                    last = number;
+                    if !self.frame((number, time), &frame, trackers, source, pace.next()) {
+                        return None;
+                    }
+                }
+                Err(error) => return Some((last, Some(error))),
+            }
+        }
+        Some((last, None))
+    }
+
     /// Waits for work. Returns the frame to begin at; `None` when it is over.
-    fn wait(&self) -> Option<usize> {
+    fn wait(&self, source: &dyn Source) -> Option<usize> {
         let mut state = self.state();
         loop {
             if state.stopped {
                 return None;
             }
-            if let Some(start) = state.tasks().iter().map(|task| task.next).min() {
+            let oldest = source.oldest();
+            // After the lock, a tracker may skip frames of a camera.
+            let (late, tasks): (Vec<Task>, _) =
+                state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
+            for Task { key, next, .. } in late {
+                state.news.say(format!("frame {next} is not kept any more: lock in frame {oldest} or a newer one"));
+                state.segments.entry(key).and_modify(|segment| segment.failed = true);
+                self.changed.notify_all();
+            }
+            if let Some(start) = tasks.iter().map(|task| task.next.max(oldest)).min() {
                 return Some(start);
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Notes that `number` is the last frame: the recording ends there, or cannot be read any further.
-    fn ends(&self, number: usize, error: Option<&anyhow::Error>) {
-        let mut state = self.state();
-        state.last = Some(number);
-        if let Some(error) = error {
-            state.news.add(Item::Said(messages::of(error)));
-        }
-        state.news.add(Item::Frames);
-        drop(state);
-        self.changed.notify_all();
+    /// The frames of a pass from `start` on ended behind `last`. That is the recording's end only if it knows of no more.
+    fn ended(&self, start: usize, last: usize, error: Option<&Error>, source: &dyn Source) {
+        let known = source.known().frames;
+        self.change(|state| {
+            for Task { key, .. } in state.tasks().into_iter().filter(|task| task.next <= last + 1) {
+                state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
+            }
+            if let Some(error) = error {
+                state.news.say(messages::of(error));
+            } else if known.map_or(start == 1, |all| last >= all) {
+                state.end = Some(last);
+            } else if !state.stopped {
+                let of = known.map_or(String::new(), |all| format!(" of {all}"));
+                state.news.say(format!(
+                    "there is no frame after {last}{of}: is the file still being written? Any change tries again."
+                ));
+            }
+            state.news.frames = state.news.next();
+        });
     }
 
     /// Asks the trackers that wait for this frame. False if another frame than the next one is to be read.
@@ -411,61 +589,55 @@ impl Followed {
         let is_live = source.live().is_some();
         let (due, variant): (Vec<Task>, Variant) = {
             let state = self.state();
-            // After the lock, a tracker may skip frames of a camera.
-            let waits =
-                |task: &Task| task.next == number || is_live && task.key.lock.0 < task.next && task.next < number;
+            let waits = |task: &Task| task.next == number || is_live && task.has_begun() && task.next < number;
             let due = state.tasks().into_iter().filter(waits).collect();
             (due, state.variant.clone())
         };
         let answers: Vec<(Task, Result<Option<Answer>>)> =
             due.into_iter().map(|task| (task, answer(task.key, number, frame, trackers, &variant))).collect();
-        let mut state = self.state();
-        for (task, answer) in answers {
-            let target = task.key.target;
-            let Some(segment) = state.segment_mut(task.key) else { continue };
-            let answered = match answer {
-                Ok(Some((report, quality))) => {
-                    let before = segment.rows.iter().rev().flatten().next().map(|row| row.shown);
-                    let shown = report.target.or(before).unwrap_or_else(|| task.key.lock.1.into());
-                    let next = segment.next();
-                    segment.rows.extend((next..number).map(|_| None));
-                    segment.rows.push_back(Some(Row { report, shown, quality, time }));
-                    if is_live && segment.rows.len() > MOST_LIVE_ROWS {
-                        segment.rows.pop_front();
-                        segment.gone += 1;
+        self.change(|state| {
+            let State { segments, news, .. } = state;
+            for (task, answer) in answers {
+                let Some(segment) = segments.get_mut(&task.key).filter(|segment| segment.next() == task.next) else {
+                    continue;
+                };
+                match answer {
+                    Ok(Some((report, quality))) => {
+                        let before = segment.rows.iter().rev().find_map(|(_, row)| Some((*row)?.shown));
+                        let shown = report.target.or(before).unwrap_or_else(|| task.key.lock.1.into());
+                        let row = Row { report, shown, quality, time };
+                        segment.rows.extend((task.next..number).map(|_| (news.end(), None)));
+                        segment.rows.push_back((news.next(), Some(row)));
+                        if is_live && segment.rows.len() > MOST_LIVE_ROWS {
+                            segment.rows.pop_front();
+                            segment.first += 1;
+                        }
                     }
-                    Item::Row { target, frame: number }
+                    Ok(None) => {}
+                    Err(error) => {
+                        segment.failed = true;
+                        news.say(messages::of(&error));
+                    }
                 }
-                Ok(None) => continue,
-                Err(error) => {
-                    segment.failed = true;
-                    Item::Said(messages::of(&error))
-                }
-            };
-            if number < task.end {
-                state.news.add(answered);
             }
-        }
-        trackers.retain(|&key, _| state.segment(key).is_some());
-        if state.news.is_full() {
-            let now = state.everything();
-            state.news.renew(now.into_iter());
-        }
-        state.at = Some((number, rate));
-        let tasks = state.tasks();
-        let goes_on = !state.stopped
-            && !tasks.is_empty()
-            && (is_live && tasks.iter().all(|task| task.next >= number || task.key.lock.0 < task.next)
-                || tasks.iter().all(|task| task.next > number)
-                    && tasks.iter().any(|task| task.next <= number + READ_THROUGH));
-        drop(state);
-        self.changed.notify_all();
-        goes_on
+            trackers.retain(|key, _| segments.contains_key(key));
+            state.at = Some((number, rate));
+            state.seen = state.seen.max(number);
+            state.end = state.end.filter(|&end| number <= end);
+            let tasks = state.tasks();
+            !state.stopped
+                && !tasks.is_empty()
+                && (is_live && tasks.iter().all(|task| task.next >= number || task.has_begun())
+                    || tasks.iter().all(|task| task.next > number)
+                        && tasks.iter().any(|task| task.next <= number + READ_THROUGH))
+        })
     }
 
     pub(super) fn known(&self, source: &dyn Source) -> Known {
         let known = source.known();
-        Known { frames: self.last().or(known.frames), ..known }
+        let state = self.state();
+        let frames = state.frames(known.frames).filter(|_| source.live().is_none());
+        Known { frames: frames.or(known.frames), ..known }
     }
 }
 

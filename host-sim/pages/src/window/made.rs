@@ -61,12 +61,18 @@ impl Made {
     /// The file, and what it is called.
     pub(super) fn file(&self, id: u32) -> Option<(PathBuf, String)> {
         let name = self.of(id)?.file?;
-        Some((self.place(id, &name), name))
+        // The ending of the file tells what is written.
+        Some((self.folder.path().join(format!("{id}-{name}")), name))
     }
 
-    /// The ending of the file tells what is written.
-    fn place(&self, id: u32, name: &str) -> PathBuf {
-        self.folder.path().join(format!("{id}-{name}"))
+    /// A page that leads to `address`, for this user's browser alone: all users see what a program is started with.
+    /// Errors: It cannot be written.
+    pub fn door(&self, address: &str) -> Result<PathBuf> {
+        let head = "<!DOCTYPE html><title>host-sim</title><meta name=\"referrer\" content=\"no-referrer\">";
+        let lead = format!(
+            "{head}<meta http-equiv=\"refresh\" content=\"0; url={address}\"><a href=\"{address}\">host-sim</a>\n"
+        );
+        self.folder.private("open.html", lead.as_bytes())
     }
 
     /// Begins to make a file. `tell` is called with its number after each step.
@@ -77,7 +83,7 @@ impl Made {
         let running = all.values().filter(|one| one.file.is_none() && one.error.is_none()).count();
         ensure!(running < MOST, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
-        let place = self.place(id, &name);
+        let place = self.folder.private(&format!("{id}-{name}"), &[])?;
         let program = std::env::current_exe().context("cannot find host-sim itself")?;
         let mut command = Command::new(program);
         command.args(words).arg(&place).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());

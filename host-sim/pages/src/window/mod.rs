@@ -5,12 +5,14 @@
 //! page  <-- news, pictures --   routes  <--  news, pictures
 //! ```
 //!
-//! `server` lets in the page and nobody else. The page keeps the targets and their corrections, and sends them all after each change;
-//! `following` finds out what is to be followed again. Answers come back as `news`. `pictures` gives any frame as a JPEG.
+//! `server` lets in the page and nobody else. A page sends all targets and their corrections after each change, which the other pages are told;
+//! `following` finds out what is to be followed again. What changed is `news`; where many answers did, a page asks for parts of them. `pictures`
+//! gives any frame as a JPEG, and `growing` opens a file anew that has grown.
 //! The page itself is core/web/page/window.html.
 
 mod camera;
 mod following;
+mod growing;
 mod made;
 mod news;
 mod pictures;
@@ -19,8 +21,9 @@ mod server;
 
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
+pub use growing::Growing;
 pub use made::{Job, Made};
-pub use pictures::Recorded;
+use pictures::Recorded;
 pub use routes::{Window, Wish};
 pub use server::Server;
 
@@ -39,6 +42,11 @@ pub trait Source: Send + Sync {
     /// The frames from `number` on.
     /// Errors: They cannot be read, or are not kept any more.
     fn gray_from(&self, number: usize) -> Result<Numbered>;
+
+    /// The number of the oldest frame that a tracker can be locked in.
+    fn oldest(&self) -> usize {
+        1
+    }
 
     /// The frame as a JPEG, in color if there is color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;

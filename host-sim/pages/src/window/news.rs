@@ -1,100 +1,113 @@
-//! What the page has not heard yet: a list of what changed, of which each page has read a part.
+//! Positions of changes: each change takes the next one. A page names the position that it knows, and is told what changed behind it.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
-/// Something that the page is told.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Item {
-    /// There is an answer for a target in a frame.
-    Row { target: u32, frame: usize },
-    /// The answers for a target in these frames are void until they come again.
-    Clear { target: u32, from: usize, to: usize },
-    /// A line for the user.
-    Said(String),
-    /// How many frames there are, or their times, changed.
-    Frames,
-    /// A file that is being made for the user has progressed.
-    Made(u32),
+/// Frames of a target, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Part {
+    pub target: u32,
+    pub from: usize,
+    pub to: usize,
 }
 
-/// The most items in the list. When it is full, it is replaced by all that is true now.
-const MOST: usize = 1 << 20;
-/// The most answers in one reply.
-const PORTION: usize = 5000;
+impl Part {
+    pub const fn all(target: u32) -> Self {
+        Self { target, from: 1, to: usize::MAX }
+    }
+}
 
+/// The most parts that are remembered as void. A page that knows none of them begins anew.
+const MOST_VOID: usize = 1000;
+/// The most lines for the user that are remembered.
+const MOST_SAID: usize = 4;
+
+/// The position of each change but those of answers, which their segments keep.
 #[derive(Default)]
 pub(super) struct News {
-    items: VecDeque<Item>,
-    /// The position of the first of them.
-    base: u64,
+    end: u64,
+    /// Of the last change of the targets, and of how many frames there are or of their times.
+    pub targets: u64,
+    pub frames: u64,
+    said: VecDeque<(u64, String)>,
+    made: BTreeMap<u32, u64>,
+    void: VecDeque<(u64, Part)>,
+    /// The position of the last part that is not remembered.
+    forgotten: u64,
 }
 
 impl News {
-    pub fn add(&mut self, item: Item) {
-        self.items.push_back(item);
+    pub const fn end(&self) -> u64 {
+        self.end
     }
 
-    pub fn is_full(&self) -> bool {
-        self.items.len() >= MOST
+    /// The position of a change that happens now.
+    pub const fn next(&mut self) -> u64 {
+        self.end += 1;
+        self.end
     }
 
-    /// Puts `now`, all that is true now, in place of what was remembered.
-    pub fn renew(&mut self, now: impl Iterator<Item = Item>) {
-        self.base += self.items.len() as u64;
-        self.items = now.collect();
-    }
-
-    pub fn end(&self) -> u64 {
-        self.base + self.items.len() as u64
-    }
-
-    /// The items from a position on, at most a portion, and the position behind them. What clears rows comes before all rows of a
-    /// portion: a page may take them in this order.
-    pub fn since(&self, position: u64) -> (Vec<Item>, u64) {
-        let from = position.clamp(self.base, self.end());
-        let mut portion = Vec::new();
-        let mut has_rows = false;
-        #[allow(clippy::cast_possible_truncation)] // at most as many as there are
-        for item in self.items.iter().skip((from - self.base) as usize).take(PORTION) {
-            if has_rows && matches!(item, Item::Clear { .. }) {
-                break;
-            }
-            has_rows |= matches!(item, Item::Row { .. });
-            portion.push(item.clone());
+    /// The answers for a part are void until they come again.
+    pub fn void(&mut self, part: Part) {
+        let at = self.next();
+        self.void.push_back((at, part));
+        if self.void.len() > MOST_VOID {
+            self.forgotten = self.void.pop_front().map_or(0, |(at, _)| at);
         }
-        let read = portion.len() as u64;
-        (portion, from + read)
     }
+
+    /// A line for the user.
+    pub fn say(&mut self, line: String) {
+        let at = self.next();
+        self.said.push_back((at, line));
+        if self.said.len() > MOST_SAID {
+            self.said.pop_front();
+        }
+    }
+
+    /// A file that is made for the user has progressed.
+    pub fn makes(&mut self, id: u32) {
+        let at = self.next();
+        self.made.insert(id, at);
+    }
+
+    /// The parts that became void behind `since`; `None` if not all of them are remembered.
+    pub fn voided(&self, since: u64) -> Option<Vec<Part>> {
+        (since == 0 || since >= self.forgotten).then(|| behind(&self.void, since))
+    }
+
+    pub fn said(&self, since: u64) -> Vec<String> {
+        behind(&self.said, since)
+    }
+
+    /// The files that have progressed, the last one at the end.
+    pub fn made(&self, since: u64) -> Vec<u32> {
+        let mut made: Vec<_> = self.made.iter().filter(|(_, at)| **at > since).map(|(id, at)| (*at, *id)).collect();
+        made.sort_unstable();
+        made.into_iter().map(|(_, id)| id).collect()
+    }
+}
+
+fn behind<T: Clone>(all: &VecDeque<(u64, T)>, since: u64) -> Vec<T> {
+    all.iter().filter(|(at, _)| *at > since).map(|(_, one)| one.clone()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const fn row(frame: usize) -> Item {
-        Item::Row { target: 1, frame }
-    }
-
     #[test]
-    fn all_is_heard_once_and_in_order() {
+    fn what_came_behind_a_position_is_told_and_memory_is_bounded() {
         let mut news = News::default();
-        let clear = Item::Clear { target: 1, from: 2, to: 9 };
-        for item in [row(1), row(2), clear.clone(), row(2)] {
-            news.add(item);
-        }
-        assert_eq!(news.since(0), (vec![row(1), row(2)], 2));
-        assert_eq!(news.since(2), (vec![clear, row(2)], 4));
-        assert_eq!(news.since(4), (vec![], 4));
-        assert_eq!(news.since(99), (vec![], 4));
-        (0..2 * PORTION).for_each(|frame| news.add(row(frame)));
-        assert_eq!(news.since(4).1, 4 + PORTION as u64);
-    }
-
-    #[test]
-    fn whoever_was_away_for_long_hears_what_is_true_now() {
-        let mut news = News::default();
-        (0..10).for_each(|frame| news.add(row(frame)));
-        news.renew([row(7)].into_iter());
-        assert_eq!((news.since(0), news.since(10)), ((vec![row(7)], 11), (vec![row(7)], 11)));
+        news.say("one".to_owned());
+        news.makes(7);
+        news.void(Part::all(1));
+        news.makes(3);
+        news.makes(7);
+        assert_eq!((news.said(0), news.said(1), news.end()), (vec!["one".to_owned()], vec![], 5));
+        assert_eq!((news.made(0), news.made(4), news.made(5)), (vec![3, 7], vec![7], vec![]));
+        assert_eq!((news.voided(2), news.voided(3)), (Some(vec![Part::all(1)]), Some(vec![])));
+        (0..2 * MOST_VOID).for_each(|_| news.void(Part::all(2)));
+        (0..9).for_each(|_| news.say("more".to_owned()));
+        assert_eq!((news.voided(0).unwrap().len(), news.voided(3), news.said(0).len()), (MOST_VOID, None, MOST_SAID));
     }
 }

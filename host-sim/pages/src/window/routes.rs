@@ -1,12 +1,12 @@
 //! What is behind each address of the window: the page, its modules, frames, news, and what the user wishes.
 
-use super::following::{self, Followed, Row, Target};
+use super::following::{self, Followed, Heard, Row, Target};
 use super::made::{self, Job, Made};
-use super::news::Item;
+use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Source};
 use crate::front_end;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
@@ -77,7 +77,7 @@ impl Window {
                 thread::sleep(Duration::from_millis(250));
                 let known = source.known();
                 if known != told || source.live().is_some() {
-                    followed.tell(Item::Frames);
+                    followed.learns(known.frames.filter(|_| source.live().is_none()));
                     told = known;
                 }
             }
@@ -88,7 +88,7 @@ impl Window {
         self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
     }
 
-    fn routed(&self, Request { posts, path, query, body }: &Request) -> Result<Reply> {
+    fn routed(&self, Request { posts, path, query, revision, body }: &Request) -> Result<Reply> {
         let (first, rest) = path.split_once('/').unwrap_or((path, ""));
         Ok(match (posts, first, rest) {
             (false, "", "") => {
@@ -100,7 +100,14 @@ impl Window {
                 None => Reply::error(404, "there is no such module"),
             },
             (false, "source", "") => json_reply(&self.told_source()),
-            (false, "news", "") => json_reply(&self.news(number(query, "since")?)),
+            (false, "news", "") => json_reply(&self.news(query)?),
+            (false, "answers", "") => {
+                let (from, to) = (place(query, "from")?, place(query, "to")?);
+                let target = number(query, "target")?.try_into().context("target: expected an id")?;
+                let (rows, to) = self.followed.part(Part { target, from, to });
+                let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
+                json_reply(&json!({ "rows": rows, "to": to }))
+            }
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
@@ -117,9 +124,8 @@ impl Window {
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
-                self.check_live(&targets)?;
-                self.followed.set_targets(targets, self.known().frames)?;
-                json_reply(&json!({}))
+                let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
+                json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
             }
             (true, "method", "") => {
                 let Wanted { method, options } = serde_json::from_slice(body).context("this is no method")?;
@@ -148,25 +154,10 @@ impl Window {
         self.followed.known(self.source.as_ref())
     }
 
-    /// Errors: A new lock in a frame that a camera's source does not keep any more.
-    fn check_live(&self, targets: &[Target]) -> Result<()> {
-        let Some(live) = self.source.live() else { return Ok(()) };
-        let before = self.followed.targets();
-        let is_new = |id, lock| !before.iter().any(|target| target.id == id && target.locks.contains(lock));
-        let locks = targets.iter().flat_map(|target| target.locks.iter().map(move |lock| (target.id, lock)));
-        match locks.filter(|(id, lock)| is_new(*id, lock)).map(|(_, lock)| lock.frame).min() {
-            Some(frame) => self
-                .source
-                .gray_from(frame)
-                .map(|_| ())
-                .map_err(|error| anyhow!("frame {frame} of {}: {error:#}", live.newest)),
-            None => Ok(()),
-        }
-    }
-
     fn told_source(&self) -> Value {
         let Known { frames, times } = self.known();
         let variant = self.followed.variant();
+        let (targets, revision) = self.followed.revision();
         let origin = serde_json::to_value(variant.origin()).unwrap_or_default();
         json!({
             "name": self.name,
@@ -181,35 +172,41 @@ impl Window {
             "method": variant.kind.name(),
             "options": origin["options"],
             "words": self.words,
-            "targets": self.followed.targets(),
+            "targets": targets,
+            "revision": revision,
             "formats": self.formats,
             "films": self.films,
         })
     }
 
-    fn news(&self, since: u64) -> Value {
-        let (mut items, mut position, mut rows) = self.followed.heard(since, PATIENCE);
-        if !items.is_empty() && items.len() < 100 {
+    /// What changed behind the position `since`. With `ranges=1` the page asks for `answers` itself where there are many; with `wait=0` it has
+    /// other things to do than to wait.
+    fn news(&self, query: &str) -> Result<Value> {
+        let (since, asks) = (number(query, "since")?, value(query, "ranges").is_some());
+        let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
+        let mut heard = self.followed.heard(since, patience, asks);
+        if !patience.is_zero() && heard.position > since && heard.rows.len() < 100 {
             thread::sleep(GATHERING);
-            (items, position, rows) = self.followed.heard(since, Duration::ZERO);
+            heard = self.followed.heard(since, Duration::ZERO, asks);
         }
+        let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached();
+        // 2^53 and more are no whole numbers in JavaScript.
+        let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
             "position": position,
             "rows": rows.iter().map(told_row).collect::<Vec<_>>(),
+            "changed": changed.iter().map(told).collect::<Vec<_>>(),
             "followed": followed,
             "progress": at.map(|(frame, rate)| json!({ "frame": frame, "rate": rate })),
         });
-        let clear = |item: &Item| match *item {
-            // 2^53 and more are no whole numbers in JavaScript.
-            Item::Clear { target, from, to } => Some(json!([target, from, to.min(u32::MAX as usize)])),
-            _ => None,
-        };
-        let cleared: Vec<Value> = items.iter().filter_map(clear).collect();
-        if !cleared.is_empty() {
-            news["clear"] = cleared.into();
+        if !void.is_empty() {
+            news["clear"] = void.iter().map(told).collect();
         }
-        if items.contains(&Item::Frames) {
+        if let Some((targets, revision)) = targets {
+            (news["targets"], news["revision"]) = (json!(targets), json!(revision));
+        }
+        if frames {
             let Known { frames, times } = self.known();
             news["frames"] = json!(frames);
             if self.source.live().is_none() {
@@ -217,14 +214,14 @@ impl Window {
             }
             news["live"] = json!(self.source.live());
         }
-        for item in &items {
-            match item {
-                Item::Said(said) => news["said"] = json!(said),
-                Item::Made(id) => news["export"] = json!(self.made.of(*id)),
-                _ => {}
-            }
+        if !said.is_empty() {
+            news["said"] = json!(said.join(" / "));
         }
-        news
+        if let Some(&last) = made.last() {
+            news["export"] = json!(self.made.of(last));
+            news["exports"] = made.iter().filter_map(|&id| self.made.of(id)).map(|one| json!(one)).collect();
+        }
+        Ok(news)
     }
 
     fn picture(&self, name: &str) -> Reply {
@@ -238,7 +235,7 @@ impl Window {
     fn make(&self, ending: &str) -> Result<Reply> {
         let job = self.wish.made(ending, &self.followed)?;
         let followed = Arc::clone(&self.followed);
-        let id = self.made.begin(job, move |id| followed.tell(Item::Made(id)))?;
+        let id = self.made.begin(job, move |id| followed.makes(id))?;
         Ok(json_reply(&json!({ "id": id })))
     }
 }
@@ -255,6 +252,11 @@ fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
 fn number(query: &str, name: &str) -> Result<u64> {
     let text = value(query, name).with_context(|| format!("expected ?{name}=NUMBER"))?;
     text.parse().with_context(|| format!("{name}={text}: expected a number"))
+}
+
+/// The number of a frame.
+fn place(query: &str, name: &str) -> Result<usize> {
+    usize::try_from(number(query, name)?).with_context(|| format!("{name}: expected the number of a frame"))
 }
 
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`

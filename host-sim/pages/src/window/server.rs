@@ -6,26 +6,32 @@
 //! - its `Host` is this server (a page of another name that resolves to 127.0.0.1 has another);
 //! - its `Origin`, if it has one, is this server.
 //!
-//! Everything else gets an empty 403. Connections are limited in number, headers and bodies in size and time.
+//! Everything else gets an empty 403 and ends its connection. Headers and bodies are limited in size and time, and so is the time in which
+//! nothing of a reply is read. Of connections that have not shown the token, a new one ends the oldest when they are too many: they cannot keep
+//! out who has it.
 
 use anyhow::{Context, Result};
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{HOST, HeaderName, HeaderValue, ORIGIN};
+use hyper::header::{CONNECTION, HOST, HeaderName, HeaderValue, IF_MATCH, ORIGIN};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::net::{Ipv4Addr, TcpListener};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use tokio::task::AbortHandle;
+use tokio_io_timeout::TimeoutStream;
 
-/// The most connections at a time: a browser opens six for a page. Those beyond are closed at once.
-const MOST_CONNECTIONS: usize = 256;
+/// The most connections at a time that have not shown the token.
+const MOST_STRANGERS: usize = 128;
 /// How long a connection may take to send a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// How long it may read nothing of a reply, in times of that.
+const READING: u32 = 3;
 /// The most bytes of a body: a list of targets with thousands of corrections.
 const MOST_BYTES: usize = 1 << 20;
 
@@ -49,6 +55,8 @@ pub(super) struct Request {
     /// Behind the token, without the slash: `frames/7.jpg`. Empty for the page.
     pub path: String,
     pub query: String,
+    /// The number in `If-Match`: the change that the page has seen.
+    pub revision: Option<u64>,
     pub body: Vec<u8>,
 }
 
@@ -102,33 +110,39 @@ impl Server {
     pub(super) fn run(self, answer: impl Fn(Request) -> Reply + Send + Sync + 'static) -> Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let Self { listener, port, token, patience } = self;
-        let door = Arc::new(Door { port, token, patience, answer: Box::new(answer) });
+        let door = Arc::new(Door { port, token, patience, answer: Box::new(answer), strangers: Mutex::default() });
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
-            let open = Arc::new(AtomicUsize::new(0));
-            loop {
+            for id in 0_u64.. {
                 let Ok((stream, _)) = listener.accept().await else {
                     // No file descriptor is free: some will be.
                     tokio::time::sleep(Duration::from_millis(50)).await;
                     continue;
                 };
-                if open.fetch_add(1, Ordering::SeqCst) >= MOST_CONNECTIONS {
-                    open.fetch_sub(1, Ordering::SeqCst);
-                    continue;
-                }
-                let (door, open) = (Arc::clone(&door), Arc::clone(&open));
-                tokio::spawn(async move {
+                let mut stream = TimeoutStream::new(stream);
+                stream.set_write_timeout(Some(patience * READING));
+                let served = Arc::clone(&door);
+                let task = tokio::spawn(async move {
                     let service = service_fn(|request| {
-                        let door = Arc::clone(&door);
-                        async move { Ok::<_, Infallible>(door.answered(request).await) }
+                        let door = Arc::clone(&served);
+                        async move { Ok::<_, Infallible>(door.answered(id, request).await) }
                     });
                     let mut server = http1::Builder::new();
                     server.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(1 << 16);
                     // That a browser goes away is no error.
-                    let _ = server.serve_connection(TokioIo::new(stream), service).await;
-                    open.fetch_sub(1, Ordering::SeqCst);
+                    let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
+                    served.strangers().remove(&id);
                 });
+                // The task begins later: there is only one thread.
+                let mut strangers = door.strangers();
+                strangers.insert(id, task.abort_handle());
+                if strangers.len() > MOST_STRANGERS
+                    && let Some((_, oldest)) = strangers.pop_first()
+                {
+                    oldest.abort();
+                }
             }
+            Ok(())
         })
     }
 }
@@ -141,24 +155,38 @@ struct Door {
     token: String,
     patience: Duration,
     answer: Answer,
+    /// The connections that have not shown the token, the oldest first.
+    strangers: Mutex<BTreeMap<u64, AbortHandle>>,
 }
 
 impl Door {
-    async fn answered(self: Arc<Self>, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
-        let Some(path) = self.entered(&request) else { return reply(Reply::error(403, "")) };
+    fn strangers(&self) -> MutexGuard<'_, BTreeMap<u64, AbortHandle>> {
+        self.strangers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The reply to a request of the connection `id`.
+    async fn answered(self: Arc<Self>, id: u64, request: hyper::Request<Incoming>) -> Response<Full<Bytes>> {
+        let Some(path) = self.entered(&request) else {
+            let mut refused = reply(Reply::error(403, ""));
+            refused.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+            return refused;
+        };
+        self.strangers().remove(&id);
         let posts = match *request.method() {
             Method::GET => false,
             Method::POST => true,
             _ => return reply(Reply::error(405, "expected GET or POST")),
         };
         let query = request.uri().query().unwrap_or("").to_owned();
+        let seen = request.headers().get(IF_MATCH).and_then(|value| value.to_str().ok());
+        let revision = seen.and_then(|value| value.trim_matches('"').parse().ok());
         let read = Limited::new(request.into_body(), MOST_BYTES).collect();
         let body = match tokio::time::timeout(self.patience, read).await {
             Ok(Ok(body)) => body.to_bytes().to_vec(),
             Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 1 MiB")),
             Err(_) => return reply(Reply::error(408, "the request does not end")),
         };
-        let request = Request { posts, path, query, body };
+        let request = Request { posts, path, query, revision, body };
         let done = tokio::task::spawn_blocking(move || (self.answer)(request)).await;
         reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
     }
@@ -198,12 +226,18 @@ mod tests {
     use std::net::{SocketAddr, TcpStream};
     use std::thread;
 
+    /// The bytes of a reply that no system keeps for a reader.
+    const LARGE: usize = 64 << 20;
+
     /// A server that answers with the path, and what it is reached by.
     fn served() -> (SocketAddr, String) {
         let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());
         thread::spawn(|| {
-            server.run(|request| Reply::new("text/plain", format!("[{}]{}", request.path, request.body.len())))
+            server.run(|request| match request.path.as_str() {
+                "large" => Reply::new("text/plain", vec![0; LARGE]),
+                path => Reply::new("text/plain", format!("[{path}]{}", request.body.len())),
+            })
         });
         place
     }
@@ -270,16 +304,33 @@ mod tests {
     }
 
     #[test]
-    fn a_thousand_connections_do_not_keep_the_page_out_for_long() {
+    fn connections_without_the_token_do_not_keep_the_page_out() {
         let (address, token) = served();
-        let idle: Vec<_> = (0..1000).filter_map(|_| TcpStream::connect(address).ok()).collect();
+        let request = |token: &str| format!("GET /{token}/ HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n", address.port());
+        let mut idle: Vec<_> = (0..1000).filter_map(|_| TcpStream::connect(address).ok()).collect();
         assert!(idle.len() > 500, "{}", idle.len());
-        let get = format!("GET /{token}/ HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", address.port());
-        // The idle ones are closed when their time for a header is over.
-        let begin = std::time::Instant::now();
-        while !asked(address, &get).starts_with("HTTP/1.1 200") {
-            assert!(begin.elapsed() < Duration::from_secs(20), "the page is kept out");
-            thread::sleep(Duration::from_millis(100));
+        // Half of them send requests and read no reply.
+        let many = format!("{}\r\n", request(&"0".repeat(32))).repeat(500);
+        for stream in idle.iter_mut().step_by(2) {
+            stream.set_nonblocking(true).unwrap();
+            let _ = stream.write_all(many.as_bytes());
         }
+        let begin = std::time::Instant::now();
+        let get = format!("{}Connection: close\r\n\r\n", request(&token));
+        assert!(asked(address, &get).starts_with("HTTP/1.1 200"));
+        assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
+    }
+
+    #[test]
+    fn a_connection_that_reads_nothing_ends() {
+        let (address, token) = served();
+        let mut stream = TcpStream::connect(address).unwrap();
+        let get =
+            format!("GET /{token}/large HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", address.port());
+        stream.write_all(get.as_bytes()).unwrap();
+        thread::sleep(Duration::from_secs(1) * (READING + 2));
+        let mut read = Vec::new();
+        let _ = stream.read_to_end(&mut read);
+        assert!(read.starts_with(b"HTTP/1.1 200") && read.len() < LARGE, "{}", read.len());
     }
 }

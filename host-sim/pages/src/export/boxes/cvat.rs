@@ -81,6 +81,27 @@ impl Tracks {
     }
 }
 
+/// Text as XML 1.0 takes it: <https://www.w3.org/TR/xml/#charsets>.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let letter = |letter: char| match letter {
+        '&' => "&amp;".to_owned(),
+        '<' => "&lt;".to_owned(),
+        '>' => "&gt;".to_owned(),
+        '"' => "&quot;".to_owned(),
+        '\t' | '\n' | '\r' => format!("&#{};", u32::from(letter)),
+        '\0'..' ' | '\u{fffe}' | '\u{ffff}' => char::REPLACEMENT_CHARACTER.to_string(),
+        _ => letter.to_string(),
+    };
+    text.chars().map(letter).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn names_of_all_kinds_are_text_of_xml() {
+        assert_eq!(
+            super::escaped("a<&\">\n\u{1}\u{fffe}\u{202e}ü"),
+            "a&lt;&amp;&quot;&gt;&#10;\u{fffd}\u{fffd}\u{202e}ü"
+        );
+    }
 }

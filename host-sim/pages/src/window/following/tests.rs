@@ -17,18 +17,28 @@ struct Scene {
     damaged: Option<usize>,
     /// A camera gives only each of these numbers: the others came while the trackers were busy.
     every: Option<usize>,
+    /// The oldest frame that a camera keeps.
+    oldest: AtomicUsize,
+    /// How many frames the source knows of, and how many it gives; 0: all, and it does not know.
+    known: usize,
+    given: AtomicUsize,
 }
 
 impl Source for Scene {
     fn known(&self) -> Known {
-        Known::default()
+        Known { frames: Some(self.known).filter(|&known| known > 0), times: Vec::new() }
+    }
+
+    fn oldest(&self) -> usize {
+        self.oldest.load(Ordering::SeqCst).max(1)
     }
 
     fn gray_from(&self, number: usize) -> Result<Numbered> {
         let read = AtomicUsize::new(0);
         let (damaged, every) = (self.damaged, self.every.unwrap_or(1));
         self.read.fetch_add(1, Ordering::SeqCst);
-        Ok(Box::new((number..=FRAMES).filter(move |at| (at - number).is_multiple_of(every)).map(move |at| {
+        let last = Some(self.given.load(Ordering::SeqCst)).filter(|&given| given > 0).unwrap_or(FRAMES);
+        Ok(Box::new((number..=last).filter(move |at| (at - number).is_multiple_of(every)).map(move |at| {
             read.fetch_add(1, Ordering::SeqCst);
             if damaged == Some(at) {
                 Err(anyhow!("frame {at} is damaged"))
@@ -81,24 +91,36 @@ impl Running {
         Self { followed, scene, position: 0 }
     }
 
-    /// All that is told until nothing is left to follow.
-    fn heard(&mut self) -> (Vec<Item>, Vec<(u32, usize, Row)>) {
-        let (mut items, mut rows) = (Vec::new(), Vec::new());
+    /// All lines and answers that are told until nothing is left to follow.
+    fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, Row)>) {
+        let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
             let is_done = self.followed.reached().1.is_none();
-            let (more, position, with) = self.followed.heard(self.position, Duration::from_millis(20));
-            if is_done && more.is_empty() {
-                return (items, rows);
+            let heard = self.followed.heard(self.position, Duration::from_millis(20), false);
+            if is_done && heard.position == self.position {
+                return (said, rows);
             }
-            self.position = position;
-            items.extend(more);
-            rows.extend(with);
+            self.position = heard.position;
+            said.extend(heard.said);
+            rows.extend(heard.rows);
         }
     }
 
+    fn try_set(&self, targets: Vec<Target>) -> Result<u64> {
+        self.followed.set_targets(targets, None, self.scene.as_ref())
+    }
+
     fn set(&mut self, targets: Vec<Target>) -> Vec<(u32, usize, Row)> {
-        self.followed.set_targets(targets, Some(FRAMES)).unwrap();
+        self.try_set(targets).unwrap();
         self.heard().1
+    }
+
+    fn refused(&self, targets: Vec<Target>) -> String {
+        self.try_set(targets).unwrap_err().to_string()
+    }
+
+    fn frames(&self) -> Option<usize> {
+        self.followed.known(self.scene.as_ref()).frames
     }
 }
 
@@ -123,13 +145,13 @@ fn answered(running: &Running, at: usize) -> Vec<(usize, Report)> {
 #[test]
 fn answers_are_those_of_a_run_in_order() {
     let mut running = Running::start(Scene::default(), vec![target(1, &[1]), target(2, &[5, 30])]);
-    let (items, rows) = running.heard();
+    let (_, rows) = running.heard();
     assert_eq!(rows.len(), FRAMES + FRAMES - 4);
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]));
     assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[5, 30]));
-    assert!(rows[0].2.quality.is_some() && rows[2].2.quality.is_none());
-    assert_eq!((running.followed.last(), running.followed.reached()), (Some(FRAMES), (FRAMES, None)));
-    assert!(items.contains(&Item::Frames));
+    let quality = |at: usize| rows.iter().find(|row| (row.0, row.1) == (1, at)).unwrap().2.quality;
+    assert!(quality(1).is_some() && quality(2).is_none());
+    assert_eq!((running.frames(), running.followed.reached()), (Some(FRAMES), (FRAMES, None)));
     assert_eq!(running.scene.read.load(Ordering::SeqCst), 1);
 }
 
@@ -157,41 +179,143 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
 
 #[test]
 fn other_trackers_follow_all_again() {
-    let mut running = Running::start(Scene::default(), vec![target(1, &[3])]);
+    let mut running = Running::start(Scene { known: FRAMES, ..Scene::default() }, vec![target(1, &[3])]);
     running.heard();
+    let position = running.position;
     running.followed.set_variant(variant(MethodKind::Robust));
-    let (items, _) = running.heard();
-    assert!(items.contains(&Item::Clear { target: 1, from: 1, to: usize::MAX }));
+    running.heard();
+    assert_eq!(running.followed.heard(position, Duration::ZERO, false).void, [Part::all(1)]);
     assert_eq!(answered(&running, 0), expected(MethodKind::Robust, &[3]));
+    let reads = running.scene.read.load(Ordering::SeqCst);
+    running.followed.set_variant(variant(MethodKind::Smr));
+    assert_eq!(running.heard().1.len(), FRAMES - 2, "the answers of before are there at once");
+    assert_eq!(running.scene.read.load(Ordering::SeqCst), reads);
 }
 
 #[test]
 fn what_cannot_be_is_refused_and_nothing_changes() {
-    let running = Running::start(Scene::default(), vec![]);
+    let running = Running::start(Scene { known: FRAMES, ..Scene::default() }, vec![]);
     let mut empty = target(1, &[1]);
     empty.locks[0].bbox.2 = 0;
-    let set = |target: Target| running.followed.set_targets(vec![target], Some(FRAMES)).unwrap_err().to_string();
-    assert_eq!(set(empty), "the box of 1 in frame 1 has no pixels");
-    assert_eq!(set(target(1, &[4, 4])), "1 has two boxes in frame 4: expected one");
     let mut late = target(1, &[1]);
     late.locks[0].frame = FRAMES + 1;
-    assert_eq!(set(late), "there is no frame 61: expected 1 to 60");
+    for (targets, said) in [
+        (vec![empty], "the box of 1 in frame 1 has no pixels"),
+        (vec![target(1, &[4, 4])], "1 has two boxes in frame 4: expected one"),
+        (vec![late], "there is no frame 61: expected 1 to 60"),
+        (vec![target(3, &[1]), target(3, &[2])], "two targets have the id 3: expected one"),
+    ] {
+        assert_eq!(running.refused(targets), said);
+    }
     assert!(running.followed.targets().is_empty());
 }
 
 #[test]
-fn a_box_that_is_refused_and_damage_are_said() {
+fn what_another_page_changed_is_not_overwritten() {
+    let mut running = Running::start(Scene::default(), vec![target(1, &[1])]);
+    let set = |of: &Running, targets: Vec<Target>, revision| {
+        of.followed.set_targets(targets, revision, of.scene.as_ref()).map_err(|error| error.to_string())
+    };
+    let made = set(&running, vec![target(1, &[1]), target(7, &[2])], Some(0)).unwrap();
+    let others = "another page has changed the targets meanwhile: look at them, and do it again";
+    assert_eq!(set(&running, vec![target(1, &[1, 9])], Some(0)), Err(others.to_owned()));
+    // Whoever does not say what they have seen may not take an id for another target.
+    let taken = Target { name: "other".to_owned(), ..target(7, &[3]) };
+    assert_eq!(running.refused(vec![target(1, &[1]), taken]), others);
+    assert_eq!(running.followed.heard(0, Duration::ZERO, false).targets.unwrap(), (running.followed.targets(), made));
+    assert!(set(&running, vec![target(1, &[1, 9])], Some(made)).unwrap() > made);
+    running.heard();
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 9]));
+}
+
+#[test]
+fn a_box_that_is_refused_and_damage_are_said_and_concern_only_who_waited() {
     let mut outside = target(1, &[1]);
     outside.locks[0].bbox.0 = -500;
-    let scene = Scene { damaged: Some(21), ..Scene::default() };
+    let scene = Scene { damaged: Some(21), known: FRAMES, ..Scene::default() };
     let mut running = Running::start(scene, vec![outside, target(2, &[1])]);
-    let (items, _) = running.heard();
-    let said: Vec<_> =
-        items.iter().filter_map(|item| if let Item::Said(said) = item { Some(said) } else { None }).collect();
+    let (said, _) = running.heard();
     assert!(said.len() == 2 && said[0].starts_with("frame 1: the box -500,"), "{said:?}");
     assert_eq!(said[1], "frame 21 is damaged");
     assert_eq!((answered(&running, 0).len(), answered(&running, 1).len()), (0, 20));
-    assert_eq!(running.followed.last(), Some(20));
+    assert_eq!((running.frames(), running.followed.reached()), (Some(FRAMES), (20, None)));
+    // Behind the damage a lock is followed as ever.
+    running.set(vec![target(2, &[1, 30])]);
+    assert_eq!(answered(&running, 0).len(), 20 + FRAMES - 29);
+}
+
+#[test]
+fn the_end_of_a_read_is_not_the_end_of_the_recording() {
+    for known in [0, FRAMES] {
+        let scene = Scene { known, given: 20.into(), ..Scene::default() };
+        let mut running = Running::start(scene, vec![target(1, &[5])]);
+        let (said, _) = running.heard();
+        assert!(said.iter().all(|said| said.starts_with("there is no frame after 20")) && said.len() == 1, "{said:?}");
+        assert_eq!(answered(&running, 0).len(), 16);
+        assert_eq!(running.frames(), Some(known).filter(|&known| known > 0));
+        running.scene.given.store(FRAMES, Ordering::SeqCst);
+        running.set(vec![target(1, &[5]), target(2, &[50])]);
+        assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[5]), "a later read goes further");
+        assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[50]));
+    }
+    // A recording that grows: what waited goes on as soon as the source knows of more.
+    let mut running = Running::start(Scene { given: 20.into(), ..Scene::default() }, vec![target(1, &[1])]);
+    running.heard();
+    assert_eq!(running.frames(), Some(20));
+    running.scene.given.store(FRAMES, Ordering::SeqCst);
+    running.followed.learns(Some(FRAMES));
+    running.heard();
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]));
+}
+
+#[test]
+fn a_page_is_told_by_portions_or_asks_for_parts() {
+    let targets: Vec<_> = (1..=4).map(|id| target(id, &[1])).collect();
+    let mut running = Running::start(Scene::default(), targets);
+    let (_, rows) = running.heard();
+    assert_eq!(rows.len(), 4 * FRAMES, "each answer once");
+    let portion = running.followed.heard(0, Duration::ZERO, false);
+    assert!(portion.rows.len() == PORTION && portion.position < running.position);
+    let all = running.followed.heard(0, Duration::ZERO, true);
+    assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
+    assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
+    let (rows, to) = running.followed.part(Part { target: 4, from: 50, to: usize::MAX });
+    assert_eq!((rows.len(), rows[0].0, to), (FRAMES - 49, 50, usize::MAX));
+    // Who has not heard for very long begins anew.
+    for turn in 0..1100 {
+        running.try_set(vec![target(1, if turn % 2 == 0 { &[1, 30] } else { &[1] }), target(2, &[1])]).unwrap();
+    }
+    running.heard();
+    let anew = running.followed.heard(all.position, Duration::ZERO, true);
+    assert!((anew.void, anew.rows.len()) == (vec![Part::all(1), Part::all(2)], 0));
+}
+
+#[test]
+fn a_camera_restores_what_was_and_goes_on_from_what_it_keeps() {
+    let scene = Scene { every: Some(1), known: FRAMES, given: 20.into(), ..Scene::default() };
+    let mut running = Running::start(scene, vec![target(1, &[1]), target(2, &[2])]);
+    running.heard();
+    running.set(vec![target(1, &[1, 15])]);
+    running.scene.oldest.store(30, Ordering::SeqCst);
+    running.scene.given.store(40, Ordering::SeqCst);
+    // The correction and the removal are undone: what was there is there, and what follows goes on with the oldest frame that is kept.
+    running.set(vec![target(1, &[1]), target(2, &[2])]);
+    let frames = |at: usize| answered(&running, at).iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
+    let expected: Vec<_> = (1..=20).chain(30..=40).collect();
+    assert_eq!((frames(0), frames(1)), (expected.clone(), expected[1..].to_vec()));
+    assert_eq!(
+        running.refused(vec![target(1, &[3])]),
+        "frame 3 of 60: trackers can go back to frame 30 only: lock in a newer frame"
+    );
+    // Other trackers cannot be locked any more, which ends nothing else.
+    running.followed.set_variant(variant(MethodKind::Robust));
+    let (said, _) = running.heard();
+    assert!(said.iter().any(|said| said.starts_with("frame 1 is not kept any more")), "{said:?}");
+    running.set(vec![target(1, &[1]), target(2, &[2]), target(3, &[35])]);
+    assert_eq!([0, 1, 2].map(|at| answered(&running, at).len()), [0, 0, 6]);
+    running.followed.set_variant(variant(MethodKind::Smr));
+    running.heard();
+    assert_eq!(answered(&running, 0).len(), expected.len());
 }
 
 #[test]

@@ -1,0 +1,50 @@
+//! Words as they are typed in a shell.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// A path that is not taken for an option.
+pub fn file(path: &Path) -> PathBuf {
+    let is_option = path.as_os_str().as_encoded_bytes().starts_with(b"-") && path != Path::new("-");
+    if is_option { Path::new(".").join(path) } else { path.to_owned() }
+}
+
+/// A word, quoted where that is needed. Bytes that are no text, and control characters, are written out: `$'\xff'`.
+pub fn word(word: &OsStr) -> String {
+    let text = word.to_str().filter(|text| !text.chars().any(char::is_control));
+    if let Some(Ok(quoted)) = text.map(shlex::try_quote) {
+        return quoted.into_owned();
+    }
+    let written = |&byte: &u8| match byte {
+        b'\'' | b'\\' => format!("\\{}", char::from(byte)),
+        b' '..=b'~' => char::from(byte).to_string(),
+        _ => format!("\\x{byte:02x}"),
+    };
+    format!("$'{}'", word.as_encoded_bytes().iter().map(written).collect::<String>())
+}
+
+pub fn line<'a>(words: impl IntoIterator<Item = &'a OsStr>) -> String {
+    words.into_iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn every_name_comes_back_from_a_shell() {
+        use std::os::unix::ffi::OsStrExt;
+        for name in
+            [&b"a.mp4"[..], b"a b$(x)'\".y4m", b"bad\xff1.y4m", b"new\nline", b"it's \\ \x1b[31m", "ümläut".as_bytes()]
+        {
+            let typed = word(OsStr::from_bytes(name));
+            assert!(typed.chars().all(|letter| !letter.is_control()), "{typed}");
+            let mut shell = std::process::Command::new("bash");
+            let said = shell.args(["-c", &format!("printf %s {typed}")]).output().unwrap();
+            assert_eq!(said.stdout, name, "{typed}");
+        }
+        assert_eq!(line([OsStr::new("track"), file(Path::new("-x y.mp4")).as_os_str()]), "track './-x y.mp4'");
+        assert_eq!((file(Path::new("-")), file(Path::new("a"))), ("-".into(), "a".into()));
+    }
+}
