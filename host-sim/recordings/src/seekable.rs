@@ -95,7 +95,7 @@ impl Seekable {
         Ok(match &self.colors {
             Colors::Pictures(files) => {
                 let rest = files.get(number - 1..).unwrap_or_default().to_owned();
-                Box::new(rest.into_iter().map_while(|file| images::read_colors(&file).ok()))
+                Box::new(rest.into_iter().map_while(|picture| picture.colors().ok()))
             }
             Colors::Video(file) => {
                 let frames = self.time(number).and_then(|time| color_frames_at(file, time, side, self.patience()));
