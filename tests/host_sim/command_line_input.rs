@@ -27,6 +27,40 @@ fn a_picture_without_pixels_is_bad_input() {
     }
 }
 
+/// Twelve frames with the boxes of the last seven, as OTB has them of David.
+#[test]
+fn ground_truth_that_begins_later_is_said_and_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let david = folder.path().join("David");
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..12", "-o", utf8(&david)]).code, Some(0));
+    let boxes = fs::read_to_string(david.join("gt.txt")).unwrap();
+    let boxes: Vec<&str> = boxes.lines().collect();
+    let run = |words: &[&str]| host_sim(&[&words[..1], &[utf8(&david)], &words[1..]].concat());
+    let (page, lengths) = (folder.path().join("page.html"), "there are 12 frames, but the ground truth has 7 boxes");
+    let evaluated = |words: &[&str]| run(&[&["eval", "--method", "robust", "--json"], words].concat());
+    let recall = |words: &[&str]| evaluated(words).json()["measured"][0]["recall"].as_f64();
+    let whole = run(&["track"]);
+    assert_eq!((whole.err.as_str(), recall(&[])), ("", Some(1.0)));
+    fs::write(david.join("gt.txt"), boxes[5..].join("\r")).unwrap();
+    let said = run(&["track"]);
+    assert_eq!((said.code, said.err.lines().count()), (Some(0), 1), "{}", said.err);
+    assert!(said.err.starts_with(&format!("warning: David: {lengths}: --truth-from")), "{}", said.err);
+    evaluated(&[]).refuses(&[lengths, "--truth-from"]);
+    run(&["report", "-o", utf8(&page)]).refuses(&[lengths, "--truth-from"]);
+    for mended in [&["--truth-from", "6"][..], &["--frames", "6.."]] {
+        let tracked = run(&[&["track"], mended].concat());
+        assert_eq!(tracked.out.lines().next(), Some(boxes[5]), "{mended:?}");
+        assert_eq!(tracked.err.lines().count(), usize::from(mended[0] == "--frames"), "{}", tracked.err);
+        assert_eq!(recall(mended), Some(1.0), "{mended:?}");
+        assert_eq!(run(&[&["report", "-o", utf8(&page)], mended].concat()).code, Some(0));
+    }
+    assert_eq!(recall(&["--truth-from", "6", "--frames", "8..10"]), Some(1.0));
+    run(&["eval", "--truth-from", "6", "--frames", "2..10"]).refuses(&["expected frame 6 or later"]);
+    run(&["track", "--truth-from", "13"]).refuses(&["there is no frame 13 (--truth-from): expected 1 to 12"]);
+    fs::write(david.join("gt.txt"), [&boxes[..], &boxes[..1]].concat().join("\n")).unwrap();
+    assert!(run(&["track"]).err.contains("there are 12 frames, but the ground truth has 13 boxes"));
+}
+
 /// The target is followed in spite of it.
 #[test]
 fn a_target_that_cannot_be_told_from_its_surroundings_is_said_to_be_so() {

@@ -171,12 +171,13 @@ const COLUMNS: &[Listed<Row>] = &[
     ("frames", "", |row| row.sum(|run| run.frames).into()),
     ("", "tracking while wrong", |row| {
         let (wrong, all) = (row.sum(|run| run.tracking_while_wrong), row.sum(|run| run.frames));
-        format!("{:.1} %", 100.0 * wrong as f64 / all.max(1) as f64).into()
+        (all > 0).then(|| format!("{:.1} %", 100.0 * wrong as f64 / all as f64)).into()
     }),
 ];
 
-fn percent(part: usize, whole: usize) -> String {
-    format!("{} %", (100 * part + whole / 2).checked_div(whole).unwrap_or(0))
+/// `None` of nothing.
+fn percent(part: usize, whole: usize) -> Option<String> {
+    (100 * part + whole / 2).checked_div(whole).map(|percent| format!("{percent} %"))
 }
 
 fn median(sorted: &[usize]) -> Option<usize> {
@@ -200,7 +201,8 @@ impl Row {
         let of = |state: State| self.runs.iter().map(|run| run.states[state as usize]).sum::<usize>();
         let all = State::ALL.into_iter().map(of).sum();
         let came = State::ALL.into_iter().filter(|&state| of(state) > 0);
-        let shares: Vec<String> = came.map(|state| format!("{} {}", name_of(state), percent(of(state), all))).collect();
+        let share = |state| Some(format!("{} {}", name_of(state), percent(of(state), all)?));
+        let shares: Vec<String> = came.filter_map(share).collect();
         if shares.is_empty() { "no frame came".into() } else { shares.join(", ").into() }
     }
 }

@@ -38,8 +38,8 @@ pub use score::{CORRECT, Score, Trajectory, overlaps};
 pub use tables::{TableName, Tables};
 pub use vot::Vot;
 
-use anyhow::{Context, Error, Result, ensure};
-use smr_recordings::{GrayFrame, Sequence, cleanup};
+use anyhow::{Context, Error, Result, anyhow, ensure};
+use smr_recordings::{GrayFrame, Sequence, cleanup, misfit};
 use std::path::PathBuf;
 
 /// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
@@ -100,7 +100,7 @@ pub fn evaluate(
     let mut count = 0;
     let runs = follow(frames.inspect(|_| count += 1), followers?, progress)?;
     let boxes = truth.len();
-    ensure!(count == boxes, "{name}: there are {count} frames, but the ground truth has {boxes} boxes");
+    misfit(count, boxes).map_or(Ok(()), |misfit| Err(anyhow!("{name}: {misfit}")))?;
 
     let visible = truth.iter().flatten().count();
     let mut evaluation =
@@ -186,6 +186,7 @@ pub(crate) mod tests {
             init: Some(at(4.0)),
             truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
             colors: smr_recordings::Colors::None,
+            notes: Vec::new(),
         }
     }
 
@@ -215,8 +216,8 @@ pub(crate) mod tests {
         let error = |sequence| format!("{:#}", evaluated(sequence, &[]).err().unwrap());
         assert!(error(Sequence { truth: None, ..sequence() }).contains("moving: no ground truth"));
         let short = sequence().truth.map(|truth| truth[..3].to_vec());
-        let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes";
-        assert_eq!(error(Sequence { truth: short, ..sequence() }), lengths);
+        let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes: --truth-from says";
+        assert!(error(Sequence { truth: short, ..sequence() }).starts_with(lengths));
         assert!(error(Sequence { init: None, ..sequence() }).contains("no box to start from"));
         let tiny = BoundingBox { x: 1.0, y: 1.0, width: 0.3, height: 5.0 };
         assert!(error(Sequence { init: Some(tiny), ..sequence() }).contains("no pixels: 1,1,0.3,5"));

@@ -23,20 +23,37 @@ struct Line {
     scores: Vec<Option<Score>>,
 }
 
-/// Figures that have a mean over recordings: these means, and their standard errors.
+/// Figures that have a mean over recordings: these means, and their standard errors. Of recordings in which the target is never visible
+/// they are not known.
 struct Means {
+    /// With known figures.
     recordings: usize,
     mean: Vec<f64>,
-    standard_error: Vec<f64>,
+    standard_error: Option<Vec<f64>>,
+}
+
+impl Means {
+    /// By the place of a figure among those with a mean.
+    fn mean(&self, place: usize) -> Option<f64> {
+        self.mean.get(place).copied()
+    }
+
+    fn standard_error(&self, place: usize) -> Option<f64> {
+        self.standard_error.as_ref()?.get(place).copied()
+    }
 }
 
 impl Line {
     /// `None` of fewer than two recordings; each of them counts alike.
     fn means(&self) -> Option<Means> {
         let fractions = |score: &Score| with_mean().map(|figure| (figure.of)(score).unwrap_or(0.0)).collect();
-        let scores: Vec<Vec<f64>> = self.scores.iter().flatten().map(fractions).collect();
-        let standard_error = standard_errors(&scores)?;
-        Some(Means { recordings: scores.len(), mean: means(&scores), standard_error })
+        let known = self.scores.iter().flatten().filter(|score| score.visible > 0);
+        let known: Vec<Vec<f64>> = known.map(fractions).collect();
+        (self.scores.iter().flatten().count() > 1).then(|| Means {
+            recordings: known.len(),
+            mean: means(&known),
+            standard_error: standard_errors(&known),
+        })
     }
 }
 
@@ -85,7 +102,7 @@ impl Results {
             ("recordings", "", |row| row.1.recordings.into()),
         ]);
         let means = means.each(with_errors(with_mean().map(|figure| figure.key)), |(_, means), place| {
-            [&means.mean, &means.standard_error][place % 2][place / 2].into()
+            [Means::mean, Means::standard_error][place % 2](means, place / 2).into()
         });
         let means = means.and(Origin::columns(), |row| row.0.origin.as_ref());
         let printed = Columns::new(&[
@@ -131,14 +148,14 @@ impl Results {
             for (sequence, &score) in self.sequences.iter().zip(&line.scores) {
                 score.into_iter().for_each(|score| add(&sequence.name, &of(score)));
             }
-            let Some(Means { recordings, mean, standard_error }) = line.means() else { continue };
+            let Some(means) = line.means() else { continue };
             add("total", &of(Score::total(line.scores.iter().flatten())));
-            for (what, values) in
-                [(format!("mean of {recordings}"), mean), ("  standard error".to_owned(), standard_error)]
-            {
-                add(&what, &|figure| {
+            let mean = format!("mean of {}", means.recordings);
+            let values: [fn(&Means, usize) -> _; 2] = [Means::mean, Means::standard_error];
+            for (what, value) in [mean.as_str(), "  standard error"].into_iter().zip(values) {
+                add(what, &|figure| {
                     let place = with_mean().position(|other| other.key == figure.key);
-                    place.map_or(String::new(), |place| cell(Some(values[place]), figure.digits))
+                    place.map_or(String::new(), |place| cell(value(&means, place), figure.digits))
                 });
             }
         }
@@ -240,6 +257,28 @@ t2       06_car                 4        4         2        2            2      
 t10      mine                   4        4         3        3            3      1.000   0.750  0.857     0.750              4    0.714    0.750  0.857          -
 ";
         assert_eq!(results().details(Layout::Text), expected);
+    }
+
+    #[test]
+    fn a_target_that_is_never_visible_enters_no_mean() {
+        let unseen = |count: usize| {
+            let score = Score::with_confidence(&[Some("1,2,3,4".parse().unwrap())], &[None], &[None]).unwrap();
+            let of = |name: String| Evaluation {
+                scores: vec![(method("smr"), score)],
+                visible: 0,
+                ..evaluation(&name, &[])
+            };
+            (0..count).map(|number| of(format!("unseen{number}"))).collect::<Vec<_>>()
+        };
+        let means = |all: &[Evaluation]| serde_json::to_value(Results::new(all).tables()).unwrap()["means"].clone();
+        let seen = [evaluation("a", &[(method("smr"), 4)]), evaluation("b", &[(method("smr"), 2)])];
+        let (alone, both) = (means(&seen), means(&seen.into_iter().chain(unseen(1)).collect::<Vec<_>>()));
+        assert_eq!((&alone, &both[0]["recall"]), (&both, &0.75.into()));
+        let one: Vec<_> = unseen(1).into_iter().chain([evaluation("a", &[(method("smr"), 4)])]).collect();
+        assert_eq!((&means(&one)[0]["recall"], &means(&one)[0]["recordings"]), (&1.0.into(), &1.into()));
+        assert!(means(&one)[0]["recall_standard_error"].is_null() && means(&unseen(2))[0]["recall"].is_null());
+        let row = Results::new(&unseen(1)).details(Layout::Text).lines().nth(1).unwrap().to_owned();
+        assert!(row.ends_with("1        0            0          -       -  -         -              -        -        -      -          -"), "{row}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::Report;
 use super::otb::Otb;
 use super::vot::Vot;
 use anyhow::{Result, ensure};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 use smr_recordings::BoundingBox;
 
@@ -18,8 +18,9 @@ pub const CORRECT: f64 = 0.25;
 /// The stricter count beside it.
 const CORRECT_50: f64 = 0.5;
 
-/// How well a trajectory fits the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// How well a trajectory fits the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT. If the target is never
+/// visible, nothing is known but the counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct Score {
     pub frames: usize,
     /// Frames in which the target is visible: those that have ground truth.
@@ -29,13 +30,13 @@ pub struct Score {
     /// Correct frames, were 0.5 of intersection over union needed.
     pub correct_50: usize,
     /// `correct / answered`; 0 if nothing was answered.
-    pub precision: f64,
-    /// `correct / visible`; 0 if the target is never visible.
-    pub recall: f64,
+    pub precision: Option<f64>,
+    /// `correct / visible`
+    pub recall: Option<f64>,
     /// The harmonic mean of the two.
-    pub f: f64,
+    pub f: Option<f64>,
     /// Intersection over union, mean over the visible frames; no answer is 0.
-    pub mean_iou: f64,
+    pub mean_iou: Option<f64>,
     /// The first visible frame that is not correct; the first frame is 1.
     pub first_failure: Option<usize>,
     /// `None` of a total: OTB has means over recordings instead.
@@ -44,6 +45,12 @@ pub struct Score {
     /// `None` of a total, and where nothing is known of confidence.
     #[serde(flatten)]
     pub vot: Option<Vot>,
+}
+
+impl Serialize for Score {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(Self::FIGURES.iter().map(|figure| (figure.key, figure.value(self))))
+    }
 }
 
 /// A figure of a score: all that CSV, tables, means and the page need to know of it.
@@ -93,10 +100,10 @@ impl Score {
         count("answered", "answered", "answered", |score| Some(score.answered as f64)),
         correct("correct", "correct", "correct", |score| Some(score.correct as f64)),
         correct("correct_50", "correct@0.5", "correct at 0.5", |score| Some(score.correct_50 as f64)),
-        fraction("precision", "precision", "correct / answered", |score| Some(score.precision)),
-        fraction("recall", "recall", "correct / visible", |score| Some(score.recall)),
-        fraction("f", "F", "F", |score| Some(score.f)),
-        fraction("mean_iou", "mean IoU", "mean IoU", |score| Some(score.mean_iou)),
+        fraction("precision", "precision", "correct / answered", |score| score.precision),
+        fraction("recall", "recall", "correct / visible", |score| score.recall),
+        fraction("f", "F", "F", |score| score.f),
+        fraction("mean_iou", "mean IoU", "mean IoU", |score| score.mean_iou),
         count("first_failure", "first failure", "first failure", |score| Some(score.first_failure? as f64)),
         fraction("otb_auc", "OTB AUC", "OTB AUC", |score| Some(score.otb?.otb_auc)),
         fraction("otb_precision", "OTB P20", "OTB P20", |score| Some(score.otb?.otb_precision)),
@@ -120,7 +127,8 @@ impl Score {
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
         ensure!(frames == count, "there are {frames} frames, but {count} confidences");
-        Ok(Self { vot: Some(Vot::new(answers, confidences, truth)), ..Self::new(answers, truth)? })
+        let score = Self::new(answers, truth)?;
+        Ok(Self { vot: (score.visible > 0).then(|| Vot::new(answers, confidences, truth)), ..score })
     }
 
     /// The score of `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
@@ -128,7 +136,6 @@ impl Score {
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
-        score.otb = Some(Otb::new(answers, truth));
         let mut iou_sum = 0.0;
         for (frame, iou) in (1..).zip(overlaps) {
             let Some(iou) = iou else { continue };
@@ -141,26 +148,27 @@ impl Score {
                 score.first_failure.get_or_insert(frame);
             }
         }
+        score.otb = (score.visible > 0).then(|| Otb::new(answers, truth));
         Ok(score.with_means(iou_sum))
     }
 
-    /// All frames of all `parts` as one; what has no meaning then is none.
+    /// All frames of all `parts` as one, but for those in which the target is never visible; what has no meaning then is none.
     pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         let mut iou_sum = 0.0;
-        for part in parts {
+        for part in parts.into_iter().filter(|part| part.visible > 0) {
             total.frames += part.frames;
             total.visible += part.visible;
             total.answered += part.answered;
             total.correct += part.correct;
             total.correct_50 += part.correct_50;
-            iou_sum += part.mean_iou * part.visible as f64;
+            iou_sum += part.mean_iou.unwrap_or(0.0) * part.visible as f64;
         }
         total.with_means(iou_sum)
     }
 
     fn with_means(self, iou_sum: f64) -> Self {
-        let per = |part: f64, whole: usize| if whole == 0 { 0.0 } else { part / whole as f64 };
+        let per = |part: f64, whole: usize| (self.visible > 0).then_some(part / whole.max(1) as f64);
         let correct = self.correct as f64;
         Self {
             precision: per(correct, self.answered),
@@ -241,10 +249,10 @@ mod tests {
             answered: 4,
             correct: 2,
             correct_50: 1,
-            precision: 0.5,
-            recall: 0.5,
-            f: 0.5,
-            mean_iou: (1.0 + 1.0 / 3.0 + 0.25) / 4.0,
+            precision: Some(0.5),
+            recall: Some(0.5),
+            f: Some(0.5),
+            mean_iou: Some((1.0 + 1.0 / 3.0 + 0.25) / 4.0),
             first_failure: Some(3),
             // 20, 7 and 5 of 21 thresholds; the answered ones are near.
             otb: Some(Otb { otb_auc: 32.0 / 4.0 / 21.0, otb_precision: 0.75 }),
@@ -274,15 +282,25 @@ mod tests {
     }
 
     #[test]
-    fn nothing_answered_and_nothing_visible_are_zero() {
+    fn nothing_answered_is_zero_and_nothing_visible_is_unknown() {
         let one = at(0.0, 0.0, 1.0, 1.0);
-        let silent = Score::new(&[None, None], &[one, one]).unwrap();
-        assert_eq!((silent.precision, silent.recall, silent.f, silent.mean_iou), (0.0, 0.0, 0.0, 0.0));
+        let silent = Score::with_confidence(&[None, None], &[None, None], &[one, one]).unwrap();
+        assert_eq!(
+            (silent.precision, silent.recall, silent.f, silent.mean_iou),
+            (Some(0.0), Some(0.0), Some(0.0), Some(0.0))
+        );
         assert_eq!(silent.first_failure, Some(1));
-        let unseen = Score::new(&[one, one], &[None, None]).unwrap();
-        assert_eq!((unseen.precision, unseen.recall, unseen.f, unseen.mean_iou), (0.0, 0.0, 0.0, 0.0));
-        assert_eq!(unseen.first_failure, None);
-        assert_eq!(Score::new(&[], &[]).unwrap(), Score { otb: Some(Otb::default()), ..Score::default() });
+        let unseen = Score::with_confidence(&[one, one], &[None, None], &[None, None]).unwrap();
+        let value = serde_json::to_value(unseen).unwrap();
+        for figure in Score::FIGURES {
+            let is_count = ["frames", "visible", "answered", "correct", "correct_50"].contains(&figure.key);
+            assert_eq!(value[figure.key].is_null(), !is_count, "{}", figure.key);
+        }
+        for score in [silent, unseen, Score::new(&[], &[]).unwrap()] {
+            assert_eq!(serde_json::from_value::<Score>(serde_json::to_value(score).unwrap()).unwrap(), score);
+        }
+        let both = Score::total([&silent, &unseen]);
+        assert_eq!((both.frames, both.visible, both.recall), (2, 2, Some(0.0)));
     }
 
     #[test]
@@ -313,12 +331,14 @@ mod tests {
             prop_assert!(score.correct <= score.visible.min(score.answered));
             prop_assert!(score.visible.max(score.answered) <= score.frames);
             let (otb, vot) = (score.otb.unwrap(), Vot::new(&answers, &vec![None; answers.len()], &truth));
-            for ratio in [score.precision, score.recall, score.f, otb.otb_precision, vot.vot_f, vot.vot_recall] {
+            let [precision, recall, f, mean_iou] =
+                [score.precision, score.recall, score.f, score.mean_iou].map(Option::unwrap);
+            for ratio in [precision, recall, f, otb.otb_precision, vot.vot_f, vot.vot_recall] {
                 prop_assert!((0.0..=1.0 + 1e-12).contains(&ratio));
             }
             prop_assert!((0.0..=20.0 / 21.0 + 1e-12).contains(&otb.otb_auc));
-            prop_assert!((0.0..=1.0 + 1e-12).contains(&score.mean_iou));
-            prop_assert!(score.f <= score.precision.max(score.recall) && score.f >= score.precision.min(score.recall));
+            prop_assert!((0.0..=1.0 + 1e-12).contains(&mean_iou));
+            prop_assert!(f <= precision.max(recall) && f >= precision.min(recall));
             prop_assert_eq!(score.first_failure.is_none(), score.correct == score.visible);
             // The first boxes are made equal, so the first frame cannot fail.
             prop_assert!(score.first_failure != Some(1));
@@ -328,8 +348,8 @@ mod tests {
         fn the_truth_itself_is_perfect((truth, _) in trajectories()) {
             let score = Score::new(&truth, &truth).unwrap();
             prop_assert_eq!((score.correct_50, score.answered), (score.visible, score.visible));
-            prop_assert_eq!((score.precision, score.recall, score.f), (1.0, 1.0, 1.0));
-            prop_assert!((score.mean_iou - 1.0).abs() < 1e-12);
+            prop_assert_eq!([score.precision, score.recall, score.f], [Some(1.0); 3]);
+            prop_assert!((score.mean_iou.unwrap() - 1.0).abs() < 1e-12);
         }
 
         /// Numbers are such that f64 is exact, so the scores are equal to the bit.
@@ -358,8 +378,8 @@ mod tests {
             let total = Score::total(&parts);
             prop_assert_eq!(total.frames, a.0.len() + b.0.len());
             prop_assert_eq!(total.correct, parts[0].correct + parts[1].correct);
-            prop_assert_eq!(total.recall, total.correct as f64 / total.visible as f64);
-            prop_assert!((0.0..=1.0 + 1e-12).contains(&total.mean_iou));
+            prop_assert_eq!(total.recall, Some(total.correct as f64 / total.visible as f64));
+            prop_assert!((0.0..=1.0 + 1e-12).contains(&total.mean_iou.unwrap()));
             prop_assert_eq!(Score::total(&parts[..1]).f, parts[0].f);
         }
     }

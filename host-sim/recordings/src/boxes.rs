@@ -8,7 +8,7 @@
 //! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, or a polygon or a mask, whose box it is; NaN, no area or one number where it is not visible |
 //! | `absence.label` | GOT-10k | 1 where the target is not visible, else 0; one line a frame, beside `groundtruth.txt` |
 //!
-//! Numbers are separated by commas, tabs or spaces. Other trackers' results have the TLD form, too.
+//! Numbers have decimal points and are separated by commas, tabs or spaces, the same in a line. Other trackers' results have the TLD form, too.
 
 use crate::input;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -222,7 +222,8 @@ fn read<T>(path: &Path, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
 }
 
 fn parse<T>(text: &str, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
-    // Some editors begin a file with a byte order mark, and many end it with empty lines.
+    // Lines end with LF, CR LF or CR. Some editors begin a file with a byte order mark, and many end it with empty lines.
+    let text = text.replace("\r\n", "\n").replace('\r', "\n");
     let lines = text.trim_start_matches('\u{feff}').trim_end().lines();
     lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
 }
@@ -308,16 +309,23 @@ fn four_numbers(line: &str) -> Option<[f64; 4]> {
     numbers(line)?.try_into().ok()
 }
 
-/// Numbers, each of which may be NaN but not infinite.
+/// Numbers, each of which may be NaN but not infinite, with one separator for all of them: with two, the commas may be decimal ones.
 fn numbers(line: &str) -> Option<Vec<f64>> {
-    let fields = line.split([',', '\t', ' ']).map(str::trim).filter(|field| !field.is_empty());
-    fields.map(|field| field.parse().ok().filter(|value: &f64| !value.is_infinite())).collect()
+    let separator = [',', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
+    let line = line.trim().trim_end_matches(separator);
+    let fields = line.split(separator).map(str::trim).filter(|field| separator == ',' || !field.is_empty());
+    let numbers = fields.map(|field| field.parse().ok().filter(|value: &f64| !value.is_infinite()));
+    let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
+    // "60,5, 80,5, ..." has eight numbers, as a polygon has.
+    let with_blank = line.split(',').filter(|field| field.starts_with([' ', '\t'])).count();
+    (numbers.len() <= 4 || with_blank == 0 || with_blank + 1 == numbers.len()).then_some(numbers)
 }
 
 /// A line as an error message can hold it: in one line, and not all of a binary file.
 fn shown(line: &str) -> String {
     let start: String = line.chars().take(60).collect();
-    format!("{start:?}")
+    let is_mixed = line.contains([',']) && line.trim().contains([' ', '\t', ';']);
+    format!("{start:?}{}", if is_mixed { ": numbers need decimal points, and one separator in a line" } else { "" })
 }
 
 #[cfg(test)]
@@ -345,6 +353,43 @@ mod tests {
         let text = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
         let one = Some(boxed(128.0, 79.0, 64.0, 78.0));
         assert_eq!(parse(text, otb_entry).unwrap(), [one, one, one, one, None, None]);
+    }
+
+    #[test]
+    fn lines_end_as_on_any_system() {
+        let one = Some(boxed(1.0, 2.0, 2.0, 2.0));
+        for text in ["1,2,3,4\n1,2,3,4", "1,2,3,4\r\n1,2,3,4\r\n", "1,2,3,4\r1,2,3,4\r", "\u{feff}1,2,3,4\r1 2 3 4\n\n"]
+        {
+            assert_eq!(parse(text, tld_entry).unwrap(), [one, one], "{text:?}");
+        }
+    }
+
+    /// Decimal commas would be taken for other numbers.
+    #[test]
+    fn two_separators_in_a_line_are_refused() {
+        for text in [
+            "60,5 80,5 40,0 40,0",
+            "60,5\t80,5\t40,0\t40,0",
+            "60,5;80,5;40,0;40,0",
+            "60,5, 80,5, 40,0, 40,0",
+            "60,5 80 40 40",
+            "60, 80 40, 40",
+            "60\t80 40\t40",
+            "1 000\t2 000\t40\t40",
+            "1,,2,3,4",
+        ] {
+            let refused = [tld_entry as fn(&str) -> _, otb_entry, region].map(|entry| entry(text).is_err());
+            assert_eq!(refused, [true; 3], "{text:?}");
+        }
+        let error = message(region("60,5 80,5 40,0 40,0").unwrap_err());
+        assert!(error.ends_with("numbers need decimal points, and one separator in a line"), "{error}");
+        let (square, wide) = (Some(boxed(1.0, 2.0, 3.0, 4.0)), Some(boxed(0.0, 0.0, 1.0, 1.0)));
+        for text in ["1, 2, 3, 4", " 1,  2,3, 4", "1,2,3,4,", "1 \t 2\t3\t\t4", "  1   2 3 4 "] {
+            assert_eq!(region(text).unwrap(), square, "{text:?}");
+        }
+        for text in ["0,0,1,0,1,1,0,1", "0, 0, 1, 0, 1, 1, 0, 1", "0 0 1 0 1 1 0 1"] {
+            assert_eq!(region(text).unwrap(), wide, "{text:?}");
+        }
     }
 
     #[test]

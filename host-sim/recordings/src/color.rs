@@ -3,7 +3,7 @@
 use super::live::LiveFrame;
 use super::resize::resized;
 use super::video::{self, Moment};
-use super::{ColorFrame, GrayFrame, frame_times, images};
+use super::{ColorFrame, GrayFrame, Picture, frame_times};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,7 +22,7 @@ pub enum Colors {
     #[default]
     None,
     /// One picture a frame.
-    Pictures(Vec<PathBuf>),
+    Pictures(Vec<Picture>),
     /// And the time of the frame that was read last.
     Video(PathBuf, Time),
     /// Those of the frame that was read last.
@@ -136,9 +136,8 @@ impl Colors {
 
     /// Of pictures: what they are called.
     pub fn picture_names(&self) -> Vec<String> {
-        let Self::Pictures(files) = self else { return Vec::new() };
-        let name = |file: &PathBuf| file.file_name().map(|name| name.to_string_lossy().into_owned());
-        files.iter().filter_map(name).collect()
+        let Self::Pictures(pictures) = self else { return Vec::new() };
+        pictures.iter().filter_map(Picture::name).collect()
     }
 
     /// How many frames a video has, as far as it says so itself.
@@ -159,9 +158,9 @@ impl Colors {
     fn frames(self, first: usize, side: u16, patience: Duration) -> Source {
         match self {
             Self::None => Box::new(std::iter::empty()),
-            Self::Pictures(files) => {
-                let read = |file: PathBuf| Some((images::read_colors(&file).ok()?, None));
-                Box::new(files.into_iter().skip(first - 1).map_while(read))
+            Self::Pictures(pictures) => {
+                let read = |picture: Picture| Some((picture.colors().ok()?, None));
+                Box::new(pictures.into_iter().skip(first - 1).map_while(read))
             }
             Self::Made(frame, length) => Box::new((first - 1..length).map(move |index| (frame(index), None))),
             Self::Video(file, _) => Box::new(video::colors(&file, side, patience).skip(first - 1)),
@@ -219,7 +218,7 @@ mod tests {
             std::fs::write(&file, [b"P6 4 2 255\n".as_slice(), &[number, 200, 3].repeat(8)].concat()).unwrap();
             file
         };
-        let mut frames = Colors::Pictures(vec![file(1), file(2)]).open(2, Duration::ZERO);
+        let mut frames = Colors::Pictures([file(1), file(2)].map(Picture::from).to_vec()).open(2, Duration::ZERO);
         let gray = GrayFrame { width: 2, height: 1, pixels: vec![0; 2] };
         let (frame, _) = frames.next(&gray);
         assert_eq!(frame, ColorFrame { width: 2, height: 1, pixels: vec![[2, 200, 3]; 2] });

@@ -20,6 +20,7 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     look_into(entries, &mut found, &mut path.canonicalize().into_iter().collect())?;
     if found.is_empty() {
+        crate::check_pictures(path)?;
         bail!("{}: no recording in it: expected one, or folders of recordings", path.display());
     }
     Ok(found)

@@ -14,6 +14,17 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
+    /// All from the frame of this number on; the first is 1.
+    pub const fn from(first: usize) -> Self {
+        Self { first, last: None }
+    }
+
+    /// The same frames if those before the one of this number are not counted.
+    pub fn counted_from(&self, first: usize) -> Self {
+        let shifted = |number: usize| (number + 1).saturating_sub(first).max(1);
+        Self { first: shifted(self.first), last: self.last.map(shifted) }
+    }
+
     /// True if it begins with the first frame, which the box to start from is in.
     pub const fn begins_with_the_first(&self) -> bool {
         self.first == 1
@@ -68,6 +79,12 @@ impl fmt::Display for FrameRange {
 }
 
 impl Sequence {
+    /// The same if the ground truth begins with the frame of this number: the frames before it have none.
+    pub fn with_truth_from(mut self, first: usize) -> Self {
+        self.truth = self.truth.map(|truth| std::iter::repeat_n(None, first - 1).chain(truth).collect());
+        self
+    }
+
     /// Only these frames, and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
     /// the ground truth, if there is any.
     pub fn part(self, range: FrameRange) -> Self {
@@ -78,6 +95,12 @@ impl Sequence {
         let part = part(self.name.clone(), self.frames, range);
         Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
     }
+}
+
+/// Says that ground truth of so many boxes is not that of so many frames; `None` if it is.
+pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
+    let mend = "--truth-from says in which frame the first one lies, --frames leaves out frames without";
+    (boxes != frames).then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes: {mend}"))
 }
 
 /// The frames of `range`; an error if they end before it.
@@ -141,6 +164,17 @@ mod tests {
         assert_eq!(whole.frames.count(), synthetic::LENGTH);
         let rest = synthetic_part(&format!("{}..9999", synthetic::LENGTH));
         assert_eq!((rest.length, rest.frames.count()), (Some(1), 1));
+    }
+
+    #[test]
+    fn ground_truth_that_begins_later() {
+        let mut late = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
+        late.truth.as_mut().unwrap().drain(..10);
+        let (truth, length) = (late.truth.clone(), late.length.unwrap());
+        let part = late.with_truth_from(11).part(FrameRange::from(11));
+        assert_eq!((part.first, part.length, part.init), (11, Some(length - 10), synthetic::truth(10)));
+        assert_eq!(part.truth, truth);
+        assert_eq!(range("13..20").counted_from(11).to_string(), "3..10");
     }
 
     #[test]

@@ -1,120 +1,251 @@
-//! A folder of pictures as a recording: PNG, JPEG, PGM and PPM in natural order (`img2` before `img10`).
+//! Pictures as a recording: PNG, JPEG, PGM, PPM and PAM, one in a file of a folder, or several in one file.
 //!
-//! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, alpha is ignored, and colour becomes gray
-//! by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
+//! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, or what [`Levels`] make of both; alpha is ignored, and colour
+//! becomes gray by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Pictures are turned as their
+//! Exif data say.
 
-use super::samples::{EXPECTED, Samples, check_size, damaged};
-use super::{ColorFrame, GrayFrame, MOST_PIXELS, has_extension, pnm};
+use super::levels::Levels;
+use super::samples::{CONVERT, EXPECTED, Samples, check_size, damaged, several, unread};
+use super::{ColorFrame, GrayFrame, MOST_PIXELS, exif, has_extension, jpeg, pnm};
 use crate::input;
-use anyhow::{Context, Error, Result, anyhow, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use png::{DecodingError, Transformations};
-use std::io::{Cursor, ErrorKind};
+use std::fs::File;
+use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
 
-const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "pgm", "ppm", "pnm"];
+const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "jpe", "jfif", "pgm", "ppm", "pnm", "pam"];
+
+/// Pictures that are not read. A GIF alone is a film.
+const FOREIGN: [&str; 28] = [
+    "bmp", "dib", "tif", "tiff", "webp", "gif", "heic", "heif", "avif", "jp2", "j2k", "jxl", "jls", "mpo", "pbm",
+    "pfm", "tga", "exr", "hdr", "psd", "dng", "cr2", "cr3", "nef", "arw", "orf", "rw2", "raf",
+];
 
 pub(super) fn is_picture(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
-/// The pictures among `files`, in natural order.
-pub(super) fn pictures(files: &[PathBuf]) -> Vec<PathBuf> {
-    let mut pictures: Vec<_> = files.iter().filter(|file| is_picture(file)).cloned().collect();
-    // Names that differ only in white space are equal by nature; the order must not depend on the file system.
-    pictures.sort_by(|a, b| natord::compare(&a.to_string_lossy(), &b.to_string_lossy()).then_with(|| a.cmp(b)));
-    pictures
+pub(super) fn is_foreign(file: &Path) -> bool {
+    has_extension(file, &FOREIGN)
+}
+
+/// The kind of a picture by its name: pictures of several kinds are not one recording.
+pub(super) fn kind(file: &Path) -> Option<String> {
+    let extension = file.extension()?.to_string_lossy().to_ascii_lowercase();
+    let is_jpeg = has_extension(file, &["jpg", "jpeg", "jpe", "jfif"]);
+    let is_known = is_jpeg || is_picture(file) || is_foreign(file);
+    is_known.then(|| if is_jpeg { "jpg".to_owned() } else { extension })
+}
+
+/// Errors: The file has the name of a picture that is not read.
+pub(super) fn check_kind(file: &Path) -> Result<()> {
+    ensure!(!is_foreign(file), "{} is a picture of a kind that is not read: {CONVERT}", file.display());
+    Ok(())
+}
+
+/// A picture of a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    file: PathBuf,
+    /// Its bytes in a file with several.
+    part: Option<Range<u64>>,
+    pub(super) levels: Option<Levels>,
+}
+
+impl From<PathBuf> for Picture {
+    fn from(file: PathBuf) -> Self {
+        Self { file, part: None, levels: None }
+    }
+}
+
+impl Picture {
+    /// The pictures in one file. What is wrong with it is said when they are read.
+    pub(super) fn all_in(file: &Path) -> Vec<Self> {
+        let whole = Self::from(file.to_owned());
+        let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
+        let (mut all, mut start) = (Vec::new(), 0);
+        while let Some(length) = next(&bytes[start..]) {
+            all.push(start as u64..(start + length) as u64);
+            start += length;
+        }
+        if all.is_empty() {
+            return vec![whole];
+        }
+        all.push(start as u64..bytes.len() as u64);
+        all.into_iter().map(|part| Self { part: Some(part), ..whole.clone() }).collect()
+    }
+
+    /// False of a pipe, which can be read only once.
+    pub(super) fn is_file(&self) -> bool {
+        self.file.is_file()
+    }
+
+    /// The name of its file, if that has no others.
+    pub fn name(&self) -> Option<String> {
+        let name = self.file.file_name().filter(|_| self.part.is_none())?;
+        Some(name.to_string_lossy().into_owned())
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>> {
+        let Some(part) = &self.part else { return input::bytes(&self.file, &input::PICTURE) };
+        let mut file = File::open(&self.file)?;
+        file.seek(SeekFrom::Start(part.start))?;
+        let mut bytes = Vec::new();
+        file.take(part.end - part.start).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    pub(super) fn samples(&self) -> Result<Samples> {
+        samples(&self.bytes()?)
+    }
+
+    pub(super) fn colors(&self) -> Result<ColorFrame> {
+        self.samples()?.colors(self.levels)
+    }
 }
 
 /// The pictures as frames, the first of them with the number `first`.
-pub(super) fn frames(files: Vec<PathBuf>, first: usize) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
-    (first..)
-        .zip(files)
-        .map(|(number, file)| read(&file).with_context(|| format!("cannot read {} (frame {number})", file.display())))
+pub(super) fn frames(pictures: Vec<Picture>, first: usize) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
+    (first..).zip(pictures).map(|(number, picture)| {
+        let frame = picture.samples().and_then(|samples| samples.gray(picture.levels));
+        frame.with_context(|| format!("cannot read {} (frame {number})", picture.file.display()))
+    })
 }
 
 /// One picture.
 pub fn read_picture(file: &Path) -> Result<GrayFrame> {
-    read(file).with_context(|| format!("cannot read {}", file.display()))
+    let bytes = input::bytes(file, &input::PICTURE);
+    bytes.and_then(|bytes| decode_picture(&bytes)).with_context(|| format!("cannot read {}", file.display()))
 }
 
 /// One picture as the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
-    samples(bytes).map(Samples::gray)
+    samples(bytes)?.gray(None)
 }
 
 /// The same in its own colors.
 pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
-    samples(bytes).map(Samples::colors)
+    samples(bytes)?.colors(None)
 }
 
-fn read(file: &Path) -> Result<GrayFrame> {
-    decode_picture(&input::bytes(file, &input::PICTURE)?)
-}
-
-/// One picture in its own colors.
-pub(super) fn read_colors(file: &Path) -> Result<ColorFrame> {
-    decode_colors(&input::bytes(file, &input::PICTURE)?)
-}
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 fn samples(bytes: &[u8]) -> Result<Samples> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png(bytes),
-        [0xFF, 0xD8, ..] => jpeg(bytes),
+        [0xFF, 0xD8, ..] => jpeg::decode(bytes),
+        [b'P', b'1' | b'4', space, ..] if space.is_ascii_whitespace() => Err(unread("a bitmap of one bit (PBM)")),
         [b'P', b'2' | b'3' | b'5' | b'6' | b'7', ..] => pnm::decode(bytes),
-        _ => Err(damaged(format!("{EXPECTED}: it begins like none of them"))),
+        _ => match foreign(bytes) {
+            Some(kind) => Err(unread(kind)),
+            None => Err(damaged(format!("{EXPECTED}: it begins like none of them"))),
+        },
+    }
+}
+
+/// The place of the picture that follows in the same file; `None` if there is none, or if the first one is damaged.
+fn next(bytes: &[u8]) -> Option<usize> {
+    match bytes {
+        [0x89, ..] => Chunks::of(bytes).next(bytes),
+        [0xFF, ..] => jpeg::next(bytes),
+        [b'P', ..] => pnm::next(bytes),
+        _ => None,
+    }
+}
+
+/// The kind of a picture that is not read, whatever its name.
+fn foreign(bytes: &[u8]) -> Option<&'static str> {
+    let kind = |&(magic, kind): &(&[u8], _)| bytes.starts_with(magic).then_some(kind);
+    let in_box = |(brands, kind): (&[&[u8]], _)| {
+        let brand = bytes.get(4..12).and_then(|head| head.strip_prefix(b"ftyp"))?;
+        brands.contains(&brand).then_some(kind)
+    };
+    let is_webp = bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP");
+    is_webp
+        .then_some("a WebP picture")
+        .or_else(|| FOREIGN_MAGIC.iter().find_map(kind))
+        .or_else(|| in_box((&[b"heic", b"heix", b"hevc", b"mif1", b"msf1"], "a HEIC picture")))
+        .or_else(|| in_box((&[b"avif", b"avis"], "an AVIF picture")))
+}
+
+const FOREIGN_MAGIC: [(&[u8], &str); 10] = [
+    (b"BM", "a BMP picture"),
+    (b"II*\0", "a TIFF picture"),
+    (b"MM\0*", "a TIFF picture"),
+    (b"GIF8", "a GIF picture"),
+    (b"\0\0\0\x0CJXL ", "a JPEG XL picture"),
+    (b"\xFF\x0A", "a JPEG XL picture"),
+    (b"\0\0\0\x0CjP  ", "a JPEG 2000 picture"),
+    (b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
+    (b"\x76\x2F\x31\x01", "an OpenEXR picture"),
+    (b"Pf", "a picture of floating-point numbers (PFM)"),
+];
+
+/// What the chunks of a PNG say besides its pixels.
+struct Chunks {
+    orientation: u8,
+    /// Pictures of an animation.
+    count: u32,
+    is_of_apple: bool,
+    /// Behind the last chunk; `None` if it is missing.
+    end: Option<usize>,
+}
+
+impl Chunks {
+    fn of(bytes: &[u8]) -> Self {
+        let mut chunks = Self { orientation: 1, count: 1, is_of_apple: false, end: None };
+        chunks.end = chunks.walk(bytes);
+        chunks
+    }
+
+    fn walk(&mut self, bytes: &[u8]) -> Option<usize> {
+        let mut at = PNG.len();
+        loop {
+            let (length, rest) = bytes.get(at..)?.split_first_chunk()?;
+            let length = u32::from_be_bytes(*length) as usize;
+            let (kind, rest) = rest.split_first_chunk::<4>()?;
+            let data = rest.get(..length)?;
+            at += length + 12;
+            match kind {
+                b"eXIf" => self.orientation = exif::orientation(data),
+                b"acTL" => self.count = data.first_chunk().map_or(1, |&count| u32::from_be_bytes(count)),
+                b"CgBI" => self.is_of_apple = true,
+                b"IEND" => return Some(at.min(bytes.len())),
+                _ => {}
+            }
+        }
+    }
+
+    fn next(&self, bytes: &[u8]) -> Option<usize> {
+        self.end.filter(|&end| bytes[end..].starts_with(PNG))
     }
 }
 
 fn png(bytes: &[u8]) -> Result<Samples> {
+    let chunks = Chunks::of(bytes);
+    if chunks.count > 1 {
+        bail!(
+            "it is an animated PNG of {} pictures: expected one; make a film of it with ffmpeg -f apng -i",
+            chunks.count
+        );
+    }
+    ensure!(!chunks.is_of_apple, unread("a PNG in Apple's own form"));
+    ensure!(chunks.next(bytes).is_none(), several());
     // For what the file holds besides pixels. The number of pixels is checked below.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    // To gray or RGB, with or without alpha, of 8 bits each.
-    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
+    // To gray or RGB, with or without alpha, of 8 or 16 bits each.
+    decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(undecodable)?;
     let (width, height) = reader.info().size();
     check_size(width, height)?;
     let mut samples = vec![0; reader.output_buffer_size().context("it is too large")?];
     let decoded = reader.next_frame(&mut samples).map_err(undecodable)?;
     samples.truncate(decoded.buffer_size());
-    Samples::new(width, height, decoded.color_type.samples(), samples)
-}
-
-/// The decoder fills in missing data without a word unless it is told to be strict.
-fn jpeg(bytes: &[u8]) -> Result<Samples> {
-    let samples = whole_jpeg(bytes).map_err(|error| damaged(format!("{EXPECTED}: {error}")))?;
-    ensure!(has_end(bytes), damaged(format!("{EXPECTED}: its end is missing")));
-    Ok(samples)
-}
-
-fn whole_jpeg(bytes: &[u8]) -> Result<Samples> {
-    let side = usize::from(u16::MAX);
-    let options = DecoderOptions::default().set_strict_mode(true).set_max_width(side).set_max_height(side);
-    let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let broken = |_| anyhow!("it is damaged");
-    decoder.decode_headers().map_err(broken)?;
-    let too_long = |_| anyhow!("expected at most 65535 pixels on each side");
-    let (width, height) = decoder.dimensions().context("its size is missing")?;
-    let (width, height) = (u32::try_from(width).map_err(too_long)?, u32::try_from(height).map_err(too_long)?);
-    check_size(width, height)?;
-    let (colors, channels) = match decoder.input_colorspace() {
-        Some(ColorSpace::Luma) => (ColorSpace::Luma, 1),
-        _ => (ColorSpace::RGB, 3),
-    };
-    decoder.set_options(decoder.options().jpeg_set_out_colorspace(colors));
-    let samples = decoder.decode().map_err(broken)?;
-    let (found, expected) = (samples.len() / channels, width as usize * height as usize);
-    ensure!(found == expected, "{found} pixels were decoded: expected {expected}");
-    Samples::new(width, height, channels, samples)
-}
-
-/// True if the marker of the end follows the last beginning of pixels, in which it cannot occur.
-fn has_end(bytes: &[u8]) -> bool {
-    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|bytes| bytes == marker);
-    last([0xFF, 0xD9]) > last([0xFF, 0xDA])
+    let samples = Samples::new(width, height, decoded.color_type.samples(), samples)?;
+    Ok(samples.wide(decoded.bit_depth == png::BitDepth::Sixteen).oriented(chunks.orientation))
 }
 
 /// What a decoder says is for who wrote it.

@@ -11,6 +11,7 @@ pub mod cleanup;
 mod color;
 pub mod cover;
 mod damage;
+mod exif;
 pub mod fault;
 mod folders;
 mod frame_range;
@@ -19,11 +20,14 @@ mod hdr;
 mod images;
 pub mod input;
 mod iou;
+mod jpeg;
+mod levels;
 mod live;
 pub mod messages;
 #[cfg(test)]
 #[path = "../../../tests/missing.rs"]
 mod missing;
+mod names;
 mod noise;
 pub mod output;
 mod periodic;
@@ -46,8 +50,9 @@ pub use boxes::BoundingBox;
 pub use color::{Clock, ColorFrames, Colors, Now, Time};
 pub use damage::Damaged;
 pub use folders::recordings;
-pub use frame_range::FrameRange;
-pub use images::{decode_colors, decode_picture, read_picture};
+pub use frame_range::{FrameRange, misfit};
+pub use images::{Picture, decode_colors, decode_picture, read_picture};
+pub use levels::Levels;
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::luma;
@@ -57,6 +62,7 @@ pub use video::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, sile
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufReader, stdin};
 use std::path::{Path, PathBuf};
@@ -128,6 +134,8 @@ pub struct Sequence {
     pub truth: Option<Vec<Option<BoundingBox>>>,
     /// The same frames in color, for videos with boxes.
     pub colors: Colors,
+    /// What to know of the recording, each in a line.
+    pub notes: Vec<String>,
 }
 
 impl Sequence {
@@ -145,6 +153,7 @@ impl Sequence {
             init: truth.first().copied().flatten(),
             truth: Some(truth),
             colors: Colors::None,
+            notes: Vec::new(),
         }
     }
 
@@ -164,6 +173,8 @@ impl Sequence {
 pub struct OpenOptions {
     /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump, unless its extension is that of something else.
     pub size: Option<(u16, u16)>,
+    /// What is stretched of pictures with 16 bits. If given, the recording must be of such pictures.
+    pub levels: Option<Levels>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
     /// How long ffmpeg may be silent; a minute if it is `None`.
@@ -190,7 +201,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         let name = "standard input".to_owned();
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
         let frames = damage::frames(frames, name.clone());
-        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None }
+        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None, notes: vec![] }
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
         ensure!(
@@ -210,6 +221,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         })?;
         if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
     };
+    let has_levels = matches!(sequence.colors, Colors::Pictures(_));
+    ensure!(options.levels.is_none() || has_levels, "--levels is of pictures with 16 bits: {} has none", sequence.name);
     sequence.init = options.init.or(sequence.init);
     // It stands in tables, a line for each recording.
     sequence.name = messages::line(&sequence.name);
@@ -243,9 +256,20 @@ pub fn is_sequence(path: &Path) -> bool {
     let holds = |folder: &Path, kind: fn(&Path) -> bool| {
         files_in(folder).is_ok_and(|files| files.iter().any(|file| kind(file)))
     };
-    holds(path, images::is_picture)
-        || holds(path, is_recording)
-        || INNER.iter().any(|inner| holds(&path.join(inner), images::is_picture))
+    // Pictures that are not read are missed where boxes lie beside them.
+    let has_boxes = holds(path, boxes::is_known);
+    let inner = INNER.map(|inner| path.join(inner));
+    holds(path, is_recording)
+        || inner
+            .iter()
+            .map(PathBuf::as_path)
+            .chain([path])
+            .any(|folder| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign))
+}
+
+/// Errors: The folder holds pictures that are not read.
+fn check_pictures(folder: &Path) -> Result<()> {
+    pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
 
 fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
@@ -255,7 +279,7 @@ fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let source = if images::is_picture(file) && options.size.is_none() {
-        Source::pictures(vec![file.to_owned()], file)
+        Source::pictures(Picture::all_in(file), file, options)
     } else {
         source_of(file, options)?
     };
@@ -265,8 +289,8 @@ fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
     let (truth, init) = boxes_in(folder)?;
-    let Source { frames, length, colors } = source;
-    Ok(Sequence { name, frames, length, first: 1, init, truth, colors })
+    let Source { frames, length, colors, notes } = source;
+    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, notes })
 }
 
 /// The box of each frame.
@@ -297,28 +321,27 @@ struct Source {
     frames: Frames,
     length: Option<usize>,
     colors: Colors,
+    notes: Vec<String>,
 }
 
 impl Source {
     fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
-        Self { frames: damage::frames(frames, at.display().to_string()), length, colors: Colors::None }
+        let frames = damage::frames(frames, at.display().to_string());
+        Self { frames, length, colors: Colors::None, notes: Vec::new() }
     }
 
-    fn pictures(files: Vec<PathBuf>, at: &Path) -> Self {
-        let length = files.len();
-        let colors = Colors::Pictures(files.clone());
-        Self { colors, ..Self::new(images::frames(files, 1), Some(length), at) }
+    fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Self {
+        let length = pictures.len();
+        pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
+        let notes = levels::note(&pictures).into_iter().collect();
+        let colors = Colors::Pictures(pictures.clone());
+        Self { colors, notes, ..Self::new(images::frames(pictures, 1), Some(length), at) }
     }
 }
 
 fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     let files = files_in(folder)?;
-    let mut pictures = images::pictures(&files);
-    for inner in INNER.map(|inner| folder.join(inner)) {
-        if pictures.is_empty() && inner.is_dir() {
-            pictures = images::pictures(&files_in(&inner)?);
-        }
-    }
+    let pictures = pictures_in(folder, &files)?;
     if pictures.is_empty() {
         let recording = only_recording(folder, &files)?;
         let name = recording.display();
@@ -333,11 +356,45 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
             "{at} holds {recording} and {count} pictures, {picture} first: expected one or the other; name the file meant"
         );
     }
+    images::check_kind(&pictures[0])?;
     // Left out, it would shift all boxes that follow.
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
-    Ok(Source::pictures(pictures, folder))
+    Ok(Source::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
+}
+
+/// The pictures of a folder in the order of their names; `files` are those in it.
+/// Errors: They are of several kinds or in several folders, or two of them have one number.
+fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut places = vec![files.to_owned()];
+    for inner in INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir()) {
+        places.push(files_in(&inner)?);
+    }
+    let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
+    for place in places {
+        let mut of_kind = BTreeMap::<String, Vec<PathBuf>>::new();
+        for file in place {
+            if let Some(kind) = images::kind(&file) {
+                of_kind.entry(kind).or_default().push(file);
+            }
+        }
+        kinds.extend(of_kind.into_values());
+    }
+    let at = folder.display();
+    kinds.iter_mut().for_each(|files| names::sort(files));
+    if let [one, other, ..] = &kinds[..] {
+        let (count, others) = (one.len(), other.len());
+        let [one, other] = [one, other].map(|files| files[0].display());
+        bail!(
+            "{at} holds {count} pictures, {one} first, and {others} others, {other} first: expected one kind in one folder; move the others away"
+        );
+    }
+    let pictures = kinds.pop().unwrap_or_default();
+    if let Some([one, other]) = names::twins(&pictures).map(|both| both.map(Path::display)) {
+        bail!("{at} holds {one} and {other}, two pictures of one number: expected one a frame; move the others away");
+    }
+    Ok(pictures)
 }
 
 /// The one file of a folder without pictures that can be a recording.
@@ -366,6 +423,8 @@ fn is_recording(file: &Path) -> bool {
 }
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
+    // ffmpeg would read the first page of some, and of a GIF all.
+    has_extension(file, &["gif"]).then_some(()).map_or_else(|| images::check_kind(file), Ok)?;
     let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
     // A pipe has no length, and may be read all the same.
     ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());

@@ -132,7 +132,16 @@ impl Live {
             gray
         });
         let frames = damage::frames(frames, name.clone());
-        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::Live(now) }
+        Sequence {
+            name,
+            frames,
+            length: None,
+            first: 1,
+            init: None,
+            truth: None,
+            colors: Colors::Live(now),
+            notes: vec![],
+        }
     }
 }
 

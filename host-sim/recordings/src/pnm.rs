@@ -1,28 +1,26 @@
 //! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
 
-use super::samples::{EXPECTED, Samples, check_size, damaged};
+use super::samples::{EXPECTED, Samples, check_size, damaged, several};
 use anyhow::{Error, Result, ensure};
 
 /// One picture as the bytes of its file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
-    let Header { is_text, width, height, channels, largest } = reader.header()?;
-    // With another largest value the pixels would have to be scaled. Unscaled they would be almost black.
-    ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
-    check_size(width, height)?;
-    ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");
-    let count = width as usize * height as usize * channels as usize;
-    let cut = || damaged(format!("{EXPECTED}: it is cut short"));
-    let samples = if is_text {
-        // A file may state a larger size than it has, so memory is taken as numbers come.
-        (0..count).map(|_| reader.sample(largest)).collect::<Option<Vec<u8>>>().ok_or_else(cut)?
-    } else if largest == 255 {
-        reader.0.get(..count).ok_or_else(cut)?.to_vec()
-    } else {
-        // The high byte is first.
-        reader.0.get(..2 * count).ok_or_else(cut)?.iter().step_by(2).copied().collect()
-    };
-    Samples::new(width, height, channels as usize, samples)
+    let samples = reader.picture()?;
+    ensure!(reader.next(bytes).is_none(), several());
+    Ok(samples)
+}
+
+/// The place of the picture that follows in the same file.
+pub(super) fn next(bytes: &[u8]) -> Option<usize> {
+    let mut reader = Reader(bytes);
+    reader.picture().ok()?;
+    reader.next(bytes)
+}
+
+/// True of the first bytes of such a picture, or of a bitmap of this family, which is not read.
+pub(super) fn is_pnm(bytes: &[u8]) -> bool {
+    matches!(bytes, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() || *space == b'#')
 }
 
 struct Header {
@@ -39,6 +37,38 @@ struct Header {
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
+    fn next(&self, bytes: &[u8]) -> Option<usize> {
+        let rest = self.0.trim_ascii_start();
+        is_pnm(rest).then_some(bytes.len() - rest.len())
+    }
+
+    fn picture(&mut self) -> Result<Samples> {
+        let Header { is_text, width, height, channels, largest } = self.header()?;
+        // With another largest value the pixels would have to be scaled. Unscaled they would be almost black.
+        ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
+        check_size(width, height)?;
+        ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");
+        let count = width as usize * height as usize * channels as usize;
+        let is_wide = largest == 65535;
+        let cut = || damaged(format!("{EXPECTED}: it is cut short"));
+        let samples = if is_text {
+            let mut samples = Vec::new();
+            // A file may state a larger size than it has, so memory is taken as numbers come.
+            for _ in 0..count {
+                let value = self.number().and_then(|value| u16::try_from(value).ok());
+                let [high, low] = value.filter(|&value| u32::from(value) <= largest).ok_or_else(cut)?.to_be_bytes();
+                samples.extend(is_wide.then_some(high).into_iter().chain([low]));
+            }
+            samples
+        } else {
+            let length = if is_wide { 2 * count } else { count };
+            let (samples, rest) = self.0.split_at_checked(length).ok_or_else(cut)?;
+            self.0 = rest;
+            samples.to_vec()
+        };
+        Ok(Samples::new(width, height, channels as usize, samples)?.wide(is_wide))
+    }
+
     fn header(&mut self) -> Result<Header> {
         let magic = self.word().unwrap_or_default();
         let (is_text, channels) = match magic.as_str() {
@@ -74,12 +104,6 @@ impl Reader<'_> {
             };
             *field = self.number().ok_or_else(|| no_header(&name))?;
         }
-    }
-
-    /// One value of a text picture, its high byte.
-    fn sample(&mut self, largest: u32) -> Option<u8> {
-        let value = self.number().filter(|&value| value <= largest)?;
-        u8::try_from(if largest == 255 { value } else { value >> 8 }).ok()
     }
 
     fn number(&mut self) -> Option<u32> {

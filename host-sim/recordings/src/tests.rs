@@ -88,7 +88,7 @@ mod folders {
     #[test]
     fn pictures_come_in_natural_order() {
         let folder = folder();
-        for (name, value) in [("img10.png", 10), ("img2.PNG", 2), ("img1.pgm", 1)] {
+        for (name, value) in [("img10.png", 10), ("img2.PNG", 2), ("img1.png", 1)] {
             save_gray(&folder.path().join(name), 4, 3, value);
         }
         write(&folder, ".img3.png", b"a thumbnail");
@@ -164,6 +164,51 @@ mod folders {
             video = video.display()
         );
         assert_eq!(message(open_plain(folder.path())), expected);
+    }
+
+    /// Files of a folder, and what is refused about them: masks beside pictures, cover pictures, kinds that are not read.
+    #[test]
+    fn pictures_of_two_kinds_are_not_guessed_about() {
+        let several = "expected one kind in one folder; move the others away";
+        let unread = "is a picture of a kind that is not read: convert it to PNG first";
+        for (names, expected) in [
+            (&["1.jpg", "1.png"][..], several),
+            (&["1.jpeg", "2.JPG", "3.jfif"], ""),
+            (&["1.pgm", "1.ppm"], several),
+            (&["1.png", "img/1.png"], several),
+            (&["1.bmp", "img/1.png"], several),
+            (&["color/1.jpg", "img/1.jpg"], several),
+            (&["color/1.jpg", "color/1.png"], several),
+            (&["img/1.png", "depth/1.png"], ""),
+            (&["1.png", "2.tif"], several),
+            (&["1.HEIC", "2.HEIC"], unread),
+            (&["img/1.webp", "gt.txt"], unread),
+            (&["1.dng", "2.dng"], unread),
+            (&["1.png", "1_mask.png"], "two pictures of one number: expected one a frame; move the others away"),
+            (&["left1.png", "right1.png"], "two pictures of one number: expected one a frame; move the others away"),
+            (&["a.mp4", "cover.webp"], "expected one or the other; name the file meant"),
+        ] {
+            let folder = folder();
+            for name in names {
+                let file = folder.path().join(name);
+                fs::create_dir_all(file.parent().unwrap()).unwrap();
+                match name.ends_with("txt") {
+                    true => fs::write(&file, "1,2,3,4").unwrap(),
+                    false => save_gray(&file, 4, 3, 1),
+                }
+            }
+            let opened = open_plain(folder.path()).err().map(|error| format!("{error:#}")).unwrap_or_default();
+            assert!(opened.ends_with(expected) && opened.is_empty() == expected.is_empty(), "{names:?}: {opened}");
+            if expected == unread {
+                assert!(
+                    message(recordings(&[folder.path().to_owned()]).and_then(|found| open_plain(&found[0])))
+                        .ends_with(unread)
+                );
+            }
+        }
+        let folder = folder();
+        let file = write(&folder, "pages.tif", b"II*\0");
+        assert!(message(open_plain(&file)).ends_with(unread), "ffmpeg would read the first page alone");
     }
 
     #[test]
@@ -313,10 +358,12 @@ mod pictures {
         let folder = folder();
         let ramp: Vec<u8> = (0..=255).collect();
         save_png(&folder.path().join("1.png"), (16, 16), ColorType::Grayscale, BitDepth::Eight, &ramp);
-        write(&folder, "2.pgm", &[b"P5\n# a comment\n16 16\n255\n", ramp.as_slice()].concat());
-        let (frames, error) = read(open_plain(folder.path()));
-        assert_eq!(error, None);
-        assert!(frames.iter().all(|frame| frame.pixels == ramp) && frames.len() == 2);
+        write(&folder, "1.pgm", &[b"P5\n# a comment\n16 16\n255\n", ramp.as_slice()].concat());
+        for name in ["1.png", "1.pgm"] {
+            let (frames, error) = read(open_plain(&folder.path().join(name)));
+            assert_eq!((frames.len(), error), (1, None));
+            assert_eq!(frames[0].pixels, ramp, "{name}");
+        }
     }
 
     #[test]
@@ -369,6 +416,18 @@ mod pictures {
         bytes
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_picture_may_come_through_a_pipe() {
+        let folder = folder();
+        let pipe = folder.path().join("1.pgm");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let writer = pipe.clone();
+        let written = std::thread::spawn(move || fs::write(writer, b"P5 2 1 255\n78"));
+        assert_eq!(first_pixels(&read(open_plain(&pipe)).0), [b'7']);
+        written.join().unwrap().unwrap();
+    }
+
     #[test]
     fn a_jpeg_that_is_cut_anywhere_is_an_error() {
         let (folder, whole) = (folder(), jpeg());
@@ -384,6 +443,200 @@ mod pictures {
             assert_eq!(frames.len(), 0, "{length}");
             assert!(error.unwrap().starts_with("cannot read "), "{length}");
         }
+    }
+
+    /// With segments in front of the picture, behind the first two bytes.
+    fn jpeg_with(segments: &[(u8, &[u8])]) -> Vec<u8> {
+        let whole = jpeg();
+        let segment = |(marker, data): &(u8, &[u8])| {
+            [&[0xFF, *marker][..], &u16::try_from(data.len() + 2).unwrap().to_be_bytes(), data].concat()
+        };
+        [&whole[..2], &segments.iter().map(segment).collect::<Vec<_>>().concat(), &whole[2..]].concat()
+    }
+
+    /// An upright picture of 3x2 pixels with six values, as it is stored for each orientation.
+    #[test]
+    fn pictures_are_turned_as_their_exif_data_say() {
+        let upright = [1, 2, 3, 4, 5, 6];
+        for (orientation, (width, height), stored) in [
+            (1, (3, 2), upright),
+            (2, (3, 2), [3, 2, 1, 6, 5, 4]),
+            (3, (3, 2), [6, 5, 4, 3, 2, 1]),
+            (4, (3, 2), [4, 5, 6, 1, 2, 3]),
+            (5, (2, 3), [1, 4, 2, 5, 3, 6]),
+            (6, (2, 3), [3, 6, 2, 5, 1, 4]),
+            (7, (2, 3), [6, 3, 5, 2, 4, 1]),
+            (8, (2, 3), [4, 1, 5, 2, 6, 3]),
+        ] {
+            for is_little_endian in [true, false] {
+                let mut bytes = Vec::new();
+                let mut info = png::Info::with_size(width, height);
+                info.exif_metadata = Some(exif::tests::exif(is_little_endian, orientation).into());
+                let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
+                encoder.write_header().unwrap().write_image_data(&stored).unwrap();
+                let gray = decode_picture(&bytes).unwrap();
+                assert_eq!((gray.width, gray.height, &gray.pixels[..]), (3, 2, &upright[..]), "{orientation}");
+                assert_eq!(decode_colors(&bytes).unwrap().pixels, upright.map(|value| [value; 3]));
+            }
+        }
+        let folder = folder();
+        let (exif, plain) = (exif::tests::exif(false, 6), decode_picture(&jpeg()).unwrap());
+        let file = write(&folder, "1.jpg", &jpeg_with(&[(0xE1, &[exif::HEAD, &exif].concat())]));
+        let turned = read_picture(&file).unwrap();
+        assert!((0..96).all(|at| turned.level(95 - at, 7) == plain.level(7, at)), "from the left to the top");
+        assert_eq!(read(open_plain(&file)).0, [turned]);
+    }
+
+    #[test]
+    fn bytes_behind_the_end_of_a_jpeg_do_not_matter() {
+        let (whole, expected) = (jpeg(), decode_picture(&jpeg()).unwrap());
+        let views = [&jpeg_with(&[(0xE2, b"MPF\0II*\0")])[..], &whole, &whole].concat();
+        assert_eq!(decode_picture(&views).unwrap(), expected);
+        for behind in [&b"\xFF\xDA\xFF\xD9\xFF\xDA film"[..], b"\0\0\0\x18ftypmp42\xFF\xD8\xFF\xDA"] {
+            assert_eq!(decode_picture(&[&whole, behind].concat()).unwrap(), expected);
+            let damage = message(decode_picture(&[&whole[..whole.len() - 40], behind].concat()));
+            assert!(damage.contains("it is damaged") || damage.contains("its end is missing"), "{damage}");
+        }
+    }
+
+    /// As webcams and frames cut out of AVI have them: without any, or without some.
+    #[test]
+    fn huffman_tables_that_are_missing_are_the_standard_ones() {
+        let whole = jpeg();
+        for kept in [&[][..], &[0x00], &[0x10]] {
+            let (mut bytes, mut at) = (whole[..2].to_vec(), 2);
+            while whole[at + 1] != 0xDA {
+                let end = at + 2 + usize::from(u16::from_be_bytes([whole[at + 2], whole[at + 3]]));
+                if whole[at + 1] != 0xC4 || kept.contains(&whole[at + 4]) {
+                    bytes.extend(&whole[at..end]);
+                }
+                at = end;
+            }
+            assert!(bytes.len() < at, "a table is left out");
+            bytes.extend(&whole[at..]);
+            assert_eq!(decode_picture(&bytes).unwrap(), decode_picture(&whole).unwrap(), "{kept:?}");
+        }
+    }
+
+    /// "Damaged" is said of damage only.
+    #[test]
+    fn what_is_not_read_is_named() {
+        let jpeg_as = |marker: u8, precision: u8, height: u8| {
+            let mut bytes = jpeg();
+            let at = bytes.windows(2).position(|two| two == [0xFF, 0xC0]).unwrap();
+            (bytes[at + 1], bytes[at + 4], bytes[at + 6]) = (marker, precision, height);
+            bytes
+        };
+        let png_with = |kind: &[u8; 4], data: &[u8]| {
+            let length = u32::try_from(data.len()).unwrap().to_be_bytes();
+            [b"\x89PNG\r\n\x1a\n", &length[..], kind, data, &[0; 4]].concat()
+        };
+        for (bytes, expected) in [
+            (jpeg_as(0xC9, 8, 96), "it is an arithmetic-coded JPEG, which is not read: convert it to PNG first"),
+            (jpeg_as(0xCA, 8, 96), "it is an arithmetic-coded JPEG"),
+            (jpeg_as(0xC3, 8, 96), "it is a lossless JPEG"),
+            (jpeg_as(0xC1, 12, 96), "it is a JPEG of more than 8 bits"),
+            (jpeg_as(0xC5, 8, 96), "it is a hierarchical JPEG"),
+            (jpeg_as(0xF7, 8, 96), "it is a JPEG-LS picture"),
+            (jpeg_as(0xC0, 8, 0), "it is a JPEG whose height follows its pixels"),
+            (b"RIFF\x10\0\0\0WEBPVP8 ".to_vec(), "it is a WebP picture, which is not read"),
+            (b"\0\0\0\x18ftypheic\0\0\0\0".to_vec(), "it is a HEIC picture"),
+            (b"\0\0\0\x20ftypavif\0\0\0\0".to_vec(), "it is an AVIF picture"),
+            (b"II*\0\x08\0\0\0".to_vec(), "it is a TIFF picture"),
+            (b"BM\0\0".to_vec(), "it is a BMP picture"),
+            (b"P4 8 1 \xAA".to_vec(), "it is a bitmap of one bit (PBM)"),
+            (png_with(b"acTL", &[0, 0, 0, 9, 0, 0, 0, 0]), "it is an animated PNG of 9 pictures"),
+            (png_with(b"CgBI", &[0; 4]), "it is a PNG in Apple's own form"),
+        ] {
+            let error = decode_picture(&bytes).unwrap_err();
+            assert!(error.to_string().starts_with(expected) && !error.is::<Damaged>(), "{error}");
+        }
+        assert!(decode_picture(&jpeg_as(0xC1, 8, 96)).is_ok(), "extended, but as baseline");
+        assert!(decode_picture(&jpeg()[..700]).unwrap_err().is::<Damaged>());
+    }
+
+    #[test]
+    fn several_pictures_in_one_file_are_a_recording() {
+        let folder = folder();
+        let png = |value: u8| {
+            save_gray(&folder.path().join("kept"), 2, 1, value);
+            fs::read(folder.path().join("kept")).unwrap()
+        };
+        let jpeg = |value: u8| {
+            let mut bytes = Vec::new();
+            let encoder = jpeg_encoder::Encoder::new(&mut bytes, 100);
+            encoder.encode(&[value; 64], 8, 8, jpeg_encoder::ColorType::Luma).unwrap();
+            bytes
+        };
+        let pnm = |header: &str, value: u8| [header.as_bytes(), &[value; 2]].concat();
+        let text = |value: u8| format!("P2 2 1 255 {value} {value}\n").into_bytes();
+        let wide = |value: u8| [b"P5 2 1 65535\n", &[value, 99, value, 99][..]].concat();
+        let each: [(&str, Vec<Vec<u8>>); 6] = [
+            ("a.png", [7, 8, 9].map(png).to_vec()),
+            ("a.jpg", [7, 8, 9].map(jpeg).to_vec()),
+            ("a.pgm", [7, 8, 9].map(|value| pnm("P5 2 1 255\n", value)).to_vec()),
+            ("b.pgm", [7, 8, 9].map(|value| [pnm("P5\n# two\n2 1\n255\n", value), b"\n".to_vec()].concat()).to_vec()),
+            ("a.pnm", [7, 8, 9].map(text).to_vec()),
+            ("b.pnm", [7, 8, 9].map(wide).to_vec()),
+        ];
+        for (name, pictures) in each {
+            let file = write(&folder, name, &pictures.concat());
+            let sequence = open_plain(&file).unwrap();
+            assert_eq!((sequence.length, sequence.colors.picture_names()), (Some(3), vec![]), "{name}");
+            assert_eq!(first_pixels(&read(Ok(sequence)).0), [7, 8, 9], "{name}");
+            let (recording, _) = Seekable::open(&file, &OpenOptions::default()).unwrap();
+            assert_eq!(first_pixels(&recording.gray_from(3).unwrap().map(Result::unwrap).collect::<Vec<_>>()), [9]);
+            assert_eq!(recording.color_from(2, 9).unwrap().next().unwrap().pixels[0], [8; 3]);
+            assert!(message(decode_picture(&pictures.concat())).starts_with("it holds several pictures"), "{name}");
+            let cut = pictures.concat().len() - pictures[2].len() / 2;
+            let cut = write(&folder, name, &pictures.concat()[..cut]);
+            assert!(read(open_plain(&cut)).1.is_some_and(|error| error.contains("(frame 3)")), "{name}");
+        }
+        let preview = [jpeg(7), pictures::jpeg()].concat();
+        assert_eq!(read(open_plain(&write(&folder, "c.jpg", &preview))).0.len(), 1, "of another size");
+    }
+
+    #[test]
+    fn levels_of_16_bits_are_said_and_stretched() {
+        let folder = folder();
+        let value = |at: u16| 7600 + 3 * (at % 256);
+        for number in 1..=3_u16 {
+            let pixels: Vec<u8> = (0..1024).flat_map(|at| value(at + number).to_be_bytes()).collect();
+            let file = folder.path().join(format!("{number}.png"));
+            save_png(&file, (32, 32), ColorType::Grayscale, BitDepth::Sixteen, &pixels);
+        }
+        let opened = |levels: Option<&str>| {
+            let levels = levels.map(|levels| levels.parse().unwrap());
+            open(folder.path(), &OpenOptions { levels, ..OpenOptions::default() })
+        };
+        let plain = opened(None).unwrap();
+        assert_eq!(
+            plain.notes,
+            [
+                "with 16 bits it uses levels 29 to 32 of 256 (values 7600 to 8365 of 65536): --levels 7409..8556 stretches them"
+            ]
+        );
+        let stretched = opened(Some("7600..8365")).unwrap();
+        assert_eq!(stretched.notes, Vec::<String>::new());
+        let (frames, colors) = (stretched.frames, stretched.colors.open(1, Duration::ZERO));
+        for ((number, frame), mut colors) in (1..).zip(frames).zip([Some(colors), None, None]) {
+            let frame = frame.unwrap();
+            assert!((0..1024_u16).zip(&frame.pixels).all(|(at, &pixel)| u16::from(pixel) == (at + number) % 256));
+            colors.iter_mut().for_each(|colors| assert_eq!(colors.next(&frame).0.pixels[5], [6; 3]));
+        }
+        assert_eq!(opened(Some("0..100")).unwrap().notes.len(), 1, "all is white");
+        let eight = write(&folder, "8.pgm", b"P5 1 1 255\n9");
+        let options = OpenOptions { levels: Some("0..9".parse().unwrap()), ..OpenOptions::default() };
+        assert!(
+            read(open(&eight, &options))
+                .1
+                .unwrap()
+                .ends_with("--levels is of pictures with 16 bits: its values have 8")
+        );
+        let error = message(open(Path::new("synthetic"), &options));
+        assert_eq!(error, "--levels is of pictures with 16 bits: synthetic has none");
+        let wide = write(&folder, "16.pgm", b"P5 3 1 65535\n\0\0\0\x05\0\x09");
+        assert_eq!(read(open(&wide, &options)).0[0].pixels, [0, 142, 255]);
     }
 
     #[test]

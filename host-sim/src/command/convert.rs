@@ -8,7 +8,7 @@ use serde::Serialize;
 use smr_pages::export::{Format, Writer, Written, is_whole};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
-use smr_recordings::{BoundingBox, Sequence};
+use smr_recordings::{BoundingBox, Sequence, misfit};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -77,9 +77,11 @@ impl Convert {
         }
         bar.finish_and_clear();
         let written = writer.finish(truth.as_deref())?;
-        let whole = truth.is_some_and(|truth| is_whole(&truth, written.frames));
+        let whole = truth.as_ref().is_some_and(|truth| is_whole(truth, written.frames));
         if format.needs_boxes() && !whole {
-            complain(&format!("note: {name}: no ground truth for each frame: only the box to start from is written"));
+            let misfit = truth.and_then(|boxes| misfit(written.frames, boxes.len()));
+            let why = misfit.unwrap_or_else(|| "no ground truth for each frame".to_owned());
+            complain(&format!("note: {name}: {why}: only the box to start from is written"));
         }
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),

@@ -312,7 +312,7 @@ impl Eval {
         (bar, expected): (&ProgressBar, &Expected<'_>),
     ) -> Result<Evaluation> {
         let mut sequence = self.recording.open(path)?;
-        if let Some(frames) = self.recording.frames {
+        if let Some(frames) = self.recording.frames() {
             // What is published is of all frames: under this name there is nothing.
             sequence.name = format!("{} {frames}", sequence.name);
         }

@@ -69,7 +69,7 @@ impl Frame {
 
     /// The number in the recording of the first frame that is read.
     fn first(&self) -> usize {
-        self.recording.frames.map_or(1, |part| part.first())
+        self.recording.frames().map_or(1, |part| part.first())
     }
 
     fn number(&self) -> usize {
@@ -102,7 +102,7 @@ impl Frame {
         let least = self.recording.least_box(size.0, size.1);
         let budget = self.budget.get().saturating_mul(1_000_000);
         let patience = self.recording.ffmpeg_patience();
-        let count = self.recording.frames.and_then(|part| part.last()).map_or(usize::MAX, |last| last + 1 - first);
+        let count = self.recording.frames().and_then(|part| part.last()).map_or(usize::MAX, |last| last + 1 - first);
         let mut damage = None;
         let in_color: Box<dyn Iterator<Item = ColorFrame>> = match colors {
             // A second ffmpeg makes them small, which is quick.

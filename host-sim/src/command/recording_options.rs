@@ -1,13 +1,14 @@
 //! How recordings are opened, the same for every command that reads them.
 
-use super::number::whole;
+use super::number::{from, whole};
 use super::tracker_options::Pair;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
+use smr_recordings::output::complain;
 use smr_recordings::{
-    self, FFMPEG_PATIENCE, FrameRange, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
+    self, FFMPEG_PATIENCE, FrameRange, Levels, OpenOptions, Resize, Sequence, Start, Target, is_live, recordings,
 };
-use std::num::NonZeroU16;
+use std::num::{NonZeroU16, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -34,13 +35,29 @@ pub struct RecordingOptions {
     /// They keep their numbers. Damage in a recording is an error (a picture that is cut, a dump that ends within a frame, anything that
     /// ffmpeg complains about), but not behind the last of these frames. The box to start from is the one that the ground truth has in the first of them.
     #[arg(long, value_name = "A..B")]
-    pub frames: Option<FrameRange>,
+    frames: Option<FrameRange>,
+    /// The ground truth begins with this frame, and so does what is read: its first line is the box there; the first frame is 1
+    #[arg(long, value_name = "FRAME", value_parser = from::<NonZeroUsize>(1))]
+    truth_from: Option<NonZeroUsize>,
+    /// Of pictures with 16 bits stretch these values over all levels, black to white, for example 7600..8366 [default: 0..65535, the high byte]
+    #[arg(long, value_name = "A..B")]
+    levels: Option<Levels>,
     /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
 }
 
 impl RecordingOptions {
+    /// The frames that are read; `None`: all.
+    pub fn frames(&self) -> Option<FrameRange> {
+        self.frames.or(self.truth_from.map(|first| FrameRange::from(first.get())))
+    }
+
+    /// The same, counted from the one with which the ground truth begins: what other trackers answered has as many lines.
+    pub fn frames_of_truth(&self) -> Option<FrameRange> {
+        self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
+    }
+
     /// Whether the box to start from is given, not found beside the recording.
     pub fn gives_init(&self) -> bool {
         !self.init.is_empty()
@@ -69,6 +86,8 @@ impl RecordingOptions {
             ("--size", self.size.map(|size| size.to_string())),
             ("--resize", self.resize.map(|resize| resize.to_string())),
             ("--frames", self.frames.map(|frames| frames.to_string())),
+            ("--truth-from", self.truth_from.map(|frame| frame.to_string())),
+            ("--levels", self.levels.map(|levels| levels.to_string())),
             ("--ffmpeg-timeout", self.ffmpeg_timeout.map(|seconds| seconds.to_string())),
         ];
         given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten().collect()
@@ -81,7 +100,7 @@ impl RecordingOptions {
 
     /// Opens the recording at `path`, for a command that follows one target from the first frame on.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
-        let first = self.frames.map_or(1, |part| part.first());
+        let first = self.frames().map_or(1, |part| part.first());
         let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
         ensure!(
             one,
@@ -115,22 +134,37 @@ impl RecordingOptions {
     fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
+            levels: self.levels,
             init: None,
             ffmpeg_patience: Some(self.ffmpeg_patience()),
             takes_live,
         };
         ensure!(
-            !takes_live || !is_live(path) || self.frames.is_none(),
+            !takes_live || !is_live(path) || self.frames().is_none(),
             "--frames is for recordings: a live source is followed until Ctrl-C"
         );
         let mut sequence = smr_recordings::open(path, &options)?;
-        if let Some(part) = self.frames {
+        sequence.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", sequence.name)));
+        if let Some(first) = self.truth_from.map(NonZeroUsize::get) {
+            let name = &sequence.name;
+            ensure!(sequence.truth.is_some(), "{name}: there is no ground truth beside it, and --truth-from is of it");
+            let is_later = self.frames.is_none_or(|part| part.first() >= first);
+            ensure!(is_later, "{name}: --frames begin before the ground truth: expected frame {first} or later");
+            sequence = sequence.with_truth_from(first);
+        } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
+            && sequence.length != Some(boxes)
+            && part.length_of(sequence.length.or(part.last()).unwrap_or(0)) == boxes
+        {
+            let (name, first, last) = (&sequence.name, part.first(), part.first() + boxes - 1);
+            complain(&format!(
+                "note: {name}: the {boxes} boxes of the ground truth are taken for frames {first} to {last}"
+            ));
+            sequence = sequence.with_truth_from(first);
+        }
+        if let Some(part) = self.frames() {
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
-                bail!(
-                    "{}: there is no frame {} (--frames {part}): expected 1 to {length}",
-                    sequence.name,
-                    part.first()
-                );
+                let option = self.frames.map_or("--truth-from".to_owned(), |frames| format!("--frames {frames}"));
+                bail!("{}: there is no frame {} ({option}): expected 1 to {length}", sequence.name, part.first());
             }
             sequence = sequence.part(part);
         }
@@ -157,7 +191,7 @@ impl RecordingOptions {
 
     /// True if no option changes the box to start from, or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
-        self.init.is_empty() && !self.inclusive && self.frames.is_none() && self.resize.is_none()
+        self.init.is_empty() && !self.inclusive && self.frames().is_none() && self.resize.is_none()
     }
 
     /// The recordings at `paths`, and in folders there.

@@ -5,12 +5,12 @@ use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{BUDGET, Outcome, progress, shell};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
 use smr_pages::report::{self, About, Choice, Film, Refusal};
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{BUILT_IN, Sequence, Target};
+use smr_recordings::{BUILT_IN, Sequence, Target, misfit};
 use std::ffi::OsString;
 use std::fs;
 use std::io::Write;
@@ -70,6 +70,11 @@ impl Report {
         ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
         let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
+        for (sequence, targets) in &sequences {
+            let truth = sequence.truth.as_ref().filter(|_| targets.len() == 1);
+            let misfit = truth.zip(sequence.length).and_then(|(truth, length)| misfit(length, truth.len()));
+            misfit.map_or(Ok(()), |misfit| Err(anyhow!("{}: {misfit}", sequence.name)))?;
+        }
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
@@ -112,7 +117,7 @@ impl Report {
             let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc(1))?;
             // What others answered is of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
-                film.compare(&result_files(path)?, self.recording.frames)?;
+                film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }
             Ok(film)
         };

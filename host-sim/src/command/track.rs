@@ -14,7 +14,7 @@ use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, Plan, Rate};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{GrayFrame, Now, Sequence, cleanup};
+use smr_recordings::{GrayFrame, Now, Sequence, cleanup, misfit};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 
@@ -128,6 +128,11 @@ impl Track {
             cleanup::stop_first();
         }
         let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
+        let (length, truth) = (sequence.length, sequence.truth.as_ref().map(Vec::len));
+        let misfit = |frames| truth.and_then(|boxes| misfit(frames, boxes));
+        if let Some(misfit) = length.and_then(misfit) {
+            complain(&format!("warning: {}: {misfit}", sequence.name));
+        }
         let (name, film) = (film.cloned(), film.map(|out| self.film(out, &mut sequence)).transpose()?);
         lines.write(&printer.head())?;
         let film = name.zip(film);
@@ -137,6 +142,9 @@ impl Track {
         for frame in sequence.frames {
             let (number, time) = clock.tick();
             pass.frame(number, time, &frame?)?;
+        }
+        if let Some(misfit) = misfit(pass.last + 1 - sequence.first).filter(|_| length.is_none()) {
+            pass.warn(&misfit);
         }
         pass.finish(sequence.first)?;
         Ok(Outcome::Holds)
@@ -165,7 +173,7 @@ impl Track {
             return ProgressBar::hidden();
         }
         let whole = || sequence.colors.length(self.recording.ffmpeg_patience());
-        let part = |length| self.recording.frames.map_or(length, |part| part.length_of(length));
+        let part = |length| self.recording.frames().map_or(length, |part| part.length_of(length));
         let name = film.map_or_else(|| sequence.name.clone(), |film| film.display().to_string());
         progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
     }

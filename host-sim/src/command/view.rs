@@ -13,7 +13,7 @@ use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{Camera, Followed, Growing, Job, Known, Lock, Made, Server, Source, Target, Window, Wish};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
-use smr_recordings::{FFMPEG_PATIENCE, Live, OpenOptions, Start, is_live, is_seekable};
+use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -41,6 +41,9 @@ pub struct View {
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
+    /// Of pictures with 16 bits stretch these values over all levels, black to white, for example 7600..8366
+    #[arg(long, value_name = "A..B")]
+    levels: Option<Levels>,
     /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
@@ -129,8 +132,17 @@ impl View {
             path.display()
         );
         let size = self.size.map(|Pair(width, height)| (width, height));
-        let options = OpenOptions { size, ffmpeg_patience: patience, ..OpenOptions::default() };
+        let options = OpenOptions { size, levels: self.levels, ffmpeg_patience: patience, ..OpenOptions::default() };
         let (source, sequence) = Growing::open(path, options)?;
+        let lengths = sequence.truth.as_ref().map(Vec::len).zip(sequence.length);
+        let misfit = lengths.filter(|(boxes, frames)| boxes != frames).map(|(boxes, frames)| {
+            format!(
+                "{boxes} boxes of the ground truth for {frames} frames: see whether the first one is that of frame 1"
+            )
+        });
+        for note in sequence.notes.iter().chain(&misfit) {
+            complain(&format!("note: {}: {note}", sequence.name));
+        }
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
         let (pictures, length) = (sequence.colors.picture_names(), sequence.length);
         Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
@@ -155,9 +167,10 @@ impl View {
     /// The source and its options, as they are typed.
     fn words(&self) -> Vec<OsString> {
         let size = self.size.map(|size| ["--size".into(), size.to_string().into()]);
+        let levels = self.levels.map(|levels| ["--levels".into(), levels.to_string().into()]);
         let timeout = self.ffmpeg_timeout.map(|seconds| ["--ffmpeg-timeout".into(), seconds.to_string().into()]);
         let path = shell::file(&self.source).into_os_string();
-        std::iter::once(path).chain(size.into_iter().chain(timeout).flatten()).collect()
+        std::iter::once(path).chain(size.into_iter().chain(levels).chain(timeout).flatten()).collect()
     }
 }
 

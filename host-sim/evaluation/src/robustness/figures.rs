@@ -161,8 +161,9 @@ impl Figures {
     /// are of all frames of all starts together.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
-        let recalls = || runs.iter().map(|run| run.score.recall);
-        let iou_sum: f64 = runs.iter().map(|run| run.score.mean_iou * run.score.visible as f64).sum();
+        // The target is visible in a frame of each run: recordings without one are not measured.
+        let recalls = || runs.iter().filter_map(|run| run.score.recall);
+        let iou_sum = runs.iter().filter_map(|run| Some(run.score.mean_iou? * run.score.visible as f64)).sum();
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
         let answered_visible = sum(|run| run.answered_visible);
         let answered = sum(|run| run.score.answered);
@@ -173,7 +174,7 @@ impl Figures {
             mean_correct: ratio(recalls().sum(), runs.len() as f64),
             worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
             mean_correct_50: mean(|score| ratio(score.correct_50 as f64, score.visible as f64)),
-            f: mean(|score| score.f),
+            f: mean(|score| score.f.unwrap_or(0.0)),
             mean_iou: ratio(iou_sum, answered_visible as f64),
             precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
             hidden: sum(|run| run.score.frames - run.score.visible),

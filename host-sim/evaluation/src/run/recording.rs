@@ -2,11 +2,11 @@
 
 use super::{Follower, Run};
 use crate::{Variant, truth_of};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use smr_core::Rect;
 use smr_recordings::cover::Cover;
 use smr_recordings::fault::Fault;
-use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup};
+use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
 use std::borrow::Cow;
 
 /// The most bytes of frames that one recording may have: 1 GiB, some 14000 frames of 320x240 pixels.
@@ -52,7 +52,7 @@ impl Recording {
                 kept.push(frame);
             }
         }
-        ensure!(count == boxes, "{name}: there are {count} frames, but the ground truth has {boxes} boxes");
+        misfit(count, boxes).map_or(Ok(()), |misfit| Err(anyhow!("{name}: {misfit}")))?;
         Ok(Self { name, frames: kept, init, truth })
     }
 
@@ -131,6 +131,7 @@ mod tests {
             init: Some(at),
             truth: Some(vec![Some(at), None, Some(at)]),
             colors: smr_recordings::Colors::None,
+            notes: Vec::new(),
         }
     }
 
@@ -168,8 +169,8 @@ mod tests {
         assert!(error(Sequence { truth: None, ..sequence() }).starts_with("mine: no ground truth"));
         assert!(error(Sequence { init: None, ..sequence() }).starts_with("mine: no box to start from"));
         let two = sequence().truth.map(|truth| truth[..2].to_vec());
-        let lengths = "mine: there are 3 frames, but the ground truth has 2 boxes";
-        assert_eq!(error(Sequence { truth: two, ..sequence() }), lengths);
+        let lengths = "mine: there are 3 frames, but the ground truth has 2 boxes: --truth-from says";
+        assert!(error(Sequence { truth: two, ..sequence() }).starts_with(lengths));
         let unseen = Some(vec![None; 3]);
         assert!(error(Sequence { truth: unseen, ..sequence() }).contains("visible in no frame"));
     }

@@ -70,6 +70,12 @@ struct Scored {
 /// An entrant with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
+/// What means are over: recordings in which the target is never visible are in none. `None` if one of the others has no score.
+fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
+    let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
+    known.map(|one| Some(of((*one)?))).collect()
+}
+
 impl<'a> Measured<'a> {
     /// `None` without ground truth.
     pub fn new(film: &'a Film) -> Result<Option<Self>> {
@@ -132,7 +138,8 @@ fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Table<'a> {
     let line = |(entrant, scored): &Row<'a>| {
         let mut values: Vec<_> = scored.iter().map(|one| Some(one.as_ref()?.score.correct as f64)).collect();
         let all: Option<f64> = values.iter().copied().sum();
-        let otb: Option<Vec<Otb>> = scored.iter().map(|one| one.as_ref()?.score.otb).collect();
+        let otb: Option<Vec<Otb>> = known(scored, |one| one.score.otb).into_iter().flatten().collect();
+        let otb = otb.filter(|otb| !otb.is_empty());
         let mean =
             |figure: fn(&Otb) -> f64| otb.as_ref().map(|otb| otb.iter().map(figure).sum::<f64>() / otb.len() as f64);
         values.extend([all, mean(|otb| otb.otb_auc), mean(|otb| otb.otb_precision)]);
@@ -157,10 +164,7 @@ impl<'a> Table<'a> {
 
 /// Means over the recordings, of those who are in all.
 fn plots<'a>(rows: &[Row<'a>]) -> [Plot<'a>; 2] {
-    let mean = |(entrant, scored): &Row<'a>| {
-        let curves: Option<Vec<&Curves>> = scored.iter().map(|one| Some(&one.as_ref()?.curves)).collect();
-        Some((*entrant, Curves::mean(&curves?)?))
-    };
+    let mean = |(entrant, scored): &Row<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
     let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();
     let lines = |area: fn(&Curves) -> f64, values: fn(&Curves) -> &Vec<f64>| {
         let curve = |(entrant, curves): &(&'a Entrant, Curves)| Curve {
@@ -201,7 +205,7 @@ mod tests {
     fn the_largest_area_is_named_first_and_who_is_not_everywhere_is_not_named() {
         let scored = |name: &str, part: f64| Scored {
             entrant: Entrant { name: name.into(), title: name.into(), look: 0, answers: vec![], method: None },
-            score: Score::default(),
+            score: Score { visible: 1, ..Score::default() },
             curves: Curves { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
         };
         let all = [scored("low", 0.25), scored("high", 0.75), scored("partly", 1.0)];

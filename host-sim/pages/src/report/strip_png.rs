@@ -136,6 +136,7 @@ mod tests {
             init: Some("0,0,1,1".parse().unwrap()),
             truth: None,
             colors: Colors::None,
+            notes: Vec::new(),
         }
     }
 
