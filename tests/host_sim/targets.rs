@@ -52,7 +52,7 @@ fn boxes_that_cannot_be_are_refused() {
     track(&["--init", "a/b=1,2,30,40"]).refuses(&["--init", "letters, digits"]);
     track(&["--init", "1,2,30,40@x"]).refuses(&["--init", "the number of a frame"]);
     let beyond = track(&["--init", "car=36,24,24,28", "--init", "car@999=36,24,24,28", "--out", "/dev/null"]);
-    beyond.refuses(&["synthetic, car: there is no frame 999", "expected 1 to 240"]);
+    beyond.refuses(&["synthetic: there is no frame 999 for car (--init)", "expected 1 to 240"]);
     for command in ["check", "eval"] {
         host_sim(&[command, "synthetic", "--init", "1,2,30,40@5"]).refuses(&["--init", "for `track`"]);
     }

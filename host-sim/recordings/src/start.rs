@@ -58,9 +58,13 @@ impl Target {
     pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
         // A recording without frames has other troubles.
         let last = length.filter(|&length| length > 0).map_or(usize::MAX, |length| first + length - 1);
-        let frames = targets.iter().flat_map(|target| &target.starts).map(|(frame, _)| *frame);
-        let beyond = frames.max().filter(|&frame| frame > last);
-        beyond.map_or(Ok(()), |frame| bail!("there is no frame {frame} (--init): expected {first} to {last}"))
+        let starts =
+            targets.iter().flat_map(|target| target.starts.iter().map(move |(frame, _)| (*frame, &target.name)));
+        let Some((frame, name)) = starts.max_by_key(|(frame, _)| *frame).filter(|(frame, _)| *frame > last) else {
+            return Ok(());
+        };
+        let of = name.as_ref().map_or(String::new(), |name| format!(" for {name}"));
+        bail!("there is no frame {frame}{of} (--init): expected {first} to {last}")
     }
 
     /// The same boxes in whole pixels, as every tracker takes them.

@@ -585,7 +585,10 @@ mod pictures {
             assert_eq!((sequence.length, sequence.colors.picture_names()), (Some(3), vec![]), "{name}");
             assert_eq!(first_pixels(&read(Ok(sequence)).0), [7, 8, 9], "{name}");
             let (recording, _) = Seekable::open(&file, &OpenOptions::default()).unwrap();
-            assert_eq!(first_pixels(&recording.gray_from(3).unwrap().map(|frame| frame.unwrap().0).collect::<Vec<_>>()), [9]);
+            assert_eq!(
+                first_pixels(&recording.gray_from(3).unwrap().map(|frame| frame.unwrap().0).collect::<Vec<_>>()),
+                [9]
+            );
             assert_eq!(recording.color_from(2, 9).unwrap().next().unwrap().pixels[0], [8; 3]);
             assert!(message(decode_picture(&pictures.concat())).starts_with("it holds several pictures"), "{name}");
             let cut = pictures.concat().len() - pictures[2].len() / 2;

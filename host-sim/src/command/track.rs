@@ -273,7 +273,7 @@ impl Pass {
         if let Some(live) = &self.live {
             self.say_end(live);
         } else if let Some((frame, name)) = missing {
-            bail!("{}{name}: there is no frame {frame} (--init): expected {first} to {}", self.name, self.last);
+            bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
         }
         self.lines.write(&self.printer.foot()?)?;
         let (end, frames) = (self.end(), self.bar.position());
@@ -305,7 +305,7 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
 
 /// What follows after the recording's name.
 fn named(target: &Follower) -> String {
-    target.name.as_ref().map_or(String::new(), |name| format!(", {name}"))
+    target.name.as_ref().map_or(String::new(), |name| format!(" for {name}"))
 }
 
 /// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
