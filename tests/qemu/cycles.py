@@ -193,7 +193,8 @@ def main(elf, machine, calibrations):
         raise ValueError("the firmware has no function smr_ticks")
     lock, *updates = list(spans(sys.stdin.buffer, mark))[int(calibrations) :] or [{}]
     if not updates:
-        raise ValueError("the firmware measured nothing: expected two calls of smr_ticks around the lock, and around each update")
+        raise ValueError("the firmware measured nothing: expected two calls of smr_ticks around the lock, and around each update; "
+                         "if it refuses the recording, it says so without --cycles")  # fmt: skip
     blocks = sorted({block for span in (lock, *updates) for block in span})
     codes = [[code[at] for at in range(start, start + size) if at in code] for start, size in blocks]
     cost = [dict(zip(blocks, costs(processor, codes))) for processor in PROCESSORS[machine]]
