@@ -7,13 +7,10 @@
 //! - [`mod@replay`]: flight records of firmware, run again.
 //! - [`trax`]: both trackers behind the protocol of evaluation tools.
 //! - [`percentiles`]: many measurements as three numbers.
-//! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod check;
 pub mod command;
-#[cfg(feature = "emulator")]
-pub mod emulator;
 pub mod percentiles;
 pub mod replay;
 pub mod trax;

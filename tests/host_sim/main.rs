@@ -17,8 +17,6 @@ mod readme_commands;
 mod replay;
 mod session;
 mod tables;
-#[cfg(unix)]
-mod target;
 mod targets;
 mod trax;
 mod view;

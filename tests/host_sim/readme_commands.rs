@@ -13,14 +13,12 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Beginnings of lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 12] = [
+const NOT_RUN: [(&str, &str); 10] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
     ("cargo run --profile bench -p smr-bench", "it takes minutes; tests of its own run it"),
-    ("cargo run --release -p smr-bench", "it needs an emulator, too"),
     ("cargo run --release -p smr-tests", "they take minutes; tests of their own run them"),
-    ("cargo run --release -p host-sim --features", "they need an emulator; tests of their own run them"),
     ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
     ("ffmpeg -v error -f v4l2", "it needs a camera"),
     ("host-sim track /dev/video0", "it needs a camera"),

@@ -1,9 +1,6 @@
 //! Flight records: `host-sim replay` runs what `smr_core::record` writes, also if it is damaged, cut off, appended to, or in a log.
 
-use crate::missing::{has, runs, skipped};
-use crate::program::{PROGRAM, host_sim, utf8};
-use host_sim::emulator::firmware;
-use host_sim::emulator::qemu::Machine;
+use crate::program::{host_sim, utf8};
 use host_sim::replay::{Report, replay};
 use smr_core::paper::{self, Fraction, Radius};
 use smr_core::record::{Recorded, Recorder};
@@ -14,8 +11,6 @@ use smr_recordings::synthetic;
 use std::convert::Infallible;
 use std::fs;
 use std::io::Cursor;
-use std::path::Path;
-use std::process::Command;
 
 type Paper = smr_core::Paper<1024, 65>;
 
@@ -380,47 +375,4 @@ fn a_writer_that_fails_ends_the_record() {
             assert_eq!(report.flights[0].locks, u64::from(room > 584 + 36 + 24 * 28));
         }
     }
-}
-
-/// From the target's record to the host's verdict: the firmware `core/examples/record` on an emulated Cortex-M4.
-#[test]
-fn what_the_emulated_chip_recorded_is_replayed() {
-    const TEST: &str = "what_the_emulated_chip_recorded_is_replayed";
-    if !has(TEST, "qemu-system-arm", &["--version"]) {
-        return;
-    }
-    let cargo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.ci/target-cargo");
-    if !runs(Command::new(cargo).args(["thumbv7em-none-eabihf", "--compiler"])) {
-        return skipped(TEST, "no compiler for thumbv7em-none-eabihf (see .ci/target-cargo)");
-    }
-    let elf = firmware::build("record", Machine::Mps2An386, "").expect("the firmware builds");
-    let folder = tempfile::tempdir().unwrap();
-    let run = Command::new(PROGRAM).arg("run").arg(elf).current_dir(folder.path()).output().expect("host-sim runs");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let (record, log) = (folder.path().join("record.smr"), folder.path().join("log.txt"));
-    fs::write(&log, &run.stdout).unwrap();
-
-    let json = host_sim(&["replay", utf8(&record), "--json"]).json();
-    for (flight, method) in [(&json["flights"][0], "smr"), (&json["flights"][1], "robust")] {
-        assert_eq!((&flight["method"], &flight["locks"], &flight["answers"]), (&method.into(), &1.into(), &29.into()));
-    }
-    assert!(json["difference"].is_null() && json["damage"].is_null() && json["cut_off"] == 0);
-    let said = host_sim(&["replay", utf8(&log)]);
-    assert!(
-        said.code == Some(0) && said.out.contains("smr: 1 lock, 29 answers as recorded"),
-        "{}{}",
-        said.out,
-        said.err
-    );
-
-    // A different answer of the chip would be named.
-    let bytes = fs::read(&record).unwrap();
-    let mut answers = entries(&bytes).into_iter().filter(|(_, tag)| tag == b"SMRA");
-    let (at, _) = answers.nth(40).expect("there are 58");
-    let mut changed = bytes.clone();
-    changed[at + 12] ^= 2;
-    fs::write(&record, signed(changed, at)).unwrap();
-    let said = host_sim(&["replay", utf8(&record)]);
-    assert_eq!(said.code, Some(1), "{}", said.err);
-    assert!(said.out.contains("DIFFERS in flight 2, frame 13: box in 1/256 pixel"), "{}", said.out);
 }

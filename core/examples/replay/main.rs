@@ -1,4 +1,4 @@
-//! Follows the target of a recording on the debugger's host and writes an answer for each frame. `host-sim target` runs
+//! Follows the target of a recording on the debugger's host and writes an answer for each frame. `tests/qemu` runs
 //! it in QEMU and compares the answers with its own.
 //!
 //! Only the windows that the tracker needs are in memory. The firmware has no log and no panic, so that its
@@ -40,5 +40,5 @@ mod measure;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this is firmware, run by host-sim: cargo run --release -p host-sim -- target synthetic");
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin replay -- synthetic");
 }

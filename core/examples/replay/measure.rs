@@ -32,7 +32,7 @@ impl Timer {
     }
 }
 
-/// The timer's value, which counts down from 2^24. `host-sim target --cycles` finds the calls of this function in QEMU's
+/// The timer's value, which counts down from 2^24. `smr-qemu --cycles` finds the calls of this function in QEMU's
 /// trace, by its name.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]

@@ -1,7 +1,7 @@
 // Estimates the instructions of an update on a microcontroller: its counted work times the measured instructions of a
 // unit of work.
 //
-// Measured on the recording `synthetic` with `host-sim target synthetic --json --machine mps2-an386` (Cortex-M4) and
+// Measured on the recording `synthetic` with `smr-qemu ELF synthetic --machine mps2-an386` (Cortex-M4) and
 // `--machine mps3-an547` (Cortex-M55), with `--method robust` and without: instructions of an update over its work. Of
 // SMR the median is of a frame in which bounds exclude most offsets; the maximum is of one in which the runner-up is
 // searched, too, which takes all scores. QEMU counts instructions, not cycles.

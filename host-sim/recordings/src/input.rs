@@ -21,7 +21,6 @@ pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 
 /// Any of 16384x16384 pixels, except in colour without compression.
 pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM or PPM picture", most: 512 };
 pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
-pub const FIRMWARE: Kind = Kind { expected: "firmware, an ELF file of 32 bits", most: 256 };
 
 /// How long a pipe or a device may be silent.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -4,30 +4,20 @@
 mod check;
 mod convert;
 mod demo;
-#[cfg(feature = "emulator")]
-mod estimates;
 mod eval;
 mod events;
 mod exit_code;
 mod figures;
 mod frame;
-#[cfg(any(test, not(feature = "emulator")))]
-mod not_built;
 pub mod number;
 mod paths;
 pub mod progress;
-#[cfg(feature = "emulator")]
-pub mod qemu_options;
 pub mod recording_options;
 mod replay;
 mod report;
 pub mod robustness;
-#[cfg(feature = "emulator")]
-mod run;
 mod shell;
 pub mod table_options;
-#[cfg(feature = "emulator")]
-mod target;
 mod track;
 pub mod tracker_options;
 mod trax;
@@ -39,8 +29,6 @@ use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 pub use exit_code::{Outcome, program};
 use exit_code::{is_closed_pipe, obey, told};
-#[cfg(not(feature = "emulator"))]
-use not_built::NotBuilt;
 use paths::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
@@ -59,7 +47,7 @@ use std::process::ExitCode;
 /// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.
 ///
-/// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB, firmware 256 MiB.
+/// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB.
 ///
 /// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal, but 0 if
 /// a signal ends a live source.
@@ -135,24 +123,10 @@ enum Command {
     /// entries; only one entry is in memory at a time.
     #[command(after_help = "Examples:
   host-sim replay flight.smr
-  host-sim run record.elf | host-sim replay -
+  smr-qemu record.elf | host-sim replay -
 
 Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record cannot be read.")]
     Replay(replay::Replay),
-    #[cfg(feature = "emulator")]
-    /// Run the firmware in QEMU on a recording, and compare every answer with the host's
-    #[command(after_help = "Example:\n  host-sim target synthetic --frames ..20")]
-    Target(target::Target),
-    #[cfg(not(feature = "emulator"))]
-    /// Run the firmware in QEMU on a recording (not built in: --features emulator)
-    Target(NotBuilt),
-    #[cfg(feature = "emulator")]
-    /// Run any firmware in QEMU, and print its log
-    #[command(after_help = "Example:\n  host-sim run firmware.elf")]
-    Run(run::Run),
-    #[cfg(not(feature = "emulator"))]
-    /// Run any firmware in QEMU (not built in: --features emulator)
-    Run(NotBuilt),
     /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
     ///
     /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
@@ -179,8 +153,6 @@ macro_rules! each {
             Command::Report($command) => $do,
             Command::Figures($command) => $do,
             Command::Replay($command) => $do,
-            Command::Target($command) => $do,
-            Command::Run($command) => $do,
             Command::Trax($command) => $do,
         }
     };

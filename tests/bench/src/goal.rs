@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 /// What the goals are stated for.
-pub const STATED_FOR: &str =
-    "templates of 64x64 (on boards: the recordings' own boxes) in the six TLD recordings (../shared/sequences/tld)";
+pub const STATED_FOR: &str = "templates of 64x64 in the six TLD recordings (../shared/sequences/tld)";
 
 /// One goal: a figure and its upper limit.
 #[derive(Clone, Debug, Serialize)]

@@ -1,12 +1,10 @@
 //! The goals for smr-core's speed, beside the measured figures. Each goal is stated for certain recordings; figures from
 //! other recordings are shown next to it, but do not say whether it is reached.
 
-use super::boards::Figures;
 use super::goal::Goal;
 use super::report::Report;
 use super::sad::Sad;
 use super::searches::Way;
-use host_sim::emulator::qemu::Machine;
 use smr_core::paper::Radius;
 use smr_core::similarity::Backend;
 
@@ -21,10 +19,6 @@ pub fn all(measured: &Report) -> Vec<Goal> {
         ratio(measured, NEAR, avx2(true), avx2(false), 1.0 / 8.0),
         ratio(measured, NEAR, avx2(false), psadbw, 2.4),
         ratio(measured, FAR, avx2(false), psadbw, 2.4),
-        instructions(measured, Machine::Mps2An386, "Cortex-M4", 0.7),
-        instructions(measured, Machine::Mps3An547, "Cortex-M55", 0.25),
-        beside_plain_loops(measured, Machine::Mps2An385, "Cortex-M0+"),
-        beside_plain_loops(measured, Machine::Virt, "RV32"),
         Goal::new("eval of the recordings, 2 threads".to_owned(), 4.0, "s", measured.eval_seconds),
     ]
 }
@@ -35,29 +29,6 @@ fn ratio(measured: &Report, radius: Radius, of: Way, to: Way, at_most: f64) -> G
     // No goal is stated for templates of another size.
     let ratio = window.and_then(|window| window.ratio(of, to)).filter(|_| measured.template == "64x64");
     Goal::new(work, at_most, "", ratio)
-}
-
-fn instructions(measured: &Report, machine: Machine, processor: &str, at_most: f64) -> Goal {
-    let millions = median(measured, machine, machine.backends()[0]).map(|median| median / 1e6);
-    Goal::new(format!("{processor} ({}), +-16: an update", machine.name()), at_most, "M instructions", millions)
-}
-
-/// Words of four pixels are to take half of the instructions.
-fn beside_plain_loops(measured: &Report, machine: Machine, processor: &str) -> Goal {
-    let median = |backend| median(measured, machine, backend);
-    let ratio = median(Backend::Swar).zip(median(Backend::Scalar)).map(|(words, bytes)| words / bytes);
-    Goal::new(format!("{processor} ({}), +-16: Swar / Scalar", machine.name()), 0.5, "", ratio)
-}
-
-/// The median of smr's instructions on a board.
-fn median(measured: &Report, machine: Machine, backend: Backend) -> Option<f64> {
-    let wanted = |board: &&Figures| {
-        board.machine == machine.name()
-            && board.backend == backend
-            && board.origin.method == "smr"
-            && !board.recordings.is_empty()
-    };
-    measured.boards.iter().find(wanted).map(|board| board.instructions.median as f64)
 }
 
 #[cfg(test)]

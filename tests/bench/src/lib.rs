@@ -1,10 +1,9 @@
-//! Measures speed on this machine and on emulated boards, beside a plain SAD search, in the same run. `others/run` does it beside other trackers.
+//! Measures speed on this machine, beside a plain SAD search, in the same run. `others/run` does it beside other trackers.
 //!
 //! - [`case`]: what is timed, searches in frames of recordings.
 //! - [`clock`]: how long something takes.
 //! - [`searches`]: the same searches with every backend. [`sad`] is what they are compared with.
 //! - [`speeds`]: frames per second by size of template and window.
-//! - [`boards`]: instructions of an update in QEMU.
 //! - [`goal`], [`goals`]: the goals, and whether they are reached.
 //! - [`window`]: the times of a window's searches, summed up.
 //! - [`report`]: the measurements as JSON; [`table`]: as text.
@@ -12,7 +11,6 @@
 //! Everything here runs on one thread, so that the measurements do not disturb each other. Instructions on the host are not
 //! counted here, because most users may not read the processor's counters: `.ci/instructions` counts them with valgrind.
 
-pub mod boards;
 pub mod case;
 pub mod clock;
 pub mod goal;

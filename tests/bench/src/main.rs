@@ -1,15 +1,12 @@
-//! Measures how fast it is: `cargo run --profile bench -p smr-bench -- RECORDINGS`. Here and on the emulated boards, beside a plain SAD search.
+//! Measures how fast it is: `cargo run --profile bench -p smr-bench -- RECORDINGS`, beside a plain SAD search.
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use host_sim::command::number::{from, whole};
-use host_sim::command::qemu_options::EmulatorOptions;
 use host_sim::command::recording_options::RecordingOptions;
 use host_sim::command::tracker_options::Pair;
 use host_sim::command::{Outcome, program, progress, tell};
-use host_sim::emulator::qemu::Machine;
 use rayon::prelude::*;
-use smr_bench::boards::{self, Figures};
 use smr_bench::case::{self, Size};
 use smr_bench::clock::{Patience, timed};
 use smr_bench::report::Report;
@@ -33,7 +30,7 @@ const ENOUGH: Duration = Duration::from_millis(10);
 /// Threads for the whole evaluation.
 const THREADS: usize = 2;
 
-/// Measure how fast it is, here and on the emulated boards, beside a plain SAD search
+/// Measure how fast it is, beside a plain SAD search
 #[derive(Debug, clap::Parser)]
 #[command(version, max_term_width = 120)]
 struct Bench {
@@ -60,14 +57,9 @@ struct Bench {
     /// The most seconds for one kind of search; a slower one is timed in fewer frames
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     seconds: NonZeroU32,
-    /// Count the instructions of an update on this board, in QEMU; may be given several times
-    #[arg(long, value_enum)]
-    machine: Vec<Machine>,
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
-    #[command(flatten)]
-    emulator: EmulatorOptions,
     #[command(flatten)]
     recording: RecordingOptions,
 }
@@ -80,12 +72,10 @@ impl Bench {
     fn run(self) -> Result<Outcome> {
         let paths = self.recording.find(&self.paths)?;
 
-        // First what can fail for want of a program.
-        let boards = self.boards(&paths)?;
         let run = self.time(&paths)?;
         let (evaluated, time) = timed(|| self.evaluate(&paths));
         evaluated?;
-        let mut report = Report::new(&run, boards, Some(time));
+        let mut report = Report::new(&run, Some(time));
         report.goals = goals::all(&report);
         tell(self.json, &report, |report, out| out.write_all(table::text(report).as_bytes()))?;
         for difference in &report.differences {
@@ -131,29 +121,6 @@ impl Bench {
             patience: Patience { repeats: self.repeat.get(), enough: ENOUGH },
             each: Duration::from_secs(self.seconds.get().into()),
         }
-    }
-
-    /// Instructions of an update on every board that is asked for, on the same recordings.
-    fn boards(&self, paths: &[PathBuf]) -> Result<Vec<Figures>> {
-        let methods = self.methods();
-        let of_machine = |&machine: &Machine| {
-            let backends = machine.backends().iter();
-            backends
-                .flat_map(|&backend| methods.iter().map(move |&method| (machine, method, backend)))
-                .collect::<Vec<_>>()
-        };
-        let runs: Vec<_> = self.machine.iter().flat_map(of_machine).collect();
-        let bar = progress::of("boards", Some(runs.len() * paths.len()), "recordings");
-        let mut figures = Vec::new();
-        for (machine, method, backend) in runs {
-            let sequences = paths.iter().map(|path| {
-                bar.inc(1);
-                self.recording.open(path)
-            });
-            figures.push(boards::measure(&self.emulator.setup(machine), (method, backend), sequences)?);
-        }
-        bar.finish_and_clear();
-        Ok(figures)
     }
 
     /// What `host-sim eval` does, decoding included.

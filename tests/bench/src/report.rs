@@ -1,7 +1,6 @@
 //! The measurements as `--json` prints them; the tables are made from the same data.
 
 use super::Bench;
-use super::boards::Figures;
 use super::goal::{Goal, STATED_FOR};
 use super::speeds::Speed;
 use super::window::Window;
@@ -23,19 +22,18 @@ pub struct Report {
     pub every: usize,
     pub windows: Vec<Window>,
     pub speeds: Vec<Speed>,
-    pub boards: Vec<Figures>,
     /// Seconds that `eval` takes for the recordings, on two threads.
     pub eval_seconds: Option<f64>,
     pub goals_stated_for: &'static str,
     /// Filled in by [`goals::all`](super::goals::all).
     pub goals: Vec<Goal>,
-    /// Cases and frames in which two ways, or a board and the host, gave different answers.
+    /// Cases and frames in which two ways gave different answers.
     pub differences: Vec<String>,
 }
 
 impl Report {
-    pub fn new(bench: &Bench, boards: Vec<Figures>, eval: Option<Duration>) -> Self {
-        let mut report = Self {
+    pub fn new(bench: &Bench, eval: Option<Duration>) -> Self {
+        Self {
             version: env!("CARGO_PKG_VERSION"),
             methods: bench.settings.methods.iter().map(|&method| MethodKind::from(method).name()).collect(),
             processor: processor(),
@@ -48,17 +46,10 @@ impl Report {
             windows: bench.windows.iter().map(Window::new).collect(),
             speeds: bench.speeds.rows(),
             differences: bench.windows.iter().flat_map(|window| window.differences.clone()).collect(),
-            boards,
             eval_seconds: eval.map(|time| time.as_secs_f64()),
             goals_stated_for: STATED_FOR,
             goals: vec![],
-        };
-        for board in &report.boards {
-            let name = format!("{}, {}, {:?}", board.machine, board.origin.method, board.backend);
-            let named = board.differences.iter().map(|difference| format!("{name}: {difference}"));
-            report.differences.extend(named);
         }
-        report
     }
 }
 

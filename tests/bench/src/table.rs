@@ -1,11 +1,9 @@
 //! The measurements as text.
 
-use super::boards::Figures;
 use super::goal::STATED_FOR;
 use super::report::Report;
 use super::speeds::{Speed, TEMPLATES, WINDOWS};
 use super::window::{Row, Window};
-use host_sim::percentiles::Spread;
 use smr_core::paper::Radius;
 use smr_evaluation::{NOTHING, aligned, cell, header};
 
@@ -20,9 +18,6 @@ pub fn text(report: &Report) -> String {
     parts.push(ratios(&report.windows));
     parts.push(speeds(&report.speeds));
     parts.push("instructions on this machine are not counted here: .ci/instructions does, with valgrind\n".to_owned());
-    if !report.boards.is_empty() {
-        parts.push(boards(report));
-    }
     parts.push(goals(report));
     parts.retain(|part| !part.is_empty());
     parts.join("\n")
@@ -90,38 +85,6 @@ fn speeds(speeds: &[Speed]) -> String {
     aligned(&lines, 1)
 }
 
-fn boards(report: &Report) -> String {
-    let mut lines = vec![header("instructions of an update|method|backend|recording|box|frames|median|p95|max")];
-    let mut notes = String::new();
-    for board in &report.boards {
-        lines.extend(board.recordings.iter().map(|measured| {
-            let [width, height] = measured.target;
-            let size = format!("{width}x{height}");
-            instructions(board, [&measured.sequence, &size], measured.frames, measured.instructions)
-        }));
-        if !board.recordings.is_empty() {
-            lines.push(all_of(board));
-        }
-        for skipped in &board.skipped {
-            let (machine, method, backend) = (board.machine, board.origin.method, board.backend);
-            notes += &format!("left out on {machine}, {method}, {backend:?}: {skipped}\n");
-        }
-    }
-    aligned(&lines, 4) + &notes
-}
-
-fn all_of(board: &Figures) -> Vec<String> {
-    let frames = board.recordings.iter().map(|measured| measured.frames).sum();
-    instructions(board, ["all", NOTHING], frames, board.instructions)
-}
-
-fn instructions(board: &Figures, [recording, size]: [&str; 2], frames: u32, of: Spread<u64>) -> Vec<String> {
-    let backend = format!("{:?}", board.backend);
-    let names = [board.machine, board.origin.method, &backend, recording, size].map(str::to_owned);
-    let figures = [frames.into(), of.median, of.p95, of.max].map(|figure| figure.to_string());
-    names.into_iter().chain(figures).collect()
-}
-
 fn goals(report: &Report) -> String {
     let title = format!("goals are stated for {STATED_FOR}; measured: {}", report.recordings.join(", "));
     let mut lines = vec![header("goal|at most|measured|compared")];
@@ -140,13 +103,12 @@ fn plus_minus(radius: Radius) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::boards::Measured;
     use crate::goal::Goal;
     use crate::sad::Sad;
     use crate::searches::Way;
     use crate::window::Ratio;
+    use host_sim::percentiles::Spread;
     use smr_core::similarity::Backend;
-    use smr_evaluation::{MethodKind, Origin};
 
     fn report() -> Report {
         let plain = Way::Sad(Sad::Plain);
@@ -164,18 +126,6 @@ mod tests {
         let (near, ways) = (Radius { x: 1, y: 1 }, vec![row(plain, Some(1.0)), row(exhaustive, None)]);
         let window = Window { window: near, offsets: 9, cases: 2, skipped: 1, ways, ratios };
         let empty = Window { window: WINDOWS[4], offsets: 12221, cases: 0, skipped: 3, ways: vec![], ratios: vec![] };
-        let figures = Spread { median: 10, p95: 20, max: 30 };
-        let target = [24, 28];
-        let measured = Measured { sequence: "one".into(), target, frames: 7, instructions: figures };
-        let board = Figures {
-            machine: "mps2-an386",
-            backend: Backend::Dsp,
-            origin: Origin::new(MethodKind::Smr, serde_json::Map::new()),
-            instructions: figures,
-            recordings: vec![measured],
-            skipped: vec!["two: the box is too big".into()],
-            differences: vec![],
-        };
         Report {
             version: "0",
             methods: vec!["smr"],
@@ -185,7 +135,6 @@ mod tests {
             every: 5,
             windows: vec![window, empty],
             speeds: vec![],
-            boards: vec![board],
             eval_seconds: None,
             goals_stated_for: STATED_FOR,
             goals: vec![Goal::new("work".into(), 2.0, "s", Some(1.0))],
@@ -202,10 +151,7 @@ mod tests {
             "Scalar, exhaustive         2        1.2     2.0     3.0           0.5000          -     -",
             "window +-60x50: 12221 offsets, 0 searches; 3 left out, for which the frame has no room",
             "SAD, plain loop         Scalar, exhaustive  1.500        -",
-            "mps2-an386                 smr     Dsp      one        24x28       7      10   20   30",
-            "mps2-an386                 smr     Dsp      all            -       7      10   20   30",
-            "left out on mps2-an386, smr, Dsp: two: the box is too big",
-            "goals are stated for templates of 64x64 (on boards: the recordings' own boxes) in the six TLD recordings \
+            "goals are stated for templates of 64x64 in the six TLD recordings \
              (../shared/sequences/tld); measured: one, two",
             "work  2.000 s   1.000 s  within: 0.50 of it",
         ];
@@ -213,10 +159,5 @@ mod tests {
         for line in expected {
             assert!(text.lines().any(|printed| printed == line), "`{line}` is not a line of:\n{text}");
         }
-    }
-
-    #[test]
-    fn without_boards_there_is_no_table_of_them() {
-        assert!(!text(&Report { boards: vec![], ..report() }).contains("mps2"));
     }
 }

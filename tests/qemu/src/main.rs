@@ -1,0 +1,225 @@
+//! Firmware in QEMU: `smr-qemu ELF` prints its log, `smr-qemu ELF SEQ` gives `core/examples/replay` a recording and compares every answer with
+//! the host's. An instruction is a nanosecond of the emulated time, so that the firmware's timer counts instructions.
+
+mod replay;
+
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use defmt_decoder::{DecodeError, Table};
+use host_sim::command::number::whole;
+use host_sim::command::recording_options::RecordingOptions;
+use host_sim::command::{Outcome, program, say};
+use host_sim::percentiles::Spread;
+use object::elf::{SHF_ALLOC, SHF_WRITE};
+use object::{File, Object, ObjectSection, SectionFlags, SectionKind};
+use replay::Report;
+use smr_evaluation::CoreKind;
+use smr_recordings::cleanup::Process;
+use smr_recordings::input;
+use std::io::{ErrorKind, Read, Write};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::process::{ChildStdout, Command, ExitCode, Stdio};
+use std::time::Duration;
+
+const FIRMWARE: input::Kind = input::Kind { expected: "firmware, an ELF file of 32 bits", most: 256 };
+
+/// What makes QEMU write a trace: each block of code when it is translated, and each time that it runs.
+const TRACE: [&str; 4] = ["-d", "exec,nochain,in_asm", "-D", "/dev/stdout"];
+
+/// The instructions that the firmware's timer may miss.
+const A_TICK: u64 = 100;
+
+/// Run firmware in QEMU and print its log, or compare its answers on recordings with the host's
+#[derive(Debug, clap::Parser)]
+#[command(version, max_term_width = 120)]
+struct Qemu {
+    /// The board: the Cortex-M3 for firmware of a Cortex-M0+, the Cortex-M4, M7 and M55, RV32IMAC
+    #[arg(long, default_value = "mps2-an386", overrides_with = "machine")]
+    #[arg(value_parser = ["mps2-an385", "mps2-an386", "mps2-an500", "mps3-an547", "virt"])]
+    machine: String,
+    /// The firmware
+    #[arg(value_name = "ELF")]
+    elf: PathBuf,
+    /// Recordings for the firmware core/examples/replay, or folders of recordings
+    #[arg(value_name = "SEQ")]
+    paths: Vec<PathBuf>,
+    /// Which tracker; smr is that of --config camera, with a window of +-16
+    #[arg(long, value_enum, default_value = "smr")]
+    method: CoreKind,
+    /// The robust tracker with its refiner
+    #[arg(long)]
+    refiner: bool,
+    /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
+    #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
+    step: Option<NonZeroU32>,
+    /// Estimate cycles of a lock, then of updates, each between two calls of `smr_ticks`; needs LLVM (Debian: llvm-19)
+    #[arg(long, conflicts_with = "step")]
+    cycles: bool,
+    #[command(flatten)]
+    recording: RecordingOptions,
+}
+
+fn main() -> ExitCode {
+    program(Qemu::run)
+}
+
+impl Qemu {
+    fn run(self) -> Result<Outcome> {
+        ensure!(!self.refiner || self.method == CoreKind::Robust, "--refiner: expected --method robust");
+        let name = self.elf.display();
+        let elf = input::bytes(&self.elf, &FIRMWARE);
+        let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
+        let parsed = File::parse(elf.as_slice()).ok().filter(|file| matches!(file, File::Elf32(_)));
+        let parsed = parsed.with_context(|| format!("{name} is not firmware: expected an ELF file of 32 bits"))?;
+        // Firmware may write files where it runs: here.
+        let here = Path::new(".");
+        let holds = if !self.paths.is_empty() {
+            self.replay(sizes(&parsed))?
+        } else if self.cycles {
+            let (holds, (_, estimates)) = self.traced(here, 0)?;
+            say(|out| out.write_all(estimates.as_bytes()))?;
+            holds
+        } else {
+            let table = Table::parse(&elf).map_err(|_| anyhow!("{name}: what describes its log is damaged"))?;
+            self.start(here, &[], |log| print(log, table.as_ref()))?.0
+        };
+        Ok(if holds { Outcome::Holds } else { Outcome::CheckFailed })
+    }
+
+    /// Runs the firmware on each recording, and says what it took. True if all answers are the host's.
+    fn replay(&self, (flash, statics): (u64, u64)) -> Result<bool> {
+        let (mut holds, mut all) = (true, Vec::new());
+        let paths = self.recording.find(&self.paths)?;
+        for path in &paths {
+            let sequence = self.recording.open(path)?;
+            let (name, folder) = (sequence.name.clone(), smr_recordings::output::Exchange::create()?);
+            let expected = replay::write(sequence, self.method, self.refiner, self.step, folder.path())?;
+            // The first measurement is the calibration of the timer.
+            let (_, estimated) = match self.cycles {
+                true => self.traced(folder.path(), 1).map(|(holds, estimated)| (holds, Some(estimated)))?,
+                false => self.start(folder.path(), &[], drained)?,
+            };
+            let report = Report::of(folder.path(), &expected).with_context(|| name.clone())?;
+            let (median, stack) = (report.updates.median, report.stack);
+            let mut text = format!("{name} on {}, {}: {report}", self.machine, self.method_name());
+            text += &format!(
+                "  RAM {} bytes: statics {statics}, stack {stack}; flash {flash}\n",
+                statics + u64::from(stack)
+            );
+            if let Some((traced, estimates)) = estimated {
+                let is_whole = traced.abs_diff(median) <= median / 1000 + A_TICK;
+                ensure!(is_whole, "QEMU counts {median} instructions of an update, its trace has {traced}");
+                text += &estimates;
+            }
+            say(|out| out.write_all(text.as_bytes()))?;
+            holds &= report.difference.is_none();
+            all.extend(report.counts);
+        }
+        let Spread { median, p95, max } = Spread::of(&all);
+        if paths.len() > 1 {
+            say(|out| writeln!(out, "all: {} updates: median {median}, 95 % below {p95}, at most {max}", all.len()))?;
+        }
+        Ok(holds)
+    }
+
+    fn method_name(&self) -> String {
+        let refined = if self.refiner { " with refiner" } else { "" };
+        format!("{}{refined}", smr_evaluation::MethodKind::from(self.method).name())
+    }
+
+    /// Runs the firmware with a trace: the median of the instructions of an update in it, and the estimates. So many measurements come before
+    /// the lock.
+    fn traced(&self, folder: &Path, calibrations: u32) -> Result<(bool, (u64, String))> {
+        self.start(folder, &TRACE, |trace| {
+            let mut python = Command::new("python3");
+            python.args(["-c", include_str!("../cycles.py")]).arg(self.elf.canonicalize()?).arg(&self.machine);
+            python.arg(calibrations.to_string()).stdin(trace).stdout(Stdio::piped()).stderr(Stdio::piped());
+            let output =
+                Process::start(&mut python).and_then(Process::finish).context("--cycles: cannot run python3")?;
+            let [said, complaint] =
+                [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+            ensure!(output.status.success(), "{}", last_line(&complaint));
+            let traced = said.lines().next().and_then(|line| line.rsplit(' ').next()).context("no estimate")?;
+            Ok((traced.parse()?, said))
+        })
+    }
+
+    /// Runs the firmware with `folder` as the place for its files, and `read`s what QEMU prints. True if it ended with 0.
+    /// Errors: it is QEMU itself that has failed.
+    fn start<T>(&self, folder: &Path, more: &[&str], read: impl FnOnce(ChildStdout) -> Result<T>) -> Result<(bool, T)> {
+        let (program, package, bios) = match self.machine.as_str() {
+            // Without firmware of its own before ours.
+            "virt" => ("qemu-system-riscv32", "qemu-system-misc", &["-bios", "none"][..]),
+            _ => ("qemu-system-arm", "qemu-system-arm", &[][..]),
+        };
+        let mut command = Command::new(program);
+        command.args(["-machine", &self.machine, "-icount", "shift=0"]).args(bios).args(more);
+        command.args(["-display", "none", "-monitor", "none", "-serial", "null", "-chardev", "stdio,id=log"]);
+        command.args(["-semihosting-config", "enable=on,target=native,chardev=log", "-kernel"]);
+        command.arg(self.elf.canonicalize()?).current_dir(folder);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let process = match Process::start(&mut command) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                bail!("there is no {program}: install QEMU (Debian: {package})")
+            }
+            other => other.with_context(|| format!("cannot start {program}"))?,
+        };
+        let said = process.said();
+        let read = read(process.output().context("QEMU's standard output is piped")?)?;
+        let status = process.wait_while(|_| true)?.context("QEMU has no end")?;
+        let said = said.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
+        let words = last_line(&said);
+        let is_firmware = status.success() || words.is_empty() && status.code().is_some();
+        ensure!(is_firmware, "{program} with {} ended ({status}): {words}", self.machine);
+        Ok((status.success(), read))
+    }
+}
+
+fn last_line(text: &str) -> &str {
+    text.trim_end().lines().next_back().unwrap_or_default()
+}
+
+fn drained<T>(mut log: impl Read) -> Result<Option<T>> {
+    std::io::copy(&mut log, &mut std::io::sink())?;
+    Ok(None)
+}
+
+/// Flash and statics of the firmware, in bytes. The stack comes to these.
+fn sizes(file: &File<'_>) -> (u64, u64) {
+    let (mut flash, mut statics) = (0, 0);
+    for section in file.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+        // riscv-rt makes a section of the memory that is left.
+        if sh_flags & u64::from(SHF_ALLOC) == 0 || section.name() == Ok(".stack") {
+            continue;
+        }
+        statics += if sh_flags & u64::from(SHF_WRITE) != 0 { section.size() } else { 0 };
+        flash += if section.kind() == SectionKind::UninitializedData { 0 } else { section.size() };
+    }
+    (flash, statics)
+}
+
+/// Prints the firmware's log, as it comes. That nobody reads it any more does not end the firmware: its verdict is still wanted.
+fn print(mut log: impl Read, table: Option<&Table>) -> Result<()> {
+    let mut decoder = table.map(Table::new_stream_decoder);
+    let mut bytes = [0; 4096];
+    loop {
+        let length = log.read(&mut bytes)?;
+        let Some(decoder) = &mut decoder else {
+            say(|out| out.write_all(&bytes[..length]))?;
+            if length == 0 { return Ok(()) } else { continue }
+        };
+        decoder.received(&bytes[..length]);
+        loop {
+            match decoder.decode() {
+                Ok(frame) => {
+                    let level = frame.level().map_or("", |level| level.as_str());
+                    say(|out| writeln!(out, "{level:5} {}", frame.display_message()))?;
+                }
+                Err(DecodeError::UnexpectedEof) if length == 0 => return Ok(()),
+                Err(DecodeError::UnexpectedEof) => break,
+                Err(DecodeError::Malformed) => bail!("the firmware's log is not defmt's"),
+            }
+        }
+    }
+}
