@@ -4,9 +4,7 @@ mod conformance;
 mod languages;
 #[path = "../missing.rs"]
 mod missing;
-mod mutants;
 mod paper_rows;
-mod programs;
 mod pursuit;
 mod readme;
 mod readout;
