@@ -5,7 +5,6 @@
 //!
 //! - [`check`]: core against the references, score by score.
 //! - [`mod@replay`]: flight records of firmware, run again.
-//! - [`trax`]: both trackers behind the protocol of evaluation tools.
 //! - [`percentiles`]: many measurements as three numbers.
 //! - `emulator` (feature `emulator`): the firmware in QEMU against the host.
 //! - [`command`]: what the command line offers; `main` only hands over.
@@ -16,4 +15,3 @@ pub mod command;
 pub mod emulator;
 pub mod percentiles;
 pub mod replay;
-pub mod trax;

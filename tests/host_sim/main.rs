@@ -20,5 +20,4 @@ mod tables;
 #[cfg(unix)]
 mod target;
 mod targets;
-mod trax;
 mod view;
