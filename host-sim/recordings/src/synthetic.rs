@@ -74,7 +74,15 @@ fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
 pub(super) fn seeded(name: &str) -> Option<Sequence> {
     let seed = name.strip_prefix(NAME)?.strip_prefix(':')?.parse().ok()?;
     let frames = Box::new(endless(seed).map(Ok));
-    Some(Sequence { name: name.to_owned(), frames, length: None, first: 1, init: truth(0), truth: None, colors: Colors::None })
+    Some(Sequence {
+        name: name.to_owned(),
+        frames,
+        length: None,
+        first: 1,
+        init: truth(0),
+        truth: None,
+        colors: Colors::None,
+    })
 }
 
 /// Where the target is in frame `index`; `None` where more than half of it is hidden or outside.

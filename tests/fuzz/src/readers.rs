@@ -1,6 +1,6 @@
 //! Every reader of host-sim: an error or the content, and never a panic.
 
-use smr_core::Tracker;
+use smr_core::{Rect, Tracker};
 use smr_evaluation::robustness::Former;
 use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
 use std::fs;
