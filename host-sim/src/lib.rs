@@ -5,7 +5,6 @@
 //!
 //! - [`check`]: core against the references, score by score.
 //! - [`mod@replay`]: flight records of firmware, run again.
-//! - [`trax`]: both trackers behind the protocol of evaluation tools.
 //! - [`percentiles`]: many measurements as three numbers.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
@@ -13,4 +12,3 @@ pub mod check;
 pub mod command;
 pub mod percentiles;
 pub mod replay;
-pub mod trax;

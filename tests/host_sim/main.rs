@@ -18,5 +18,4 @@ mod replay;
 mod session;
 mod tables;
 mod targets;
-mod trax;
 mod view;

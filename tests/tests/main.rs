@@ -6,9 +6,7 @@ mod figures;
 mod languages;
 #[path = "../missing.rs"]
 mod missing;
-mod mutants;
 mod paper_rows;
-mod programs;
 mod pursuit;
 mod readme;
 mod readout;

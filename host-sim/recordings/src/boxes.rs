@@ -249,7 +249,7 @@ fn otb_entry(line: &str) -> Result<Option<BoundingBox>> {
     Ok(found.has_area().then_some(found))
 }
 
-/// The box of a region as VOT and TraX write it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
+/// The box of a region as VOT writes it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
 /// or around a mask, `mX,Y,WIDTH,HEIGHT` and runs. `None` for NaN, for an empty mask, and for a single number, by which VOT says that the target is not visible or the tracker was stopped.
 pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));

@@ -244,7 +244,8 @@ pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 fn built_in(path: &Path) -> Option<Sequence> {
     let made =
         [street::sequence, synthetic::sequence, periodic::sequence, border::sequence, noise::sequence, tiles::sequence];
-    BUILT_IN.iter().zip(made).find(|(name, _)| path == Path::new(name)).map(|(_, made)| made())
+    let exact = BUILT_IN.iter().zip(made).find(|(name, _)| path == Path::new(name)).map(|(_, made)| made());
+    exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
 /// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in

@@ -8,7 +8,7 @@ use super::{BoundingBox, GrayFrame, Sequence};
 
 pub const NAME: &str = "noise";
 
-/// smr-bench times a search in 60 frames, and needs the two before each.
+/// A search is timed in 60 frames, and needs the two before each.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

@@ -16,7 +16,7 @@
 //! | 204 to 239 | it moves on to the middle, while the light falls |
 
 use super::random::Random;
-use super::{BoundingBox, GrayFrame, Sequence};
+use super::{BoundingBox, Colors, GrayFrame, Sequence};
 use std::sync::LazyLock;
 
 pub const NAME: &str = "synthetic";
@@ -54,9 +54,36 @@ pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
 
 /// Frame `index`, counted from 0. After the last one everything stands still, but for the noise.
 pub fn frame(index: usize) -> GrayFrame {
-    let scene = Scene::at(index);
-    let mut noise = Random(0x5EED_0000 + index as u64);
-    GrayFrame::drawn(WIDTH, HEIGHT, |x, y| scene.pixel(x * PIXEL, y * PIXEL, &mut noise))
+    drawn(&TEXTURES, index, 0x5EED_0000 + index as u64)
+}
+
+fn drawn(textures: &Textures, index: usize, noise: u64) -> GrayFrame {
+    let (scene, mut noise) = (Scene::at(index), Random(noise));
+    GrayFrame::drawn(WIDTH, HEIGHT, |x, y| scene.pixel(textures, x * PIXEL, y * PIXEL, &mut noise))
+}
+
+/// Frames without end, in textures of this seed: the recording forward and backward in turns, with new noise in each frame.
+fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
+    let seed = u64::from(seed);
+    let textures = Textures::new(seed);
+    let turns = (0..LENGTH).chain((0..LENGTH).rev()).cycle();
+    turns.zip(seed << 32..).map(move |(index, noise)| drawn(&textures, index, noise))
+}
+
+/// The endless recording `synthetic:SEED`; `None` of another name.
+pub(super) fn seeded(name: &str) -> Option<Sequence> {
+    let seed = name.strip_prefix(NAME)?.strip_prefix(':')?.parse().ok()?;
+    let frames = Box::new(endless(seed).map(Ok));
+    Some(Sequence {
+        name: name.to_owned(),
+        frames,
+        length: None,
+        first: 1,
+        init: truth(0),
+        truth: None,
+        colors: Colors::None,
+        notes: Vec::new(),
+    })
 }
 
 /// Where the target is in frame `index`; `None` where more than half of it is hidden or outside.
@@ -99,14 +126,13 @@ impl Scene {
     }
 
     /// The pixel whose top left corner is at (`x`, `y`), as the sensor gives it.
-    fn pixel(&self, x: i32, y: i32, noise: &mut Random) -> u8 {
-        let lit = (self.texture(x, y) * self.light) >> 16;
+    fn pixel(&self, textures: &Textures, x: i32, y: i32, noise: &mut Random) -> u8 {
+        let lit = (self.texture(textures, x, y) * self.light) >> 16;
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
     }
 
     /// What is seen there, in 256ths of a gray level: the post before the target before the background.
-    fn texture(&self, x: i32, y: i32) -> i32 {
-        let textures = &*TEXTURES;
+    fn texture(&self, textures: &Textures, x: i32, y: i32) -> i32 {
         // A pixel shows what is at its middle.
         let (dx, dy) = (x - self.target_x + PIXEL / 2, y - self.target_y + PIXEL / 2);
         let post = x - self.post_x + PIXEL / 2;
@@ -179,11 +205,17 @@ struct Textures {
     post: Texture,
 }
 
-static TEXTURES: LazyLock<Textures> = LazyLock::new(|| Textures {
-    target: Texture::new(1, (8, 4), (10, 225)),
-    background: Texture::new(2, (16, 8), (40, 200)),
-    post: Texture::new(3, (32, 4), (20, 120)),
-});
+static TEXTURES: LazyLock<Textures> = LazyLock::new(|| Textures::new(0));
+
+impl Textures {
+    fn new(seed: u64) -> Self {
+        Self {
+            target: Texture::new(3 * seed + 1, (8, 4), (10, 225)),
+            background: Texture::new(3 * seed + 2, (16, 8), (40, 200)),
+            post: Texture::new(3 * seed + 3, (32, 4), (20, 120)),
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -20,7 +20,6 @@ mod shell;
 pub mod table_options;
 mod track;
 pub mod tracker_options;
-mod trax;
 mod usage;
 mod video;
 mod view;
@@ -127,13 +126,6 @@ enum Command {
 
 Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record cannot be read.")]
     Replay(replay::Replay),
-    /// Serve a tracker over the TraX protocol, for evaluation tools such as the VOT toolkit
-    ///
-    /// The client gives rectangles or polygons (the tracker follows the box around a polygon, cut to the picture), and images by path, in memory or in a
-    /// buffer. Each answer is a rectangle with the property `confidence`, 0 to 1; 0 says that the target is lost, and the rectangle is then the last one.
-    /// With version 4 the client may give several objects at a time. If the client breaks the protocol, it gets `quit` with the reason, and the exit
-    /// code is 2.
-    Trax(trax::Trax),
 }
 
 /// The most megabytes of a page, if nothing else is said.
@@ -153,7 +145,6 @@ macro_rules! each {
             Command::Report($command) => $do,
             Command::Figures($command) => $do,
             Command::Replay($command) => $do,
-            Command::Trax($command) => $do,
         }
     };
 }

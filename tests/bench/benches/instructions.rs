@@ -3,10 +3,8 @@
 
 #![allow(unused_qualifications)] // in what the macros write
 
-mod scene;
-
 use gungraun::{library_benchmark, library_benchmark_group, main};
-use scene::{Patch, Prepared, Small};
+use smr_bench::{self as scene, Patch, Prepared, Small};
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;

@@ -1,10 +1,8 @@
 //! Time of the parts that matter, on the built-in recording, for every backend that this machine has: `cargo bench -p
-//! smr-bench --bench time`. The program smr-bench measures whole recordings.
-
-mod scene;
+//! smr-bench --bench time`.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use scene::Prepared;
+use smr_bench::{self as scene, Prepared};
 use smr_core::similarity::{Backend, CutTable, Scorer, Table};
 use smr_core::{Image, Rect};
 use std::hint::black_box;

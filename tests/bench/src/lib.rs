@@ -1,95 +1,81 @@
-//! Measures speed on this machine, beside a plain SAD search, in the same run. `others/run` does it beside other trackers.
-//!
-//! - [`case`]: what is timed, searches in frames of recordings.
-//! - [`clock`]: how long something takes.
-//! - [`searches`]: the same searches with every backend. [`sad`] is what they are compared with.
-//! - [`speeds`]: frames per second by size of template and window.
-//! - [`goal`], [`goals`]: the goals, and whether they are reached.
-//! - [`window`]: the times of a window's searches, summed up.
-//! - [`report`]: the measurements as JSON; [`table`]: as text.
-//!
-//! Everything here runs on one thread, so that the measurements do not disturb each other. Instructions on the host are not
-//! counted here, because most users may not read the processor's counters: `.ci/instructions` counts them with valgrind.
+//! What the benches search: the built-in recording, so every run and every machine has the same pixels.
 
-pub mod case;
-pub mod clock;
-pub mod goal;
-pub mod goals;
-pub mod report;
-pub mod sad;
-pub mod searches;
-pub mod speeds;
-pub mod table;
-pub mod window;
+use smr_core::paper::{Config, Radius};
+use smr_core::similarity::Backend;
+use smr_core::{Answer, Paper, Rect, Tracker};
+use smr_recordings::GrayFrame;
+use smr_recordings::synthetic::{self, HEIGHT, WIDTH};
 
-use crate::clock::Patience;
-use anyhow::{Context, Result};
-use case::Size;
-use searches::{Searches, Way};
-use smr_core::paper::Radius;
-use smr_evaluation::CoreKind;
-use smr_recordings::Sequence;
-use speeds::Speeds;
-use std::time::Duration;
+/// Room for a template of 64x64 pixels and a window of +-16, as on a microcontroller.
+pub type Small = Tracker<Paper<4096, 33>>;
 
-/// The options of a run.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The trackers of smr-core that are measured.
-    pub methods: Vec<CoreKind>,
-    pub template: Size,
-    pub windows: Vec<Radius>,
-    /// One frame in this many is timed.
-    pub every: usize,
-    /// How often one search is timed.
-    pub patience: Patience,
-    /// How long one way to search may take in all, in each window.
-    pub each: Duration,
+/// Three frames in which the target moves freely.
+const FIRST: usize = 40;
+
+/// Searched to each side.
+const RADIUS: Radius = Radius { x: 16, y: 16 };
+
+/// A tracker that is about to search a frame.
+pub struct Prepared {
+    tracker: Box<Small>,
+    frame: GrayFrame,
 }
 
-/// A run: recordings are added one after the other.
-pub struct Bench {
-    pub settings: Settings,
-    pub recordings: Vec<String>,
-    pub windows: Vec<Searches>,
-    pub speeds: Speeds,
+/// The target, in a box of another size around the same middle, with the window inside the frame.
+pub fn target(width: u16, height: u16) -> Rect {
+    let truth = synthetic::truth(FIRST).and_then(|truth| truth.to_rect()).expect("the target is visible");
+    let place = |from: i32, own: u16, size: u16, radius: u16, frame: u16| {
+        let middle = from + (i32::from(own) - i32::from(size)) / 2;
+        middle.clamp(i32::from(radius), i32::from(frame) - i32::from(size) - i32::from(radius))
+    };
+    let x = place(truth.x, truth.width, width, RADIUS.x, WIDTH);
+    let y = place(truth.y, truth.height, height, RADIUS.y, HEIGHT);
+    Rect::new(x, y, width, height)
 }
 
-/// One case in this many is also timed for [`Speeds`], which has many combinations.
-const SPEEDS_EVERY: u32 = 3;
+/// The first frame.
+pub fn frame() -> GrayFrame {
+    synthetic::frame(FIRST)
+}
 
-impl Bench {
-    /// About `expected` cases will come.
-    pub fn new(settings: Settings, expected: usize) -> Self {
-        let ways = Way::all(&settings.methods);
-        let expected = u32::try_from(expected).unwrap_or(u32::MAX);
-        let searches = |&radius| Searches::new(radius, settings.template, &ways, settings.each, expected);
-        let windows = settings.windows.iter().map(searches).collect();
-        let cases = if settings.methods.contains(&CoreKind::Smr) { expected.div_ceil(SPEEDS_EVERY) } else { 0 };
-        let speeds = Speeds::new(settings.each / 4, cases);
-        Self { settings, recordings: vec![], windows, speeds }
+/// A tracker without a target.
+pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
+    let mut config = Config::paper();
+    config.window = RADIUS;
+    config.window_limit = RADIUS;
+    config.backend = Some(backend);
+    config.pruning = pruning;
+    Box::new(Small::new(config).expect("the configuration can be used"))
+}
+
+impl Prepared {
+    /// Locked in the first frame, updated with the second: template and alpha are such as they are on the way.
+    pub fn new(backend: Backend, pruning: bool, target: Rect) -> Self {
+        let mut tracker = tracker(backend, pruning);
+        tracker.lock(&frame().frame(), target).expect("the box lies in the frame");
+        tracker.update(&synthetic::frame(FIRST + 1).frame()).expect("the frame is whole");
+        Self { tracker, frame: synthetic::frame(FIRST + 2) }
     }
 
-    /// Times the searches in a recording; `progress` is called after each case.
-    /// Errors: The recording cannot be read or tracked.
-    pub fn add(&mut self, sequence: Sequence, progress: impl Fn()) -> Result<()> {
-        let name = sequence.name.clone();
-        // It names the recording by itself.
-        sequence.start()?;
-        let mut count = 0;
-        case::triples(sequence, self.settings.every, |triple| {
-            for window in &mut self.windows {
-                window.add(triple, &name, self.settings.patience)?;
-            }
-            if count % SPEEDS_EVERY == 0 && self.settings.methods.contains(&CoreKind::Smr) {
-                self.speeds.add(triple, self.settings.patience)?;
-            }
-            count += 1;
-            progress();
-            Ok(())
-        })
-        .with_context(|| name.clone())?;
-        self.recordings.push(name);
-        Ok(())
+    /// Searches the third frame.
+    pub fn update(&mut self) -> Answer {
+        self.tracker.update(&self.frame.frame()).expect("the frame is whole")
     }
+}
+
+/// A patch and a template of the target's next frame, and the threshold that they are compared with.
+pub struct Patch {
+    pub frame: GrayFrame,
+    pub template: GrayFrame,
+    pub target: Rect,
+}
+
+/// Two pictures of 64x64 pixels of the target, one frame apart.
+pub fn patch() -> Patch {
+    let target = target(64, 64);
+    let first = frame();
+    let cut = first.frame().patch(target).expect("the box lies in the frame");
+    let pixels = cut.rows().flatten().copied().collect();
+    let template = GrayFrame { width: target.width, height: target.height, pixels };
+    Patch { frame: synthetic::frame(FIRST + 1), template, target }
 }

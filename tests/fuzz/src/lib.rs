@@ -45,7 +45,6 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("raw", readers::raw),
     ("boxes", readers::boxes),
     ("words", readers::words),
-    ("trax", readers::trax),
     ("former", readers::former),
     ("vectors", readers::vectors),
 ];

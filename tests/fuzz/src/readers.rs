@@ -1,9 +1,7 @@
 //! Every reader of host-sim: an error or the content, and never a panic.
 
-use host_sim::trax::{PROTOCOLS, Server, serve};
-use smr_core::{Frame, Rect, Tracker};
+use smr_core::{Rect, Tracker};
 use smr_evaluation::robustness::Former;
-use smr_evaluation::{Method, MethodKind, Report};
 use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -100,39 +98,6 @@ pub(crate) fn words(bytes: &[u8]) {
     let _ = boxes::region(text);
     let _ = text.parse::<FrameRange>();
     let _ = text.parse::<Resize>();
-}
-
-/// A tracker that does not move: the target tests only the protocol.
-struct Still(Rect);
-
-impl Method for Still {
-    fn kind(&self) -> MethodKind {
-        MethodKind::Smr
-    }
-
-    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> anyhow::Result<()> {
-        assert!(frame.bounds().contains(target) && !target.is_empty(), "{target:?}");
-        self.0 = target;
-        Ok(())
-    }
-
-    fn update(&mut self, _: &Frame<'_>) -> anyhow::Result<Report> {
-        Ok(Report::locked(self.0))
-    }
-}
-
-/// A session; its answers are lines of text.
-pub(crate) fn trax(bytes: &[u8]) {
-    // The file behind a path must not depend on the machine.
-    if bytes.windows(4).any(|four| four == b"/dev" || four == b"/pro" || four == b"/sys") {
-        return;
-    }
-    let protocol = PROTOCOLS.clone().nth(bytes.len() % 4).expect("there are four");
-    let build = || -> anyhow::Result<Box<dyn Method>> { Ok(Box::new(Still(Rect::default()))) };
-    let server = Server { name: "still".to_owned(), description: "stays".to_owned(), protocol, build };
-    let mut said = Vec::new();
-    let _ = serve(&server, bytes, &mut said);
-    assert!(String::from_utf8(said).is_ok_and(|said| said.ends_with('\n')));
 }
 
 /// Earlier results.

@@ -5,8 +5,8 @@
     protocol = trax
     command = python -m smr.vot
 
-It speaks the TraX protocol (`pip install vot-trax`) and gives the answers of `host-sim trax --method robust`; with `--paper` those of
-`host-sim trax --method smr --config camera`.
+It speaks the TraX protocol (`pip install vot-trax`) and gives the answers of `host-sim track`; with `--paper` those of
+`host-sim track --method smr --config camera`.
 """
 
 import argparse
