@@ -315,7 +315,6 @@ fn what_never_ends_is_refused_with_its_limit() {
     let against = |former: &str| host_sim(&["eval", "synthetic", "--robustness", "--against", former]);
     against("/dev/zero").refuses(&["/dev/zero", "64 MiB"]);
     host_sim(&["replay", "/dev/zero"]).refuses(&["/dev/zero", "no entry in 64 MiB"]);
-    host_sim(&["run", "/dev/zero"]).refuses(&["/dev/zero", "256 MiB", "ELF"]);
     host_sim(&["track", "/dev/zero", "--size", "60000x60000", "--init", "0,0,2,2"])
         .refuses(&["60000x60000", "at most 268435456"]);
     // A file that is too long for its kind is not opened.
@@ -453,9 +452,6 @@ fn messages_are_in_peoples_words() {
     let former = file("former.json", b"{\"measured\":[{\"tracker\":1}]}");
     host_sim(&["eval", "synthetic", "--robustness", "--against", &former])
         .refuses(&["former.json: line 1: expected what `host-sim eval --robustness --json` writes"]);
-    let firmware = file("firmware.elf", b"hello");
-    host_sim(&["run", &firmware]).refuses(&["firmware.elf is not firmware: expected an ELF file"]);
-    host_sim(&["run", PROGRAM]).refuses(&["is not firmware: expected an ELF file of 32 bits"]);
 }
 
 #[test]

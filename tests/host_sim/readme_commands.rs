@@ -13,12 +13,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// Beginnings of lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 10] = [
+const NOT_RUN: [(&str, &str); 9] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
     ("cargo bench -p smr-bench", "it takes minutes"),
-    ("cargo run --release -p smr-tests", "they take minutes; tests of their own run them"),
     ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
     ("ffmpeg -v error -f v4l2", "it needs a camera"),
     ("host-sim track /dev/video0", "it needs a camera"),
