@@ -230,7 +230,7 @@ def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
 
 
 def test_a_process_that_forks(synthetic):
-    """What was made before a fork works after it, or says why not."""
+    """An object made before a fork works after it, or says why not."""
     if not hasattr(os, "fork"):
         pytest.skip("no fork")
     frames, box = synthetic

@@ -6,9 +6,9 @@ const AGAIN_MS = 1000;
 const MOST_FAILURES = 3;
 
 export class Connection {
-  /** Whether targets are followed while the page is open. */
+  /** True: targets are followed while the page is open. */
   follows = true;
-  #revision = 0; // of the targets that this page knows
+  #revision = 0; // the number of the last change of the targets that this page knows
   #sending = Promise.resolve();
 
   /**
@@ -48,7 +48,7 @@ export class Connection {
         if (parts.length > 0) {
           news.rows.push(...(await answersOf(parts, now())));
         }
-        // What this page has sent is no news.
+        // Changes sent by this page are no news.
         await this.#sending;
         const isNew = news.revision > this.#revision;
         this.#revision = Math.max(this.#revision, news.revision ?? 0);
@@ -62,7 +62,7 @@ export class Connection {
     gone();
   }
 
-  /** Says which targets are wanted, one list after the other. If host-sim refuses them, throws its reason. */
+  /** Sends the wanted targets, after any list still being sent. Throws host-sim's reason if it refuses. */
   targets(targets) {
     const sent = this.#sending.then(async () => {
       const answer = await told("targets", targets.map(toldOf), { "If-Match": `"${this.#revision}"` });

@@ -18,7 +18,7 @@ const SLOWER = 0.8, PATIENCE = 10;
 // Less would be slower than to seek each picture.
 const LEAST_PART = 0.3;
 const SLOWEST = 0.0625, FASTEST = 16; // of browsers
-// How long a picture may come after its seek, and how often it is waited for: an old one, or none at all.
+// The longest wait for a picture after its seek (ms), and the most waits: for an old picture, and for any.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
 // The picture that a video shows; null if there is none yet.

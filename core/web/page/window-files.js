@@ -19,23 +19,30 @@ export function drawFiles(place, { formats, films, live }, take, make) {
   place.replaceChildren(...groups.flatMap(([title, nodes]) => (nodes.length === 0 ? [] : [title, ...nodes])));
 }
 
-/** How far a file is, or where it is. */
+/** Writes the progress of a file, or the way to it, in the line of its number. */
 export function drawMade(place, { id, done, file, error }) {
-  place.hidden = false;
+  const line = byId(`made${id}`) ?? newLine(place, `made${id}`);
   if (file) {
-    place.replaceChildren("The file is there: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
+    line.replaceChildren("The file is there: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
   } else {
-    place.replaceChildren(error || (done === null ? "The file is being made." : `The file is being made: ${Math.floor(100 * done)} %.`));
+    line.replaceChildren(error || (done === null ? "The file is being made." : `The file is being made: ${Math.floor(100 * done)} %.`));
   }
 }
 
-/** Of boxes that were saved while targets are followed, how far they are: their name says it. */
+function newLine(place, id) {
+  const line = htmlNode("div", { id });
+  place.prepend(line);
+  place.hidden = false;
+  return line;
+}
+
+/** Says how far boxes are that were saved while targets are followed: their name tells. */
 export function drawTaken(place, name) {
   const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
-  place.hidden = frames === undefined;
+  byId("taken")?.remove();
   if (frames !== undefined) {
     const said = [frames, all].filter(Boolean).map((count) => Number(count).toLocaleString("en")).join(" of ");
-    place.replaceChildren(`${name} holds ${said} frames: save it again when all are followed.`);
+    newLine(place, "taken").replaceChildren(`${name} holds ${said} frames: save it again when all are followed.`);
   }
 }
 

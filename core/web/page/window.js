@@ -251,9 +251,7 @@ function heard(told) {
   if (told.said !== undefined) {
     say(told.said);
   }
-  if (told.export !== undefined) {
-    drawMade(byId("made"), told.export);
-  }
+  told.exports?.forEach((one) => drawMade(byId("made"), one));
   measure();
   draw();
 }
@@ -609,10 +607,9 @@ async function take(format) {
 }
 
 async function make(what, options) {
-  byId("made").hidden = false;
-  byId("made").textContent = "The file is being made.";
-  if ((await trying(connection.make(what, options))) === "") {
-    byId("made").hidden = true;
+  const id = await trying(connection.make(what, options));
+  if (id !== "" && !byId(`made${id}`)) {
+    drawMade(byId("made"), { id, done: null });
   }
 }
 

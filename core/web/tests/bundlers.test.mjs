@@ -55,14 +55,14 @@ after(async () => {
 /** The module of a bundler. */
 const bundler = (name) => import(pathToFileURL(createRequire(join(process.env.SMR_BUNDLERS, "package.json")).resolve(name)));
 
-/** What the app answers at an address. */
+/** Checks the app's answer at an address. */
 async function answers(address) {
   const page = await browser.page(address);
   assert.equal(await page.until("document.title"), expected);
   await page.close();
 }
 
-/** What the app answers that lies in a folder, beside a page. */
+/** Checks the answer of the app in a folder, beside a page. */
 async function built(folder) {
   const server = createHttp((request, response) => {
     try {
@@ -76,7 +76,7 @@ async function built(folder) {
   await answers(`http://127.0.0.1:${server.address().port}/`).finally(() => server.close());
 }
 
-/** The same for a bundler that leaves addresses as they are: the README says what to copy. */
+/** Checks the app of a bundler that leaves addresses as they are: the README says what to copy. */
 async function besideModules(folder, page = PAGE) {
   writeFileSync(join(folder, "index.html"), page);
   ["smr.wasm", "smr-simd.wasm"].forEach((name) => copyFileSync(join(PACKAGE, name), join(folder, name)));

@@ -318,6 +318,7 @@ onWindow("a film and a report are made, and say where they are", async (page, { 
     await page.until(`${name}.test(document.querySelector("#made a")?.download)`, 120);
     assert.ok((await page.value(`fetch(document.querySelector("#made a").href).then((answer) => answer.arrayBuffer()).then(({ byteLength }) => byteLength)`)) > 1000);
   }
+  assert.equal(await page.value(`document.querySelectorAll("#made a").length`), 2, "the film is still there");
   await page.click("#firmware summary");
   await says(page, "firmware", /Config/);
 });
@@ -330,7 +331,7 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.until(`document.getElementById("track") !== null`);
   await other.until(`/36,24,24,28/.test(document.getElementById("track").textContent)`);
   await other.until(`document.querySelector("#targets .now").textContent === "tracking"`);
-  // What one of them draws comes to the other, which goes on from there.
+  // Boxes drawn in one come to the other, which goes on from there.
   await other.click("#plays");
   await other.click("#add");
   await dragBox(other, [100, 60, 30, 30]);

@@ -186,8 +186,8 @@ pub struct OpenOptions {
 /// The folder beside a recording with what other trackers answered on it.
 pub const RESULTS: &str = "trackers";
 
-/// Where the pictures of a recording in the layouts of OTB and VOT are.
-const INNER: [&str; 2] = ["img", "color"];
+/// The folders with the pictures of a recording in the layouts of OTB and VOT.
+pub const INNER: [&str; 2] = ["img", "color"];
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
 /// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a

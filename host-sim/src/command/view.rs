@@ -2,9 +2,9 @@
 
 use super::number::whole;
 use super::tracker_options::{Pair, TrackerOptions};
-use super::{Outcome, say, shell};
+use super::{Outcome, say, shell, usage};
 use anyhow::{Context, Result, bail, ensure};
-use clap::{Parser, ValueEnum};
+use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
 use smr_core::{Robust, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
@@ -192,7 +192,7 @@ struct Desk {
 
 /// The options of a method, as the page sends them.
 #[derive(Parser)]
-#[command(no_binary_name = true)]
+#[command(no_binary_name = true, name = "host-sim track")]
 struct Line {
     #[arg(long, value_enum)]
     method: MethodKind,
@@ -203,10 +203,9 @@ struct Line {
 impl Wish for Desk {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
         let words = ["--method", method].map(str::to_owned).into_iter().chain(typed(options));
-        let Line { method, tracker } = Line::try_parse_from(words).map_err(|error| {
-            let text = error.to_string();
-            anyhow::anyhow!("{}", text.lines().next().unwrap_or("").trim_start_matches("error: ").to_owned())
-        })?;
+        let words: Vec<_> = words.map(OsString::from).collect();
+        let Line { method, tracker } = Line::try_parse_from(&words)
+            .map_err(|error| anyhow::anyhow!(usage::said(&error, &Line::command(), &words)))?;
         tracker.variant(method)
     }
 

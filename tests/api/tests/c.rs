@@ -129,7 +129,7 @@ fn layouts(types: &str) -> Vec<(&str, [usize; 2])> {
     known.extend(["int32_t", "uint32_t", "smr_state"].map(|name| (name, [[4, 4]; 2])));
     let mut found = Vec::new();
     for block in types.split("typedef struct ").skip(1) {
-        // What is only declared has no fields.
+        // A struct that is only declared has no fields.
         let Some((name, body)) = block.split_once(" {\n").filter(|(name, _)| !name.contains(';')) else { continue };
         let body = body.split_once("\n}").expect("a struct has an end").0;
         let fields = body.lines().map(str::trim).filter(|line| line.ends_with(';') && !line.starts_with('*'));

@@ -227,7 +227,7 @@ class Camera:
         clients = self.connection.clients if getattr(self.connection, "udp_server", False) else None
         due = set()
         for address in [None] if clients is None else clients:
-            # Who has asked for nothing hears all.
+            # All messages go to one that has asked for nothing.
             for one in [one for (at, *_), one in self.receivers.items() if at == address] or [self.strangers]:
                 if one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least)):
                     due.add((address, one))
@@ -326,7 +326,7 @@ class Source(threading.Thread):
         frame = None
         for frame in self.recording:
             with self.changed:
-                # Of a live source only the newest frame counts.
+                # The newest frame of a live source replaces an older one.
                 self.changed.wait_for(lambda: self.frame is None or self.recording.is_live or not self.is_wanted)
                 if not self.is_wanted:
                     return False

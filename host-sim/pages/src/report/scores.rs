@@ -70,7 +70,7 @@ struct Scored {
 /// An entrant with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// What means are over: recordings in which the target is never visible are in none. `None` if one of the others has no score.
+/// Returns the values that a mean is over: recordings in which the target is never visible are in none. `None` if one of the others has no score.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()

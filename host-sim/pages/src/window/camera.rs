@@ -55,12 +55,12 @@ struct Shared {
 /// A gray frame that is kept.
 struct Came {
     number: usize,
-    /// How many were taken from the source, with this one.
-    taken: usize,
+    /// Frames taken from the source, this one included.
+    count: usize,
     gray: Arc<GrayFrame>,
     /// Since the first one.
     seconds: f64,
-    at: Instant,
+    arrived: Instant,
 }
 
 struct Kept {
@@ -89,7 +89,7 @@ impl Kept {
     fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
         (self.newest, self.taken) = (number, self.taken + 1);
         self.gray_bytes += gray.pixels.len();
-        self.gray.push_back(Came { number, taken: self.taken, gray: Arc::new(gray), seconds, at: Instant::now() });
+        self.gray.push_back(Came { number, count: self.taken, gray: Arc::new(gray), seconds, arrived: Instant::now() });
         while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
             self.gray_bytes -= self.gray.pop_front().map_or(0, |came| came.gray.pixels.len());
         }
@@ -163,26 +163,26 @@ impl Shared {
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
         let behind = kept.gray.partition_point(|came| came.number < reader.next);
-        let at = match reader.taken {
+        let place = match reader.count {
             _ if reader.has_caught_up => kept.gray.len() - 1,
             // The number of a frame that was dropped shows the one before.
             None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
             _ => behind,
         };
-        let Came { number, taken, gray, seconds, at } = &kept.gray[at];
-        let (number, taken, frame) = (reader.next.max(*number), *taken, (Some(*seconds), GrayFrame::clone(gray)));
-        let missed = reader.taken.map_or(0, |before| taken - before - 1);
-        (reader.next, reader.taken, reader.arrived) = (number + 1, Some(taken), Some(*at));
+        let Came { number, count, gray, seconds, arrived } = &kept.gray[place];
+        let (number, count, seconds, gray) = (reader.next.max(*number), *count, *seconds, GrayFrame::clone(gray));
+        let missed = reader.count.map_or(0, |before| count - before - 1);
+        (reader.next, reader.count, reader.arrived) = (number + 1, Some(count), Some(*arrived));
         kept.dropped += missed;
-        Some(Ok((number, frame.0, frame.1)))
+        Some(Ok((number, Some(seconds), gray)))
     }
 }
 
 /// One pass of the trackers.
 struct Reader {
     next: usize,
-    /// How many were taken from the source, with the one that was answered last.
-    taken: Option<usize>,
+    /// Frames taken from the source, up to the one that was answered last.
+    count: Option<usize>,
     /// From then on only the newest frame counts.
     has_caught_up: bool,
     /// When the frame came that was answered last.
@@ -239,7 +239,7 @@ impl Source for Camera {
         }
         drop(kept);
         let shared = Arc::clone(&self.0);
-        let mut reader = Reader { next: number, taken: None, has_caught_up: false, arrived: None, has_told: false };
+        let mut reader = Reader { next: number, count: None, has_caught_up: false, arrived: None, has_told: false };
         Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
     }
 

@@ -163,7 +163,7 @@ impl State {
         self.targets.iter().flat_map(|target| planned(target, self.edition))
     }
 
-    /// What is not answered yet and can be.
+    /// Returns the segments that lack answers and can get them.
     fn tasks(&self) -> Vec<Task> {
         let last = self.end.unwrap_or(usize::MAX);
         let task = |(key, end): (Key, usize)| {
@@ -191,7 +191,7 @@ impl State {
         })
     }
 
-    /// Tells the page again what is true of a part. Behind it in a segment are only rows that no target asks for.
+    /// Marks all answers from `part.from` on as new. Rows behind `part.to` are marked too, so that positions still grow; no target shows them.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -203,7 +203,7 @@ impl State {
         }
     }
 
-    /// How many frames there are, if the source knows of so many.
+    /// Returns the number of frames, if known.
     fn frames(&self, known: Option<usize>) -> Option<usize> {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
@@ -223,7 +223,7 @@ impl State {
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
-            // What was followed from such a frame before needs no other.
+            // A segment that was followed already needs no old frame.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((key, _)) = late {
@@ -284,7 +284,7 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
-/// What changed behind a position.
+/// Changes behind a position.
 pub(super) struct Heard {
     pub position: u64,
     /// The answers of these parts are void, unless they come again.
@@ -295,7 +295,7 @@ pub(super) struct Heard {
     pub rows: Vec<(u32, usize, Row)>,
     pub said: Vec<String>,
     pub made: Vec<u32>,
-    /// How many frames there are, or their times.
+    /// True if the number of frames or their times changed.
     pub frames: bool,
     /// Also the number of their last change.
     pub targets: Option<(Vec<Target>, u64)>,
@@ -439,17 +439,16 @@ impl Followed {
             state = self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
         }
         let news = &state.news;
-        let told = (news.said(since), news.made(since), news.frames > since, news.targets > since);
-        // Who was away for long begins anew.
-        let (void, since) = news.voided(since).map_or_else(
-            || (state.targets.iter().map(|target| Part::all(target.id)).collect(), 0),
-            |void| (void, since.min(news.end())),
-        );
+        let heard = since;
+        // A page that was away for long begins anew.
+        let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
         let first = state.changed(since).map(|(_, segment, places)| segment.rows[places.start].0).min();
         let position = match first.filter(|_| !asks) {
-            Some(first) => news.end().min(first - 1 + PORTION as u64),
+            // Behind a shorter portion, parts would be void that are not remembered.
+            Some(first) => news.end().min((first - 1 + PORTION as u64).max(news.forgotten)),
             None => news.end(),
         };
+        let is_told = |at: u64| heard < at && at <= position;
         let changed: Vec<_> = state
             .changed(since)
             .map(|(target, segment, places)| {
@@ -470,13 +469,17 @@ impl Followed {
         };
         Heard {
             position,
-            void,
-            rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
+            void: if news.remembers(heard) {
+                news.voided(is_told)
+            } else {
+                state.targets.iter().map(|target| Part::all(target.id)).collect()
+            },
+            rows: if is_short || !asks { changed.iter().flat_map(rows).collect() } else { Vec::new() },
             changed: changed.iter().map(part).collect(),
-            said: told.0,
-            made: told.1,
-            frames: told.2,
-            targets: told.3.then(|| (state.targets.clone(), news.targets)),
+            said: news.said(is_told),
+            made: news.made(is_told),
+            frames: is_told(news.frames),
+            targets: is_told(news.targets).then(|| (state.targets.clone(), news.targets)),
         }
     }
 

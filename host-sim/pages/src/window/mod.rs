@@ -36,7 +36,7 @@ pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFram
 
 /// Where the frames of a window come from: a recording, or a camera.
 pub trait Source: Send + Sync {
-    /// How many frames there are, as far as that is known, and when each is shown, in seconds. Both only grow.
+    /// Returns the number of frames, as far as that is known, and their times in seconds. Both only grow.
     fn known(&self) -> Known;
 
     /// The frames from `number` on.
@@ -72,7 +72,7 @@ pub struct LiveState {
     /// The numbers of the oldest frame that is kept, and of the newest.
     pub oldest: usize,
     pub newest: usize,
-    /// Frames that came while the trackers were busy.
+    /// Frames of the source that no tracker got.
     pub dropped: usize,
     /// From the arrival of a frame to its answer.
     pub latency_ms: f64,

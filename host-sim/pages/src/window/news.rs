@@ -1,4 +1,4 @@
-//! Positions of changes: each change takes the next one. A page names the position that it knows, and is told what changed behind it.
+//! Numbers all changes. A page says which number it has seen, and gets the later changes.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -25,14 +25,15 @@ const MOST_SAID: usize = 4;
 #[derive(Default)]
 pub(super) struct News {
     end: u64,
-    /// Of the last change of the targets, and of how many frames there are or of their times.
+    /// The position of the last change of the targets.
     pub targets: u64,
+    /// The position of the last change of the number of frames, or of their times.
     pub frames: u64,
     said: VecDeque<(u64, String)>,
     made: BTreeMap<u32, u64>,
     void: VecDeque<(u64, Part)>,
     /// The position of the last part that is not remembered.
-    forgotten: u64,
+    pub forgotten: u64,
 }
 
 impl News {
@@ -70,25 +71,29 @@ impl News {
         self.made.insert(id, at);
     }
 
-    /// The parts that became void behind `since`; `None` if not all of them are remembered.
-    pub fn voided(&self, since: u64) -> Option<Vec<Part>> {
-        (since == 0 || since >= self.forgotten).then(|| behind(&self.void, since))
+    /// True if all parts that became void behind `since` are remembered.
+    pub const fn remembers(&self, since: u64) -> bool {
+        since == 0 || since >= self.forgotten
     }
 
-    pub fn said(&self, since: u64) -> Vec<String> {
-        behind(&self.said, since)
+    pub fn voided(&self, is_told: impl Fn(u64) -> bool) -> Vec<Part> {
+        told(&self.void, is_told)
+    }
+
+    pub fn said(&self, is_told: impl Fn(u64) -> bool) -> Vec<String> {
+        told(&self.said, is_told)
     }
 
     /// The files that have progressed, the last one at the end.
-    pub fn made(&self, since: u64) -> Vec<u32> {
-        let mut made: Vec<_> = self.made.iter().filter(|(_, at)| **at > since).map(|(id, at)| (*at, *id)).collect();
+    pub fn made(&self, is_told: impl Fn(u64) -> bool) -> Vec<u32> {
+        let mut made: Vec<_> = self.made.iter().filter(|(_, at)| is_told(**at)).map(|(id, at)| (*at, *id)).collect();
         made.sort_unstable();
         made.into_iter().map(|(_, id)| id).collect()
     }
 }
 
-fn behind<T: Clone>(all: &VecDeque<(u64, T)>, since: u64) -> Vec<T> {
-    all.iter().filter(|(at, _)| *at > since).map(|(_, one)| one.clone()).collect()
+fn told<T: Clone>(all: &VecDeque<(u64, T)>, is_told: impl Fn(u64) -> bool) -> Vec<T> {
+    all.iter().filter(|(at, _)| is_told(*at)).map(|(_, one)| one.clone()).collect()
 }
 
 #[cfg(test)]
@@ -103,11 +108,14 @@ mod tests {
         news.void(Part::all(1));
         news.makes(3);
         news.makes(7);
-        assert_eq!((news.said(0), news.said(1), news.end()), (vec!["one".to_owned()], vec![], 5));
-        assert_eq!((news.made(0), news.made(4), news.made(5)), (vec![3, 7], vec![7], vec![]));
-        assert_eq!((news.voided(2), news.voided(3)), (Some(vec![Part::all(1)]), Some(vec![])));
+        let within = |since, to| move |at| since < at && at <= to;
+        assert_eq!((news.said(within(0, 5)), news.said(within(1, 5))), (vec!["one".to_owned()], vec![]));
+        assert_eq!((news.made(within(0, 5)), news.made(within(4, 5))), (vec![3, 7], vec![7]));
+        assert_eq!((news.made(within(0, 4)), news.made(within(5, 5)), news.end()), (vec![3], vec![], 5));
+        assert_eq!((news.voided(within(2, 5)), news.voided(within(3, 5))), (vec![Part::all(1)], vec![]));
         (0..2 * MOST_VOID).for_each(|_| news.void(Part::all(2)));
         (0..9).for_each(|_| news.say("more".to_owned()));
-        assert_eq!((news.voided(0).unwrap().len(), news.voided(3), news.said(0).len()), (MOST_VOID, None, MOST_SAID));
+        assert_eq!((news.voided(|_| true).len(), news.said(|_| true).len()), (MOST_VOID, MOST_SAID));
+        assert!(news.remembers(0) && !news.remembers(3) && news.remembers(news.forgotten));
     }
 }

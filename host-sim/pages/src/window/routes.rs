@@ -179,8 +179,8 @@ impl Window {
         })
     }
 
-    /// What changed behind the position `since`. With `ranges=1` the page asks for `answers` itself where there are many; with `wait=0` it has
-    /// other things to do than to wait.
+    /// Returns the changes behind `since`. `ranges=1`: many answers are only named, and the page asks for them by `answers`. `wait=0`: returns
+    /// at once.
     fn news(&self, query: &str) -> Result<Value> {
         let (since, asks) = (number(query, "since")?, value(query, "ranges").is_some());
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };

@@ -28,9 +28,9 @@ use tokio_io_timeout::TimeoutStream;
 
 /// The most connections at a time that have not shown the token.
 const MOST_STRANGERS: usize = 128;
-/// How long a connection may take to send a header or a body.
+/// The longest time in which a connection sends a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// How long it may read nothing of a reply, in times of that.
+/// The longest time without reading a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
 /// The most bytes of a body: a list of targets with thousands of corrections.
 const MOST_BYTES: usize = 1 << 20;

@@ -19,7 +19,7 @@ struct Scene {
     every: Option<usize>,
     /// The oldest frame that a camera keeps.
     oldest: AtomicUsize,
-    /// How many frames the source knows of, and how many it gives; 0: all, and it does not know.
+    /// The number of frames that the source knows of, and the number that it gives; 0: all, and it does not know.
     known: usize,
     given: AtomicUsize,
 }
@@ -278,16 +278,30 @@ fn a_page_is_told_by_portions_or_asks_for_parts() {
     assert!(portion.rows.len() == PORTION && portion.position < running.position);
     let all = running.followed.heard(0, Duration::ZERO, true);
     assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
+    running.followed.makes(7);
+    let heard = portions(&running);
+    assert_eq!((heard[0].made.len(), heard.last().unwrap().made.clone()), (0, vec![7]), "each change is told once");
     assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
     let (rows, to) = running.followed.part(Part { target: 4, from: 50, to: usize::MAX });
     assert_eq!((rows.len(), rows[0].0, to), (FRAMES - 49, 50, usize::MAX));
-    // Who has not heard for very long begins anew.
+    // A page that has heard nothing for long begins anew.
     for turn in 0..1100 {
         running.try_set(vec![target(1, if turn % 2 == 0 { &[1, 30] } else { &[1] }), target(2, &[1])]).unwrap();
     }
     running.heard();
     let anew = running.followed.heard(all.position, Duration::ZERO, true);
     assert!((anew.void, anew.rows.len()) == (vec![Part::all(1), Part::all(2)], 0));
+    assert_eq!(portions(&running).iter().map(|heard| heard.rows.len()).sum::<usize>(), 2 * FRAMES);
+}
+
+/// All that is told to a program that does not ask for parts.
+fn portions(running: &Running) -> Vec<Heard> {
+    let mut all = vec![running.followed.heard(0, Duration::ZERO, false)];
+    while all.last().unwrap().position < running.followed.state().news.end() {
+        all.push(running.followed.heard(all.last().unwrap().position, Duration::ZERO, false));
+        assert!(all.len() < 100, "it comes to an end");
+    }
+    all
 }
 
 #[test]
