@@ -206,7 +206,7 @@ pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
 }
 
 /// True of the names of the files that lie beside recordings.
-pub(super) fn is_known(file: &Path) -> bool {
+pub fn is_known(file: &Path) -> bool {
     let names = ["init.txt", "gt.txt", "groundtruth_rect.txt", VOT, "absence.label"];
     file.file_name().is_some_and(|name| names.iter().any(|known| name == *known))
 }

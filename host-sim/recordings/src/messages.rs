@@ -26,7 +26,7 @@ pub fn of_io(error: &io::Error) -> String {
         ErrorKind::PermissionDenied => {
             "the system does not permit it to this user: expected another, or other permissions"
         }
-        ErrorKind::NotADirectory => "what should be a folder is a file",
+        ErrorKind::NotADirectory => "it is no folder, or a part of its path is none",
         ErrorKind::IsADirectory => "it is a folder: expected a file",
         ErrorKind::AlreadyExists => "there is something of that name: expected another",
         ErrorKind::UnexpectedEof => "it ends too early",

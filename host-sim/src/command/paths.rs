@@ -143,7 +143,7 @@ fn is_part(file: &Path, path: &Path) -> bool {
     let (file, path) = (real(file), real(path));
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(&path) };
     let beside = file.parent() == Some(folder);
-    file.is_file()
+    (file.is_file() || smr_recordings::boxes::is_known(&file))
         && file.starts_with(folder)
         && (smr_recordings::is_of_boxes(&file) && (beside || path.is_dir())
             || path.is_dir() && smr_recordings::is_of_frames(&file))
@@ -205,6 +205,7 @@ mod tests {
             assert_eq!(is_part(&path(name), &path("clip")), name != "clip/notes.txt", "{name}");
         }
         assert!(!is_part(&path("clip/2.png"), &path("clip")), "it is not there");
+        assert!(is_part(&path("clip/init.txt"), &path("clip")), "it would be read from then on");
         let of_file = |name: &str| is_part(&path(name), &path("clip/a.mp4"));
         assert!(of_file("clip/gt.txt") && !of_file("clip/1.png") && !of_file("clip/img/1.png"));
     }
