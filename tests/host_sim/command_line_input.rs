@@ -36,7 +36,8 @@ fn ground_truth_that_begins_later_is_said_and_mended() {
     let boxes = fs::read_to_string(david.join("gt.txt")).unwrap();
     let boxes: Vec<&str> = boxes.lines().collect();
     let run = |words: &[&str]| host_sim(&[&words[..1], &[utf8(&david)], &words[1..]].concat());
-    let (page, lengths) = (folder.path().join("page.html"), "there are 12 frames, but the ground truth has 7 boxes");
+    let (page, lengths) =
+        (folder.path().join("page.html"), "there are 12 frames, but the ground truth has 7 boxes for them");
     let evaluated = |words: &[&str]| run(&[&["eval", "--method", "robust", "--json"], words].concat());
     let recall = |words: &[&str]| evaluated(words).json()["measured"][0]["recall"].as_f64();
     let whole = run(&["track"]);
@@ -68,7 +69,7 @@ fn ground_truth_that_begins_later_is_said_and_mended() {
     }
     run(&["track", "--truth-from", "13"]).refuses(&["there is no frame 13 (--truth-from): expected 1 to 12"]);
     fs::write(david.join("gt.txt"), [&boxes[..], &boxes[..1]].concat().join("\n")).unwrap();
-    assert!(run(&["track"]).err.contains("the ground truth has 13 boxes: expected a box a frame"));
+    assert!(run(&["track"]).err.contains("the ground truth has 13 boxes for them: expected a box a frame"));
     // A file that does not say how many frames it has.
     let film = folder.path().join("film.y4m");
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..12", "-o", utf8(&film)]).code, Some(0));
@@ -694,7 +695,7 @@ fn a_command_line_that_cannot_be_read_is_mended() {
         ("track CLIP --json --json", "--json is given more than once: expected it once"),
         ("track CLIP --json --format csv", "--json does not go with --format <FORMAT>: expected one of them"),
         ("track CLIP --json=yes", "--json takes no value"),
-        // What can be read, and means nothing.
+        // Lines that can be read, and mean nothing.
         ("track CLIP --method smr --window 0x0", "--window 0x0: the target is looked for nowhere else"),
         ("track synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),
         ("synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),

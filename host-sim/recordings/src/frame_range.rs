@@ -109,7 +109,8 @@ pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
     } else {
         "expected a box a frame: is it the ground truth of another recording?"
     };
-    (boxes != frames).then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes: {mend}"))
+    (boxes != frames)
+        .then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes for them: {mend}"))
 }
 
 /// The frames of `range`; an error if they end before it.

@@ -170,8 +170,6 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
         .or_else(|| in_box((&[b"avif", b"avis"], "an AVIF picture")))
 }
 
-const PFM: &str = "a picture of floating-point numbers (PFM)";
-
 const FOREIGN_MAGIC: [(&[u8], &str); 11] = [
     (b"BM", "a BMP picture"),
     (b"II*\0", "a TIFF picture"),
@@ -182,8 +180,8 @@ const FOREIGN_MAGIC: [(&[u8], &str); 11] = [
     (b"\0\0\0\x0CjP  ", "a JPEG 2000 picture"),
     (b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
     (b"\x76\x2F\x31\x01", "an OpenEXR picture"),
-    (b"Pf", PFM),
-    (b"PF", PFM),
+    (b"Pf", "a picture of floating-point numbers (PFM)"),
+    (b"PF", "a picture of floating-point numbers (PFM)"),
 ];
 
 /// Facts of a PNG's chunks besides pixels.

@@ -545,6 +545,7 @@ mod pictures {
             (b"RIFF\x10\0\0\0WEBPVP8 ".to_vec(), "it is a WebP picture, which is not read"),
             (b"\0\0\0\x18ftypheic\0\0\0\0".to_vec(), "it is a HEIC picture"),
             (b"\0\0\0\x20ftypavif\0\0\0\0".to_vec(), "it is an AVIF picture"),
+            (b"PF\n2 1\n-1.0\n".to_vec(), "it is a picture of floating-point numbers (PFM)"),
             (b"II*\0\x08\0\0\0".to_vec(), "it is a TIFF picture"),
             (b"BM\0\0".to_vec(), "it is a BMP picture"),
             (b"P4 8 1 \xAA".to_vec(), "it is a bitmap of one bit (PBM)"),

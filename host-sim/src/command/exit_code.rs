@@ -32,10 +32,9 @@ pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
 }
 
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
-    // Called by this name in all that is said, whatever the name of its file is.
     let all = T::command();
-    let name = all.get_name().to_owned();
-    let all = all.bin_name(name);
+    // One name, whatever its file is called.
+    let all = all.clone().bin_name(all.get_name().to_owned());
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);
     }

@@ -250,7 +250,7 @@ impl Wish for Desk {
             _ => "txt",
         };
         let (reached, all) = (followed.answered(), known.frames);
-        // What is still followed says how far it is.
+        // The name of a result that grows says how far it is.
         let so_far = match all {
             Some(all) if reached >= all || self.is_live => String::new(),
             Some(all) => format!("-{reached}-of-{all}-frames"),
