@@ -36,7 +36,8 @@ fn ground_truth_that_begins_later_is_said_and_mended() {
     let boxes = fs::read_to_string(david.join("gt.txt")).unwrap();
     let boxes: Vec<&str> = boxes.lines().collect();
     let run = |words: &[&str]| host_sim(&[&words[..1], &[utf8(&david)], &words[1..]].concat());
-    let (page, lengths) = (folder.path().join("page.html"), "there are 12 frames, but the ground truth has 7 boxes");
+    let (page, lengths) =
+        (folder.path().join("page.html"), "there are 12 frames, but the ground truth has 7 boxes for them");
     let evaluated = |words: &[&str]| run(&[&["eval", "--method", "robust", "--json"], words].concat());
     let recall = |words: &[&str]| evaluated(words).json()["measured"][0]["recall"].as_f64();
     let whole = run(&["track"]);
@@ -44,7 +45,13 @@ fn ground_truth_that_begins_later_is_said_and_mended() {
     fs::write(david.join("gt.txt"), boxes[5..].join("\r")).unwrap();
     let said = run(&["track"]);
     assert_eq!((said.code, said.err.lines().count()), (Some(0), 1), "{}", said.err);
-    assert!(said.err.starts_with(&format!("warning: David: {lengths}: --truth-from")), "{}", said.err);
+    assert!(
+        said.err.starts_with(&format!(
+            "warning: David: {lengths}: say which frame the first box is of (--truth-from N), or"
+        )),
+        "{}",
+        said.err
+    );
     evaluated(&[]).refuses(&[lengths, "--truth-from"]);
     run(&["report", "-o", utf8(&page)]).refuses(&[lengths, "--truth-from"]);
     for mended in [&["--truth-from", "6"][..], &["--frames", "6.."]] {
@@ -54,11 +61,21 @@ fn ground_truth_that_begins_later_is_said_and_mended() {
         assert_eq!(recall(mended), Some(1.0), "{mended:?}");
         assert_eq!(run(&[&["report", "-o", utf8(&page)], mended].concat()).code, Some(0));
     }
-    assert_eq!(recall(&["--truth-from", "6", "--frames", "8..10"]), Some(1.0));
-    run(&["eval", "--truth-from", "6", "--frames", "2..10"]).refuses(&["expected frame 6 or later"]);
+    for frames in ["8..10", "..10"] {
+        assert_eq!(recall(&["--truth-from", "6", "--frames", frames]), Some(1.0), "{frames}");
+    }
+    for frames in ["2..10", "..5"] {
+        run(&["eval", "--truth-from", "6", "--frames", frames]).refuses(&["expected frame 6 or later"]);
+    }
     run(&["track", "--truth-from", "13"]).refuses(&["there is no frame 13 (--truth-from): expected 1 to 12"]);
     fs::write(david.join("gt.txt"), [&boxes[..], &boxes[..1]].concat().join("\n")).unwrap();
-    assert!(run(&["track"]).err.contains("there are 12 frames, but the ground truth has 13 boxes"));
+    assert!(run(&["track"]).err.contains("the ground truth has 13 boxes for them: expected a box a frame"));
+    // A file that does not say how many frames it has.
+    let film = folder.path().join("film.y4m");
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..12", "-o", utf8(&film)]).code, Some(0));
+    fs::write(folder.path().join("gt.txt"), boxes[5..].join("\n")).unwrap();
+    assert_eq!(host_sim(&["eval", utf8(&film), "--frames", "6.."]).code, Some(0));
+    host_sim(&["eval", utf8(&film), "--truth-from", "13"]).refuses(&["there is no frame 13 (--truth-from)"]);
 }
 
 /// The target is followed in spite of it.
@@ -562,7 +579,7 @@ fn the_name_of_an_output_says_what_it_is() {
         host_sim(&[&[command], sequence, &[option, &path(name)]].concat()).refuses(&[option, name, expected]);
     }
     for (command, name, format, expected) in [
-        ("track", "b.csv", "json", "expected a file that ends in .json or .jsonl or .txt"),
+        ("track", "b.csv", "json", "expected a file that ends in .json, .jsonl or .txt, or has no ending"),
         ("track", "b.JSON", "csv", "expected a file that ends in .csv or .txt"),
         ("track", "b.csv", "tld", "expected a file that ends in .txt"),
         ("track", "b.xml", "coco", "expected a file that ends in .json or .txt"),
@@ -674,7 +691,7 @@ fn a_command_line_that_cannot_be_read_is_mended() {
         ("track CLIP --json --json", "--json is given more than once: expected it once"),
         ("track CLIP --json --format csv", "--json does not go with --format <FORMAT>: expected one of them"),
         ("track CLIP --json=yes", "--json takes no value"),
-        // What can be read, and means nothing.
+        // Lines that can be read, and mean nothing.
         ("track CLIP --method smr --window 0x0", "--window 0x0: the target is looked for nowhere else"),
         ("track synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),
         ("synthetic --init 1,1,9,9@999", "synthetic: there is no frame 999 (--init): expected 1 to 240"),

@@ -85,7 +85,7 @@ def spans(trace, mark):
         elif line.startswith(b"IN:"):
             printed = (0, 0)
         elif line.startswith(b"Stopped execution") and pairs is not None and last is not None:
-            # Of the block before: it had not begun.
+            # The count of the block before is taken back: it had not begun.
             pairs[None, last] -= 1
             last = None
     for pairs in ended:

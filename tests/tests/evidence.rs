@@ -14,7 +14,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// What stands between backticks in a line, or is a line of a block, and begins like a command.
+/// Commands of a text: between backticks in a line, or a line of a block.
 fn commands(text: &str) -> Vec<&str> {
     let mut is_block = false;
     let parts = text.lines().flat_map(|line| {

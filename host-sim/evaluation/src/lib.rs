@@ -216,7 +216,7 @@ pub(crate) mod tests {
         let error = |sequence| format!("{:#}", evaluated(sequence, &[]).err().unwrap());
         assert!(error(Sequence { truth: None, ..sequence() }).contains("moving: no ground truth"));
         let short = sequence().truth.map(|truth| truth[..3].to_vec());
-        let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes: --truth-from says";
+        let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes for them: say which";
         assert!(error(Sequence { truth: short, ..sequence() }).starts_with(lengths));
         assert!(error(Sequence { init: None, ..sequence() }).contains("no box to start from"));
         let tiny = BoundingBox { x: 1.0, y: 1.0, width: 0.3, height: 5.0 };

@@ -18,7 +18,7 @@ pub const CORRECT: f64 = 0.25;
 /// The stricter count beside it.
 const CORRECT_50: f64 = 0.5;
 
-/// How well a trajectory fits the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT. If the target is never
+/// Agreement of a trajectory with the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT. If the target is never
 /// visible, nothing is known but the counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct Score {

@@ -105,7 +105,7 @@ impl FromStr for BoundingBox {
 
     fn from_str(text: &str) -> Result<Self> {
         let expected = "expected x,y,width,height: four numbers with commas, width and height above 0";
-        let [x, y, width, height] = four_numbers(text).context(expected)?;
+        let [x, y, width, height] = four_numbers(text).filter(|_| text.contains(',')).context(expected)?;
         let typed = Self { x, y, width, height };
         ensure!(typed.has_area() && !x.is_nan() && !y.is_nan(), expected);
         Ok(typed)
@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn typed_boxes() {
         assert_eq!("1,2.5,3,4".parse::<BoundingBox>().unwrap(), boxed(1.0, 2.5, 3.0, 4.0));
-        for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d"] {
+        for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d", "1 2 3 4"] {
             let error = message(text.parse::<BoundingBox>().unwrap_err());
             assert_eq!(
                 error, "expected x,y,width,height: four numbers with commas, width and height above 0",

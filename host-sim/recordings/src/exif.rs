@@ -26,7 +26,7 @@ fn stated(exif: &[u8]) -> Option<u32> {
     number(entry + 8, if number(entry + 2, 2)? == 4 { 4 } else { 2 })
 }
 
-/// What Exif data begin with in JPEG.
+/// The first bytes of Exif data in JPEG.
 pub(super) const HEAD: &[u8] = b"Exif\0\0";
 
 #[cfg(test)]

@@ -19,10 +19,15 @@ impl FrameRange {
         Self { first, last: None }
     }
 
-    /// The same frames if those before the one of this number are not counted.
+    /// Renumbers the range so that frame `first` is 1.
     pub fn counted_from(&self, first: usize) -> Self {
         let shifted = |number: usize| (number + 1).saturating_sub(first).max(1);
         Self { first: shifted(self.first), last: self.last.map(shifted) }
+    }
+
+    /// These frames from the one of this number on, if they began with the first.
+    pub fn begun_at(self, first: usize) -> Self {
+        Self { first: if self.first == 1 { first } else { self.first }, ..self }
     }
 
     /// True if it begins with the first frame, which the box to start from is in.
@@ -40,12 +45,12 @@ impl FrameRange {
         self.last
     }
 
-    /// How many frames of a recording with so many belong to it.
+    /// The number of its frames in a recording of `length` frames.
     pub fn length_of(&self, length: usize) -> usize {
         length.min(self.last.unwrap_or(length)).saturating_sub(self.first - 1)
     }
 
-    /// What of a list with an entry a frame belongs to these frames.
+    /// Returns the entries of these frames; `entries` has one a frame.
     pub fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
         entries.truncate(self.last.unwrap_or(usize::MAX));
         entries.drain(..entries.len().min(self.first - 1));
@@ -79,32 +84,41 @@ impl fmt::Display for FrameRange {
 }
 
 impl Sequence {
-    /// The same if the ground truth begins with the frame of this number: the frames before it have none.
+    /// Puts the first line of the ground truth at frame `first`: the frames before it have none.
     pub fn with_truth_from(mut self, first: usize) -> Self {
         self.truth = self.truth.map(|truth| std::iter::repeat_n(None, first - 1).chain(truth).collect());
         self
     }
 
     /// Only these frames, and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
-    /// the ground truth, if there is any.
-    pub fn part(self, range: FrameRange) -> Self {
+    /// the ground truth, if there is any. `option`: the words that asked for them, for errors.
+    pub fn part(self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init =
             if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| range.length_of(length));
-        let part = part(self.name.clone(), self.frames, range);
+        let part = part([self.name.clone(), option.to_owned()], self.frames, range);
         Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
     }
 }
 
 /// Says that ground truth of so many boxes is not that of so many frames; `None` if it is.
 pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
-    let mend = "--truth-from says in which frame the first one lies, --frames leaves out frames without";
-    (boxes != frames).then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes: {mend}"))
+    let mend = if boxes < frames {
+        "say which frame the first box is of (--truth-from N), or read only the frames that have boxes (--frames A..B)"
+    } else {
+        "expected a box a frame: is it the ground truth of another recording?"
+    };
+    (boxes != frames)
+        .then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes for them: {mend}"))
 }
 
 /// The frames of `range`; an error if they end before it.
-fn part(name: String, mut frames: Frames, range: FrameRange) -> impl Iterator<Item = Result<GrayFrame>> + Send {
+fn part(
+    [name, option]: [String; 2],
+    mut frames: Frames,
+    range: FrameRange,
+) -> impl Iterator<Item = Result<GrayFrame>> + Send {
     let (first, last) = (range.first, range.last.unwrap_or(usize::MAX));
     let mut number = 0;
     std::iter::from_fn(move || {
@@ -116,9 +130,7 @@ fn part(name: String, mut frames: Frames, range: FrameRange) -> impl Iterator<It
                     let length = number - 1;
                     // What follows an error is the end.
                     number = usize::MAX;
-                    return Some(Err(anyhow!(
-                        "{name}: there is no frame {first} (--frames {range}): expected 1 to {length}"
-                    )));
+                    return Some(Err(anyhow!("{name}: there is no frame {first} ({option}): expected 1 to {length}")));
                 }
                 next => return next,
             }
@@ -138,7 +150,7 @@ mod tests {
     }
 
     fn synthetic_part(text: &str) -> Sequence {
-        open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap().part(range(text))
+        open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap().part(range(text), "--frames")
     }
 
     #[test]
@@ -171,7 +183,7 @@ mod tests {
         let mut late = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         late.truth.as_mut().unwrap().drain(..10);
         let (truth, length) = (late.truth.clone(), late.length.unwrap());
-        let part = late.with_truth_from(11).part(FrameRange::from(11));
+        let part = late.with_truth_from(11).part(FrameRange::from(11), "--truth-from");
         assert_eq!((part.first, part.length, part.init), (11, Some(length - 10), synthetic::truth(10)));
         assert_eq!(part.truth, truth);
         assert_eq!(range("13..20").counted_from(11).to_string(), "3..10");
@@ -181,8 +193,7 @@ mod tests {
     fn a_part_beyond_the_end_is_named() {
         let mut part = synthetic_part("9000..");
         let error = part.frames.next().unwrap().unwrap_err().to_string();
-        let expected =
-            format!("synthetic: there is no frame 9000 (--frames 9000..): expected 1 to {}", synthetic::LENGTH);
+        let expected = format!("synthetic: there is no frame 9000 (--frames): expected 1 to {}", synthetic::LENGTH);
         assert_eq!((error, part.length, part.truth), (expected, Some(0), Some(vec![])));
         assert!(part.frames.next().is_none());
     }

@@ -1,7 +1,6 @@
-//! When the frames of a video are shown, in seconds, and whether each can be sought.
+//! Times of a video's frames in seconds, and whether a frame can be sought.
 //!
-//! The packets of a file say it without being decoded, if each is a frame, and each time stands once and after the one before. Else the file is decoded
-//! as a whole, and read from its beginning.
+//! They come from packets if each is one frame and times grow; else the file is decoded whole, and read from its beginning.
 
 use super::video::{self, FROM_ZERO, Patient, Pictures, Use};
 use super::y4m;
@@ -29,7 +28,7 @@ struct Found {
 }
 
 impl Index {
-    /// Of a recording without times.
+    /// An index of a recording without times.
     pub fn unknown() -> Arc<Self> {
         let index = Arc::<Self>::default();
         index.change(|found| found.is_whole = true);
@@ -128,7 +127,7 @@ const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2v
 /// Codecs that begin anew at each key frame, and have packets without a frame that look like all others.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
-/// So many frames are decoded, to see whether packets say the same.
+/// Frames decoded to test what packets say.
 const TRIED: usize = 48;
 
 fn packets(file: &Path, patience: Duration) -> Packets {
@@ -198,7 +197,7 @@ impl Read {
         }
         let seconds = |&time: &i64| time as f64 * self.base.0 / self.base.1;
         let tried: Vec<f64> = decoded(file, patience).take(TRIED).collect();
-        // What comes before the first one cannot be decoded: the recording was begun between two whole pictures.
+        // Packets before the first decoded frame cannot be decoded: the recording was begun between two whole pictures.
         let first = *tried.first()?;
         let mut times: Vec<f64> = self.times.drain(..).map(|time| seconds(&time)).collect();
         times.drain(..times.partition_point(|&time| time < first - SAME));

@@ -11,9 +11,9 @@ pub(super) enum Transfer {
 /// (BT.709) lacks are cut.
 pub(super) struct Tones {
     transfer: Transfer,
-    /// Of each level of 12 bits: light as a multiple of white; of HLG that of the scene, from 0 to 1.
+    /// Light as a multiple of white, of each level of 12 bits; of HLG that of the scene, from 0 to 1.
     light: Vec<f32>,
-    /// Of the root of light, in 4095 steps: the level that a screen takes (sRGB).
+    /// The level that a screen takes (sRGB), of the root of light in 4095 steps.
     levels: Vec<u8>,
 }
 

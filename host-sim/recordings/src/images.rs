@@ -170,7 +170,7 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
         .or_else(|| in_box((&[b"avif", b"avis"], "an AVIF picture")))
 }
 
-const FOREIGN_MAGIC: [(&[u8], &str); 10] = [
+const FOREIGN_MAGIC: [(&[u8], &str); 11] = [
     (b"BM", "a BMP picture"),
     (b"II*\0", "a TIFF picture"),
     (b"MM\0*", "a TIFF picture"),
@@ -181,9 +181,10 @@ const FOREIGN_MAGIC: [(&[u8], &str); 10] = [
     (b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
     (b"\x76\x2F\x31\x01", "an OpenEXR picture"),
     (b"Pf", "a picture of floating-point numbers (PFM)"),
+    (b"PF", "a picture of floating-point numbers (PFM)"),
 ];
 
-/// What the chunks of a PNG say besides its pixels.
+/// Facts of a PNG's chunks besides pixels.
 struct Chunks {
     orientation: u8,
     /// Pictures of an animation.
@@ -233,7 +234,7 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     }
     ensure!(!chunks.is_of_apple, unread("a PNG in Apple's own form"));
     ensure!(chunks.next(bytes).is_none(), several());
-    // For what the file holds besides pixels. The number of pixels is checked below.
+    // The limit is for chunks besides pixels. The number of pixels is checked below.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     // To gray or RGB, with or without alpha, of 8 or 16 bits each.

@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 pub struct Kind {
-    /// As it follows "expected".
+    /// The words behind "expected".
     pub expected: &'static str,
     /// In MiB.
     pub most: u32,
@@ -19,10 +19,10 @@ pub struct Kind {
 /// A million frames of boxes, and of most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 /// Any of 16384x16384 pixels, except in colour without compression.
-pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM or PPM picture", most: 512 };
+pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
 pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
 
-/// How long a pipe or a device may be silent.
+/// The time that a pipe or a device may be silent.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The file as text.
@@ -69,8 +69,8 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     }
 }
 
-/// What comes out of a pipe or a device; an empty chunk is the end. Whoever opens a pipe waits for its writer: that is done by a thread that
-/// nobody waits for.
+/// Chunks from a pipe or a device; an empty one is the end. Opening a pipe waits for its writer: a thread does it, and nobody waits for
+/// that.
 pub fn chunks<R: Read>(open: impl FnOnce() -> io::Result<R> + Send + 'static) -> Receiver<io::Result<Vec<u8>>> {
     let (sender, receiver) = sync_channel(4);
     thread::spawn(move || {

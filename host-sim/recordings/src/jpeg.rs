@@ -33,7 +33,7 @@ pub(super) fn next(bytes: &[u8]) -> Option<usize> {
     Layout::of(bytes).next(bytes)
 }
 
-/// What the segments say.
+/// Facts of a JPEG's segments: orientation, size, end.
 struct Layout {
     orientation: u8,
     frame: Option<Frame>,
@@ -99,7 +99,7 @@ impl Layout {
         }
     }
 
-    /// What follows at once and is of the same size; a preview is smaller.
+    /// Returns the place of the next picture, if it follows at once with the same header; a preview is smaller.
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;

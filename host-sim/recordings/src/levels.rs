@@ -1,7 +1,7 @@
-//! The levels of pictures with 16 bits: what becomes black and what becomes white in the 8 bits that trackers see.
+//! The levels of 16-bit pictures: the values that become black and white in the 8 bits that trackers see.
 
 use super::images::Picture;
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -24,8 +24,9 @@ impl FromStr for Levels {
 
     fn from_str(text: &str) -> Result<Self> {
         let ends = text.split_once("..").and_then(|(black, white)| Some((black.parse().ok()?, white.parse().ok()?)));
-        let ends = ends.filter(|(black, white)| black < white);
-        let (black, white) = ends.context("expected two values from 0 to 65535, black..white, like 7600..8366")?;
+        let expected = "expected two values from 0 to 65535, black..white, like 7600..8366";
+        let (black, white) = ends.context(expected)?;
+        ensure!(black < white, "{expected}: the smaller one first");
         Ok(Self { black, white })
     }
 }
@@ -36,10 +37,10 @@ impl fmt::Display for Levels {
     }
 }
 
-/// So many of 256 levels are few: as many as 14 bits leave in 16.
+/// The number of levels (of 256) below which a note is given: 14 bits leave as many in 16.
 const FEW: usize = 64;
 
-/// One dead pixel in so many.
+/// The number of pixels of which one may be dead.
 const DEAD: u64 = 10_000;
 
 /// Says which levels the first, the middle and the last of `pictures` use, if they have 16 bits and use few. One pixel in 10,000 at each end
@@ -69,7 +70,7 @@ pub(super) fn note(pictures: &[Picture]) -> Option<String> {
     let margin = ((last - first) / 4).max(8);
     let wanted = Levels { black: first.saturating_sub(margin), white: last.saturating_add(margin) };
     Some(format!(
-        "with 16 bits it uses levels {low} to {high} of 256 (values {first} to {last} of 65536): --levels {wanted} stretches them"
+        "of its 16-bit values only {first} to {last} occur: trackers see levels {low} to {high} of 256; --levels {wanted} stretches them"
     ))
 }
 
@@ -84,7 +85,9 @@ mod tests {
         assert_eq!((values, levels.to_string().as_str()), ([0, 0, 0, 1, 127, 255, 255, 255], "7600..8365"));
         assert_eq!("0..65535".parse::<Levels>().unwrap().of(257 * 99), 99);
         for text in ["", "5", "5..", "..5", "5..5", "6..5", "0..65536", "-1..5", "a..b", "1...5"] {
-            assert!(text.parse::<Levels>().unwrap_err().to_string().starts_with("expected two values"), "{text}");
+            let error = text.parse::<Levels>().unwrap_err().to_string();
+            assert!(error.starts_with("expected two values"), "{text}");
+            assert_eq!(error.ends_with("the smaller one first"), ["5..5", "6..5"].contains(&text), "{text}");
         }
     }
 }

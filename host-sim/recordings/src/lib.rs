@@ -120,11 +120,11 @@ impl From<smr_core::Image<'_>> for GrayFrame {
 
 /// A recording: its frames, one after the other, and the boxes known about it.
 pub struct Sequence {
-    /// What it is called in tables: the folder's name, or the file's without its extension.
+    /// The name in tables: the folder's, or the file's without its extension.
     pub name: String,
     /// The frames in order. All are of the size of the first; one that is not is an error. Nothing follows an error.
     pub frames: Frames,
-    /// How many frames there are, if that is known before they are read.
+    /// The number of frames, if it is known before they are read.
     pub length: Option<usize>,
     /// The number of the first frame in the recording: 1, or more of a [part](Sequence::part).
     pub first: usize,
@@ -134,7 +134,7 @@ pub struct Sequence {
     pub truth: Option<Vec<Option<BoundingBox>>>,
     /// The same frames in color, for videos with boxes.
     pub colors: Colors,
-    /// What to know of the recording, each in a line.
+    /// Remarks for the user, a line each.
     pub notes: Vec<String>,
 }
 
@@ -173,7 +173,7 @@ impl Sequence {
 pub struct OpenOptions {
     /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump, unless its extension is that of something else.
     pub size: Option<(u16, u16)>,
-    /// What is stretched of pictures with 16 bits. If given, the recording must be of such pictures.
+    /// The 16-bit values to stretch. If given, the recording must be of such pictures.
     pub levels: Option<Levels>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
@@ -183,6 +183,12 @@ pub struct OpenOptions {
     pub takes_live: bool,
 }
 
+impl OpenOptions {
+    fn patience(&self) -> Duration {
+        self.ffmpeg_patience.unwrap_or(FFMPEG_PATIENCE)
+    }
+}
+
 /// The folder beside a recording with what other trackers answered on it.
 pub const RESULTS: &str = "trackers";
 
@@ -190,8 +196,8 @@ pub const RESULTS: &str = "trackers";
 pub const INNER: [&str; 2] = ["img", "color"];
 
 /// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border` and `noise` are the built-in recordings (a
-/// folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
+/// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border`, `noise` and `tiles` are the built-in
+/// recordings (a folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
 ///
 /// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
 /// `groundtruth_rect.txt` (OTB form), else `groundtruth.txt` (VOT and GOT-10k form). Without `init.txt` the first box of the ground truth is the one to start from.
@@ -209,7 +215,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
             "{} is a live source, for `track` and `view` alone: expected a recording",
             live::name(path)
         );
-        Live::open(path, options.ffmpeg_patience.unwrap_or(video::PATIENCE))?.sequence()
+        Live::open(path, options.patience())?.sequence()
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
@@ -222,7 +228,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
     };
     let has_levels = matches!(sequence.colors, Colors::Pictures(_));
-    ensure!(options.levels.is_none() || has_levels, "--levels is of pictures with 16 bits: {} has none", sequence.name);
+    ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
     sequence.init = options.init.or(sequence.init);
     // It stands in tables, a line for each recording.
     sequence.name = messages::line(&sequence.name);
@@ -402,7 +408,7 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
 fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     let mut recordings = files.iter().filter(|file| is_recording(file));
     let Some(recording) = recordings.next() else {
-        bail!("{} holds no recording: expected pictures (PNG, JPEG, PGM, PPM) or one video", folder.display());
+        bail!("{} holds no recording: expected pictures (PNG, JPEG, PGM, PPM, PAM) or one video", folder.display());
     };
     if let Some(second) = recordings.next() {
         let (first, second) = (recording.display(), second.display());
@@ -424,8 +430,10 @@ fn is_recording(file: &Path) -> bool {
 }
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
-    // ffmpeg would read the first page of some, and of a GIF all.
-    has_extension(file, &["gif"]).then_some(()).map_or_else(|| images::check_kind(file), Ok)?;
+    // ffmpeg would show some of these pictures as a video of one frame. A GIF is read by it: it may be a film.
+    if !has_extension(file, &["gif"]) {
+        images::check_kind(file)?;
+    }
     let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
     // A pipe has no length, and may be read all the same.
     ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
@@ -448,14 +456,13 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
     if y4m::is_y4m(file) {
         return Ok(Source { colors, ..Source::new(time.told_by(y4m::open(file)?.from(1)), None, file) });
     }
-    // ffmpeg would: it draws text as a video of a terminal.
+    // ffmpeg would draw text as a video of a terminal.
     ensure!(
         !has_extension(file, &["txt"]),
         "{} is a text file: expected a recording (a video, Y4M or pictures)",
         file.display()
     );
-    let patience = options.ffmpeg_patience.unwrap_or(video::PATIENCE);
-    Ok(Source { colors, ..Source::new(time.told_by(video::open(file, patience)?), None, file) })
+    Ok(Source { colors, ..Source::new(time.told_by(video::open(file, options.patience())?), None, file) })
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.

@@ -21,15 +21,15 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends with a decimal number of any length, which is compared exactly. The order of the fields is that of the numbers.
+/// A name that ends in a decimal number. Numbers of any length compare exactly, because fields are compared in this order.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
-    /// Digits before the point, without leading zeros: how many, and which.
+    /// Digits before the point, without leading zeros: their number, and themselves.
     whole: (usize, String),
     /// Digits behind the point, without zeros at the end.
     fraction: String,
     has_zero_at_the_end: bool,
-    /// What stands before.
+    /// The text before the number.
     prefix: String,
 }
 

@@ -5,7 +5,7 @@ use super::levels::Levels;
 use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
 use anyhow::{Error, Result, anyhow, ensure};
 
-pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM or PPM picture";
+pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM, PPM or PAM picture";
 
 pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
@@ -37,7 +37,7 @@ pub(super) struct Samples {
     height: u16,
     /// Samples a pixel, 1 to 4.
     channels: usize,
-    /// Of 8 bits, or of 16 with the high byte first.
+    /// Samples of 8 bits, or of 16 with the high byte first.
     samples: Vec<u8>,
     is_wide: bool,
     /// As Exif counts, 1 to 8.
@@ -55,7 +55,7 @@ impl Samples {
         Ok(Self { width, height, channels, samples, is_wide: false, orientation: 1 })
     }
 
-    /// The same if each sample has two bytes.
+    /// Sets whether samples have two bytes.
     pub fn wide(self, is_wide: bool) -> Self {
         Self { is_wide, ..self }
     }
@@ -64,17 +64,17 @@ impl Samples {
         Self { orientation, ..self }
     }
 
-    /// The values of 16 bits but for alpha; `None` if samples have 8.
+    /// 16-bit values without those of alpha; `None` for 8-bit samples.
     pub fn values(&self) -> Option<impl Iterator<Item = u16>> {
         let colors = if self.channels < 3 { 1 } else { 3 };
         let values = self.samples.chunks_exact(2 * self.channels).flat_map(move |pixel| &pixel.as_chunks().0[..colors]);
         self.is_wide.then(|| values.map(|&bytes| u16::from_be_bytes(bytes)))
     }
 
-    /// The samples in 8 bits: the high byte, or what `levels` make of both.
-    /// Errors: There are levels, but no samples of 16 bits.
+    /// Returns samples of 8 bits: the high byte, or the value stretched by `levels`.
+    /// Errors: Levels are given for samples of 8 bits.
     fn narrow(self, levels: Option<Levels>) -> Result<Self> {
-        ensure!(self.is_wide || levels.is_none(), "--levels is of pictures with 16 bits: its values have 8");
+        ensure!(self.is_wide || levels.is_none(), "--levels is for 16-bit pictures: this one has 8 bits");
         if !self.is_wide {
             return Ok(self);
         }
@@ -108,7 +108,7 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// The same as it is shown upright, by the orientation that Exif states: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also
+    /// Returns the picture upright, by the orientation that Exif states: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also
     /// have rows for columns.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {

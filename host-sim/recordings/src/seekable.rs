@@ -2,11 +2,10 @@
 
 use super::frame_times::Index;
 use super::video::{Picture, Pictures, Use};
-use super::{BUILT_IN, ColorFrame, Colors, FFMPEG_PATIENCE, GrayFrame, OpenOptions, Sequence, images, open, y4m};
+use super::{BUILT_IN, ColorFrame, Colors, GrayFrame, OpenOptions, Sequence, images, open, y4m};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 /// A recording, and the index of its frames.
 ///
@@ -28,19 +27,14 @@ impl Seekable {
     /// Errors: Those of [`open`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<(Self, Sequence)> {
         let sequence = open(path, options)?;
-        let patience = options.ffmpeg_patience.unwrap_or(FFMPEG_PATIENCE);
-        let index = sequence.colors.video().map_or_else(Index::unknown, |file| Index::of(file, patience));
+        let index = sequence.colors.video().map_or_else(Index::unknown, |file| Index::of(file, options.patience()));
         let (colors, length) = (sequence.colors.clone(), sequence.length);
         Ok((Self { path: path.to_owned(), options: options.clone(), colors, length, index }, sequence))
     }
 
-    /// How many frames there are, and the time of each in seconds, once both are known. A recording may know no times.
+    /// The number of frames, and the time of each in seconds, once both are known. A recording may know no times.
     pub fn known(&self) -> (Option<usize>, Vec<f64>) {
         self.index.times().map_or_else(|| (self.length, Vec::new()), |times| (Some(times.len()), times))
-    }
-
-    fn patience(&self) -> Duration {
-        self.options.ffmpeg_patience.unwrap_or(FFMPEG_PATIENCE)
     }
 
     /// The gray frames from `number` on.
@@ -71,14 +65,14 @@ impl Seekable {
     pub fn color_from(&self, number: usize, side: u16) -> Result<Box<dyn Iterator<Item = ColorFrame> + Send>> {
         Ok(match &self.colors {
             Colors::Video(file, _) if number > 1 => {
-                let (colors, patience) = (self.colors.clone(), self.patience());
+                let (colors, patience) = (self.colors.clone(), self.options.patience());
                 let rest = move |number| Box::new(colors.within(number, side, patience)) as Box<_>;
                 Box::new(self.sought(file, number, Use::Color(side), |picture| picture.color().0, rest))
             }
             Colors::None | Colors::Live(_) => {
                 Box::new(self.gray_from(number)?.map_while(Result::ok).map(|(frame, _)| (&frame).into()))
             }
-            colors => Box::new(colors.clone().within(number, side, self.patience())),
+            colors => Box::new(colors.clone().within(number, side, self.options.patience())),
         })
     }
 
@@ -94,7 +88,8 @@ impl Seekable {
     ) -> impl Iterator<Item = T> + use<T, R> {
         let index = Arc::clone(&self.index);
         let time = index.sought(number);
-        let (first, mut pictures) = time.and_then(|time| Pictures::at(file, time, wanted, self.patience())).unzip();
+        let (first, mut pictures) =
+            time.and_then(|time| Pictures::at(file, time, wanted, self.options.patience())).unzip();
         let (mut first, mut rest, mut others) = (first, Some(rest), None);
         std::iter::from_fn(move || {
             if let Some(sought) = &mut pictures {
@@ -131,7 +126,7 @@ pub fn is_seekable(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{missing, synthetic};
+    use crate::{FFMPEG_PATIENCE, missing, synthetic};
     use std::process::Command;
 
     fn gray(recording: &Seekable, number: usize) -> GrayFrame {

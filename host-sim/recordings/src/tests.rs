@@ -266,7 +266,7 @@ mod folders {
     fn what_cannot_be_opened_is_said_in_one_line() {
         let folder = folder();
         let at = folder.path().display();
-        let expected = format!("{at} holds no recording: expected pictures (PNG, JPEG, PGM, PPM) or one video");
+        let expected = format!("{at} holds no recording: expected pictures (PNG, JPEG, PGM, PPM, PAM) or one video");
         assert_eq!(message(open_plain(folder.path())), expected);
         assert!(!is_sequence(folder.path()));
 
@@ -378,7 +378,7 @@ mod pictures {
         ] {
             let folder = folder();
             let error = read(open_plain(&write(&folder, "1.pnm", bytes))).1.unwrap();
-            assert!(error.contains("expected a PNG, JPEG, PGM or PPM picture: "), "{error}");
+            assert!(error.contains("expected a PNG, JPEG, PGM, PPM or PAM picture: "), "{error}");
         }
     }
 
@@ -388,7 +388,8 @@ mod pictures {
         save_gray(&folder.path().join("1.png"), 2, 2, 0);
         let bad = write(&folder, "2.png", b"not a picture");
         let (frames, error) = read(open_plain(folder.path()));
-        let expected = format!("cannot read {} (frame 2): expected a PNG, JPEG, PGM or PPM picture: ", bad.display());
+        let expected =
+            format!("cannot read {} (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ", bad.display());
         assert_eq!(frames.len(), 1);
         assert!(error.as_ref().unwrap().starts_with(&expected), "{error:?}");
     }
@@ -405,7 +406,9 @@ mod pictures {
         save_gray(&folder.path().join("2.png"), 64, 64, 8);
         let (frames, error) = read(open_plain(folder.path()));
         assert_eq!(first_pixels(&frames), [7]);
-        assert!(error.unwrap().ends_with("1.png (frame 2): expected a PNG, JPEG, PGM or PPM picture: it is cut short"));
+        assert!(
+            error.unwrap().ends_with("1.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: it is cut short")
+        );
     }
 
     /// A JPEG with detail everywhere, so that most bytes are pixels.
@@ -542,6 +545,7 @@ mod pictures {
             (b"RIFF\x10\0\0\0WEBPVP8 ".to_vec(), "it is a WebP picture, which is not read"),
             (b"\0\0\0\x18ftypheic\0\0\0\0".to_vec(), "it is a HEIC picture"),
             (b"\0\0\0\x20ftypavif\0\0\0\0".to_vec(), "it is an AVIF picture"),
+            (b"PF\n2 1\n-1.0\n".to_vec(), "it is a picture of floating-point numbers (PFM)"),
             (b"II*\0\x08\0\0\0".to_vec(), "it is a TIFF picture"),
             (b"BM\0\0".to_vec(), "it is a BMP picture"),
             (b"P4 8 1 \xAA".to_vec(), "it is a bitmap of one bit (PBM)"),
@@ -616,7 +620,7 @@ mod pictures {
         assert_eq!(
             plain.notes,
             [
-                "with 16 bits it uses levels 29 to 32 of 256 (values 7600 to 8365 of 65536): --levels 7409..8556 stretches them"
+                "of its 16-bit values only 7600 to 8365 occur: trackers see levels 29 to 32 of 256; --levels 7409..8556 stretches them"
             ]
         );
         let stretched = opened(Some("7600..8365")).unwrap();
@@ -631,13 +635,10 @@ mod pictures {
         let eight = write(&folder, "8.pgm", b"P5 1 1 255\n9");
         let options = OpenOptions { levels: Some("0..9".parse().unwrap()), ..OpenOptions::default() };
         assert!(
-            read(open(&eight, &options))
-                .1
-                .unwrap()
-                .ends_with("--levels is of pictures with 16 bits: its values have 8")
+            read(open(&eight, &options)).1.unwrap().ends_with("--levels is for 16-bit pictures: this one has 8 bits")
         );
         let error = message(open(Path::new("synthetic"), &options));
-        assert_eq!(error, "--levels is of pictures with 16 bits: synthetic has none");
+        assert_eq!(error, "--levels is for 16-bit pictures: synthetic is none");
         let wide = write(&folder, "16.pgm", b"P5 3 1 65535\n\0\0\0\x05\0\x09");
         assert_eq!(read(open(&wide, &options)).0[0].pixels, [0, 142, 255]);
     }
@@ -748,7 +749,7 @@ mod y4m_files {
             let expected = format!("{at}, frame 2: it is cut short: expected 12 bytes with its header, found {found}");
             assert_eq!((frames.len(), error), (1, Some(expected)));
             // What lies behind the part that is read is no matter.
-            let part = open_plain(&file).unwrap().part("..1".parse().unwrap());
+            let part = open_plain(&file).unwrap().part("..1".parse().unwrap(), "--frames");
             assert_eq!(read(Ok(part)), (frames, None));
         }
     }
@@ -865,7 +866,7 @@ mod videos {
         let damage = open_plain(&video).unwrap().frames.find_map(Result::err).unwrap();
         let part = damage.downcast_ref::<Damaged>().and_then(Damaged::whole_part).unwrap();
         assert_eq!(part, format!("..{}", frames.len()));
-        let part = open_plain(&video).unwrap().part(part.parse().unwrap());
+        let part = open_plain(&video).unwrap().part(part.parse().unwrap(), "--frames");
         assert!(read(Ok(part)) == (frames, None), "the frames before it can be read alone");
     }
 

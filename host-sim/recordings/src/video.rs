@@ -146,7 +146,8 @@ impl Picture {
 /// Times begin with the file, not with the first picture, wherever reading begins.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// A picture that was sought is at most this far from its time, in seconds: files in milliseconds round by half of that.
+/// Seconds from the wanted time within which a seek has found a picture: files in milliseconds round by half of that. This only tells whether
+/// the seek has come to the right place; `Index::has` then tests the time of each picture to the microsecond.
 const NEAR: f64 = 0.0006;
 
 impl Pictures {
@@ -226,7 +227,7 @@ impl Pictures {
     }
 }
 
-/// So many seconds later a file has begun anew: in MPEG-TS, time that goes back looks like a clock that has run over.
+/// A jump of more than this many seconds is a new beginning: in MPEG-TS, time that goes back looks like a clock that has run over.
 pub(super) const LEAP: u32 = 43_200;
 
 /// Times that do not go back: where a file begins anew (pieces that were joined), they go on from there.
@@ -260,7 +261,7 @@ impl Continued {
     }
 }
 
-/// What ffmpeg writes, as long as it writes.
+/// Reads the output of ffmpeg, as long as it writes.
 pub(super) struct Patient {
     chunks: Receiver<io::Result<Vec<u8>>>,
     chunk: Vec<u8>,
@@ -299,7 +300,7 @@ impl Read for Patient {
     }
 }
 
-/// What ffmpeg that does nothing is told about.
+/// The error of an ffmpeg that does nothing.
 pub fn silent(patience: Duration) -> io::Error {
     let seconds = patience.as_secs_f64();
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
@@ -309,7 +310,7 @@ pub(super) struct Ffmpeg {
     process: Process,
     /// One for each picture that it gives.
     shown: Receiver<Shown>,
-    /// Of the stream that it has chosen.
+    /// The transfer function of the chosen stream; `None` for ordinary light.
     transfer: Receiver<Option<Transfer>>,
     said: Receiver<Said>,
     file: String,
@@ -334,7 +335,7 @@ impl Ffmpeg {
                 Heard::Shown(one) => drop(pictures.send(one)),
                 Heard::Chosen(transfer) => drop(chosen.send(transfer)),
             });
-            // Who waits for pictures learns why there are no more.
+            // The reader learns why no pictures come.
             let _ = sender.send(said);
         });
         Ok(Self { process, shown, transfer, said, file: file.to_owned(), patience })
@@ -352,12 +353,12 @@ impl Ffmpeg {
         Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
     }
 
-    /// What it ended with.
+    /// Its last words and its exit status.
     pub fn last_words(&mut self) -> Result<String> {
         self.end().map(|(status, said)| said.or(status))
     }
 
-    /// The same if it has ended, and not as it should.
+    /// Its last words, if it has ended and not as it should.
     pub fn failure(&mut self) -> Option<String> {
         let is_ended = self.process.ended().is_ok_and(|status| status.is_some_and(|status| !status.success()));
         is_ended.then(|| self.last_words().ok())?
@@ -419,7 +420,7 @@ struct Said {
     packet: String,
     /// Frames of another size came, or with pixels of another format.
     changed: bool,
-    /// ffmpeg itself has said something: each of its messages has a level.
+    /// True after ffmpeg's first message with a level; from then on a line without one continues a message.
     has_begun: bool,
     /// The unit of times, in seconds.
     base: Option<(u32, u32)>,
@@ -461,7 +462,7 @@ impl Said {
             Some(words) => (true, words),
             None => match ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| line.strip_prefix(level)) {
                 Some(words) => (false, words),
-                // Of a message with several lines: a title in the file, for example.
+                // A further line of a message: a title in the file, for example.
                 None if self.has_begun => return None,
                 None => (false, line),
             },

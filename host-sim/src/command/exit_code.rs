@@ -33,6 +33,8 @@ pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
 
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
+    // One name, whatever its file is called.
+    let all = all.clone().bin_name(all.get_name().to_owned());
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);
     }

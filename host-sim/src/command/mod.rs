@@ -40,8 +40,8 @@ use std::process::ExitCode;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window.
 ///
-/// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, or `noise` (the worst case).
+/// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
+/// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, `noise` (the worst case) or `tiles` (which firmware draws as well).
 ///
 /// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.

@@ -18,7 +18,7 @@ pub struct Places<'a> {
     named: Vec<(&'static str, &'a Path, Taken)>,
 }
 
-/// What an output can be, as its name says: a file with one of these endings, or what a name without an ending stands for.
+/// The kinds of output that an option takes: endings of files, and the meaning of a name without one.
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: &'static [&'static str],
@@ -54,16 +54,23 @@ impl Taken {
 impl fmt::Display for Taken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let folder = "a folder (no ending, or a / after it)";
-        match self.endings {
-            [] => return f.write_str(folder),
-            [one] => write!(f, "a file that ends in .{one}")?,
-            [others @ .., last] => write!(f, "a file that ends in .{} or .{last}", others.join(", ."))?,
+        if self.endings.is_empty() {
+            return f.write_str(folder);
         }
+        write!(f, "a file that ends in {}", listed(self.endings))?;
         match self.bare {
             Bare::Refused => Ok(()),
             Bare::File => f.write_str(", or has no ending"),
             Bare::Folder => write!(f, ", or {folder}"),
         }
+    }
+}
+
+/// Endings of files, as a sentence names them.
+pub fn listed(endings: &[&str]) -> String {
+    match endings {
+        [others @ .., last] if !others.is_empty() => format!(".{} or .{last}", others.join(", .")),
+        _ => format!(".{}", endings.concat()),
     }
 }
 

@@ -36,10 +36,10 @@ pub struct RecordingOptions {
     /// ffmpeg complains about), but not behind the last of these frames. The box to start from is the one that the ground truth has in the first of them.
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
-    /// The ground truth begins with this frame, and so does what is read: its first line is the box there; the first frame is 1
+    /// The number of the frame that the first line of the ground truth belongs to; earlier frames are not read
     #[arg(long, value_name = "FRAME", value_parser = from::<NonZeroUsize>(1))]
     truth_from: Option<NonZeroUsize>,
-    /// Of pictures with 16 bits stretch these values over all levels, black to white, for example 7600..8366 [default: 0..65535, the high byte]
+    /// Stretch these values of 16-bit pictures from black to white, for example 7600..8366 [default: 0..65535, the high byte]
     #[arg(long, value_name = "A..B")]
     levels: Option<Levels>,
     /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
@@ -50,10 +50,11 @@ pub struct RecordingOptions {
 impl RecordingOptions {
     /// The frames that are read; `None`: all.
     pub fn frames(&self) -> Option<FrameRange> {
-        self.frames.or(self.truth_from.map(|first| FrameRange::from(first.get())))
+        let Some(first) = self.truth_from.map(NonZeroUsize::get) else { return self.frames };
+        Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
-    /// The same, counted from the one with which the ground truth begins: what other trackers answered has as many lines.
+    /// `frames`, counted from the first box of the truth: other trackers' results have as many lines.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }
@@ -93,7 +94,7 @@ impl RecordingOptions {
         given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten().collect()
     }
 
-    /// How long ffmpeg may do nothing.
+    /// The time that ffmpeg may do nothing.
     pub fn ffmpeg_patience(&self) -> Duration {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
@@ -147,13 +148,19 @@ impl RecordingOptions {
         sequence.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", sequence.name)));
         if let Some(first) = self.truth_from.map(NonZeroUsize::get) {
             let name = &sequence.name;
-            ensure!(sequence.truth.is_some(), "{name}: there is no ground truth beside it, and --truth-from is of it");
-            let is_later = self.frames.is_none_or(|part| part.first() >= first);
-            ensure!(is_later, "{name}: --frames begin before the ground truth: expected frame {first} or later");
+            let has_truth = sequence.truth.is_some();
+            ensure!(has_truth, "{name}: --truth-from {first}: there is no ground truth beside the recording");
+            let is_later = |part: FrameRange| part.first() >= first && part.last().is_none_or(|last| last >= first);
+            let fits = self.frames().is_none_or(is_later);
+            ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            && sequence.length != Some(boxes)
-            && part.length_of(sequence.length.or(part.last()).unwrap_or(0)) == boxes
+            // Counting takes time, and what begins with the first frame is right as it is.
+            && !part.begins_with_the_first()
+            && part.length_of(usize::MAX) >= boxes
+            && let length = self.length(path, &options, &sequence)
+            && length != Some(boxes)
+            && part.length_of(length.or(part.last()).unwrap_or(0)) == boxes
         {
             let (name, first, last) = (&sequence.name, part.first(), part.first() + boxes - 1);
             complain(&format!(
@@ -162,11 +169,11 @@ impl RecordingOptions {
             sequence = sequence.with_truth_from(first);
         }
         if let Some(part) = self.frames() {
+            let option = self.frames.map_or("--truth-from".to_owned(), |frames| format!("--frames {frames}"));
             if let Some(length) = sequence.length.filter(|&length| part.first() > length) {
-                let option = self.frames.map_or("--truth-from".to_owned(), |frames| format!("--frames {frames}"));
                 bail!("{}: there is no frame {} ({option}): expected 1 to {length}", sequence.name, part.first());
             }
-            sequence = sequence.part(part);
+            sequence = sequence.part(part, &option);
         }
         let mut targets = Target::all(&self.init, sequence.first)?;
         Target::check_frames(&targets, sequence.first, sequence.length).with_context(|| sequence.name.clone())?;
@@ -187,6 +194,14 @@ impl RecordingOptions {
             }
         }
         Ok((sequence, targets))
+    }
+
+    /// The number of frames; those of a video are counted by packets, else decoded.
+    fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
+        let packets = || sequence.colors.length(self.ffmpeg_patience());
+        let decoded =
+            || Some(smr_recordings::open(sequence.colors.video().map(|_| path)?, options).ok()?.frames.count());
+        sequence.length.or_else(packets).or_else(decoded)
     }
 
     /// True if no option changes the box to start from, or the frames.

@@ -1,7 +1,7 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::events::Events;
-use super::paths::{Bare, Places, Taken};
+use super::paths::{Bare, Places, Taken, listed};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::video::{Film, Shown};
@@ -156,8 +156,9 @@ impl Track {
         let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
         let format = if self.json { Format::Json } else { self.format.or(of_file).unwrap_or(usual) };
         if let Some(out) = self.out.as_ref().filter(|out| of_file.is_some() && !format.is_called(out)) {
-            let endings = [format.endings(), &["txt"]].concat().join(" or .");
-            bail!("--format {} into {}: expected a file that ends in .{endings}", choice_name(&format), out.display());
+            let endings = listed(&[format.endings(), &["txt"]].concat());
+            let (name, out) = (choice_name(&format), out.display());
+            bail!("--format {name} into {out}: expected a file that ends in {endings}, or has no ending");
         }
         ensure!(
             targets <= 1 || format.has_names(),

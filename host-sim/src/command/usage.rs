@@ -7,9 +7,9 @@ use std::error::Error;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// What stands between the parts of values.
+/// Separators of values.
 const SEPARATORS: [(&str, &str); 4] = [(",", "commas"), ("x", "an x"), ("..", "two dots"), ("/", "a slash")];
-/// What is typed in their place.
+/// Characters typed in place of separators.
 const TYPED: [&str; 11] = [" ", ";", ":", "*", "...", "..=", "-", "X", "x", ",", "/"];
 
 /// `--frames -5..` as clap reads it: a value that begins with a digit behind its dash is no option.
@@ -34,7 +34,7 @@ fn is_long(word: &str) -> bool {
     word.len() > 2 && word.starts_with("--") && !word.contains('=')
 }
 
-/// What is wrong with `arguments`, which `all` does not take.
+/// Returns what is wrong with `arguments`, which `all` does not take.
 pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();
@@ -191,7 +191,7 @@ impl Line<'_> {
         let run = after.iter().take(8).take_while(|word| !is_option(word)).count();
         for count in (1..=run).rev() {
             let with = |value: &str| self.is_read(&[before, &[value.to_owned()], &after[count..]].concat());
-            // An option that takes anything tells nothing.
+            // An option that takes any text: that it reads a value proves nothing.
             if with("?") {
                 return None;
             }

@@ -41,7 +41,7 @@ pub struct View {
     /// The size of the frames of raw dumps
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Of pictures with 16 bits stretch these values over all levels, black to white, for example 7600..8366
+    /// Stretch these values of 16-bit pictures from black to white, for example 7600..8366
     #[arg(long, value_name = "A..B")]
     levels: Option<Levels>,
     /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
@@ -57,7 +57,7 @@ struct Opened {
     source: Arc<dyn Source>,
     /// The names of the pictures, if it has any.
     pictures: Vec<String>,
-    /// Of the frames, if that is known.
+    /// The number of frames, if it is known.
     length: Option<usize>,
     /// The box beside the recording.
     beside: Option<smr_core::Rect>,
@@ -102,10 +102,8 @@ impl View {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
             false => writeln!(out, "{address}\nCtrl+C ends it."),
         })?;
-        if !self.no_open
-            && let Err(error) = made.door(&address).and_then(|door| Ok(open::that_detached(door)?))
-        {
-            complain(&format!("note: no browser could be opened ({error:#}): open the address yourself"));
+        if !self.no_open && made.door(&address).and_then(|door| Ok(open::that_detached(door)?)).is_err() {
+            complain("note: no browser could be opened: open the address above yourself");
         }
         window.serve(server)?;
         Ok(Outcome::Holds)
@@ -136,9 +134,7 @@ impl View {
         let (source, sequence) = Growing::open(path, options)?;
         let lengths = sequence.truth.as_ref().map(Vec::len).zip(sequence.length);
         let misfit = lengths.filter(|(boxes, frames)| boxes != frames).map(|(boxes, frames)| {
-            format!(
-                "{boxes} boxes of the ground truth for {frames} frames: see whether the first one is that of frame 1"
-            )
+            format!("there are {frames} frames, but the ground truth has {boxes} boxes: draw the box where it belongs")
         });
         for note in sequence.notes.iter().chain(&misfit) {
             complain(&format!("note: {}: {note}", sequence.name));
@@ -253,7 +249,7 @@ impl Wish for Desk {
             _ => "txt",
         };
         let (reached, all) = (followed.answered(), known.frames);
-        // What is still followed says how far it is.
+        // The name of a result that grows says how far it is.
         let so_far = match all {
             Some(all) if reached >= all || self.is_live => String::new(),
             Some(all) => format!("-{reached}-of-{all}-frames"),

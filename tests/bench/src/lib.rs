@@ -1,4 +1,4 @@
-//! What the benches search: the built-in recording, so every run and every machine has the same pixels.
+//! The pixels that the benches search: the built-in recording, so every run and every machine has the same pixels.
 
 use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;

@@ -23,7 +23,7 @@ use std::time::Duration;
 
 const FIRMWARE: input::Kind = input::Kind { expected: "firmware, an ELF file of 32 bits", most: 256 };
 
-/// What makes QEMU write a trace: each block of code when it is translated, and each time that it runs.
+/// Options by which QEMU writes a trace: each block of code when it is translated, and each time that it runs.
 const TRACE: [&str; 4] = ["-d", "exec,nochain,in_asm", "-D", "/dev/stdout"];
 
 /// The instructions that the firmware's timer may miss.
@@ -43,7 +43,7 @@ struct Qemu {
     /// Recordings for the firmware core/examples/replay, or folders of recordings
     #[arg(value_name = "SEQ")]
     paths: Vec<PathBuf>,
-    /// Which tracker; smr is that of --config camera, with a window of +-16
+    /// The tracker; smr is that of --config camera, with a window of +-16
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
     /// The robust tracker with its refiner

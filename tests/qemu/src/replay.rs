@@ -1,4 +1,4 @@
-//! What host and firmware tell each other, byte by byte, and the same followed here: `core/examples/replay/main.rs` describes it.
+//! The talk of host and firmware, byte by byte, as `core/examples/replay/main.rs` describes it, and the target followed on the host, too.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use host_sim::percentiles::Spread;
@@ -83,7 +83,7 @@ pub fn write(
     Ok(expected)
 }
 
-/// What the firmware answered, and what it took.
+/// Answers of the firmware, and their cost.
 pub struct Report {
     /// Bytes of a target, of its workspace, and of the buffer for pixels.
     memory: [u32; 3],
@@ -188,7 +188,7 @@ fn described((answer, hash): &Answered) -> Vec<(&'static str, String)> {
     values(answer).into_iter().chain([hash]).collect()
 }
 
-/// What the firmware means by `why`, as `core/examples/replay` has it.
+/// The reason that the firmware gives as the number `why`, as `core/examples/replay` has it.
 fn refusal(frame: u32, why: u32) -> Error {
     let reason = match why {
         1 => "it cannot read the recording, or is built without this tracker",

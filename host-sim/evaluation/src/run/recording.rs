@@ -169,7 +169,7 @@ mod tests {
         assert!(error(Sequence { truth: None, ..sequence() }).starts_with("mine: no ground truth"));
         assert!(error(Sequence { init: None, ..sequence() }).starts_with("mine: no box to start from"));
         let two = sequence().truth.map(|truth| truth[..2].to_vec());
-        let lengths = "mine: there are 3 frames, but the ground truth has 2 boxes: --truth-from says";
+        let lengths = "mine: there are 3 frames, but the ground truth has 2 boxes for them: say which";
         assert!(error(Sequence { truth: two, ..sequence() }).starts_with(lengths));
         let unseen = Some(vec![None; 3]);
         assert!(error(Sequence { truth: unseen, ..sequence() }).contains("visible in no frame"));

@@ -43,7 +43,8 @@ impl Film {
     /// Begins the film `out`: a file with one of [`ENDINGS`], or a new folder for pictures.
     /// Errors: It cannot be written there, or its extension is that of another kind of video.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
-        let extension = out.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
+        let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
+        let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         let Plan { rate, sound, first, patience } = plan;
         let way = match Kind::of(&extension) {
             Some(kind) => {
@@ -53,7 +54,10 @@ impl Film {
             None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
             None => {
                 let endings = ENDINGS.join(", .");
-                bail!("{}: expected a video that ends in .{endings}, or a folder without an extension", out.display())
+                bail!(
+                    "{}: expected a video that ends in .{endings}, or a folder (no ending, or a / after it)",
+                    out.display()
+                )
             }
         };
         Ok(Self { name: out.to_owned(), way, timeline: Timeline::new(rate), number: first })
@@ -122,7 +126,7 @@ mod tests {
     #[test]
     fn a_folder_holds_the_pixels() {
         let above = tempfile::tempdir().unwrap();
-        let out = above.path().join("film");
+        let out = above.path().join("film.7/");
         filmed(&out);
         for (number, frame) in (1..).zip(frames()) {
             let png = fs::read(out.join(format!("{number:05}.png"))).unwrap();
@@ -175,7 +179,7 @@ mod tests {
         drop(film);
         let error = Film::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
         assert!(error.ends_with(
-            "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, .gif, or a folder without an extension"
+            "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, .gif, or a folder (no ending, or a / after it)"
         ));
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 0);
     }

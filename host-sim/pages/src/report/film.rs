@@ -447,7 +447,7 @@ mod tests {
         let start = |frame: usize| (frame, synthetic::truth(frame - 1).unwrap());
         let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
         let targets = || vec![target("a", vec![start(11), start(30)]), target("b", vec![start(20)])];
-        let part = || open().part("11..50".parse().unwrap());
+        let part = || open().part("11..50".parse().unwrap(), "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
         let film = watch_all(part(), targets(), &methods, Refusal::Fails, Choice::Spread, None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
