@@ -77,8 +77,6 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
     if let Some(test) = test {
         let target = manifest.split("[[test]]").skip(1).find(|target| target.contains(&format!("name = \"{test}\"\n")));
         if let Some(target) = target.and_then(|target| target.split("\n[").next()) {
-            let needs = target.contains("required-features") && features.is_empty();
-            needs.then_some(()).map_or(Ok(()), |()| Err(format!("the test {test} requires features")))?;
             let path = target.split("path = \"").nth(1).and_then(|path| path.split('"').next()).unwrap_or_default();
             tests = vec![folder.join(path).parent().unwrap().to_owned()];
         } else if !folder.join("tests").join(format!("{test}.rs")).is_file() {
@@ -132,7 +130,6 @@ fn the_commands_of_the_documents_can_be_run() {
 fn what_cargo_refuses_is_noticed() {
     let packages = packages();
     for (command, why) in [
-        ("cargo test -p host-sim --test program replay", "requires features"),
         ("cargo test -p smr-none", "no package"),
         ("cargo test -p smr-core --features refined", "no feature"),
         ("cargo test -p smr-core --test powers", "no test powers"),
