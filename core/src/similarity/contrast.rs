@@ -46,7 +46,7 @@ impl Contrast {
 
     /// True if more than half of all pixels are clipped, beyond those clipped in `target`, which has as many pixels.
     pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
-        2 * self.cut_off > self.pixels + 2 * target.cut_off
+        self.cut_off > self.pixels / 2 + target.cut_off
     }
 }
 
