@@ -37,7 +37,7 @@ PROCESSORS = {
 
 
 def llvm(name, *arguments):
-    """What a program of LLVM prints. Debian's have the version in their names."""
+    """The output of a program of LLVM. Debian's programs have the version in their names."""
     for version in ("-19", "-20", "-21", "-18", ""):
         try:
             done = subprocess.run([name + version, *arguments], capture_output=True, text=True, check=False)
@@ -127,7 +127,7 @@ def cycles_by_manual(text):
 
 
 def model(name, codes):
-    """How many instructions of each block LLVM's model knows, and the parts of cycles that they take."""
+    """For each block: the instructions that LLVM's model knows, and their time in parts of a cycle."""
     with tempfile.NamedTemporaryFile("w", suffix=".s") as file:
         for number, code in enumerate(codes):
             # A branch gets a target near by: the assembler may find its own out of reach.
@@ -144,7 +144,7 @@ def model(name, codes):
 
 
 def costs(processor, codes):
-    """What each block takes: instructions, those that LLVM does not know, parts of a cycle, and those that a taken branch adds."""
+    """The cost of each block: instructions, those that LLVM does not know, parts of a cycle, and those that a taken branch adds."""
     name, modelled, taken, word, division, stepped, _ = processor
     if not modelled:
         return [(len(code), 0, PARTS * sum(map(cycles_by_manual, code)), PARTS * taken) for code in codes]
