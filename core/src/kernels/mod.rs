@@ -8,7 +8,7 @@
 //! | `plain/` | any | no faster backend exists | always |
 //! | `x86/sse2/` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
 //! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
-//! | `aarch64/neon/` | NEON | compiled for | emulated by QEMU (`.ci/neon`), or natively |
+//! | `aarch64/neon/` | NEON | compiled for | emulated by QEMU (`.ci/run neon`), or natively |
 //! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |

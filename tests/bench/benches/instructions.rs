@@ -1,4 +1,4 @@
-//! Instructions of the parts that matter, counted by valgrind: `.ci/instructions` runs this and compares with what was
+//! Instructions of the parts that matter, counted by valgrind: `.ci/run instructions` runs this and compares with what was
 //! recorded. Backends are named, not chosen: the figures are those of AVX2.
 
 #![allow(unused_qualifications)] // in what the macros write

@@ -1,4 +1,4 @@
-/* Stands in for the Arduino core in .ci/boards: what the sketches call, and a main that runs a sketch for LOOPS rounds. */
+/* Stands in for the Arduino core in .ci/release boards: what the sketches call, and a main that runs a sketch for LOOPS rounds. */
 #pragma once
 #include <stdint.h>
 #include <stdio.h>
