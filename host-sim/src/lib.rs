@@ -5,10 +5,8 @@
 //!
 //! - [`check`]: core against the references, score by score.
 //! - [`mod@replay`]: flight records of firmware, run again.
-//! - [`percentiles`]: many measurements as three numbers.
 //! - [`command`]: what the command line offers; `main` only hands over.
 
 pub mod check;
 pub mod command;
-pub mod percentiles;
 pub mod replay;

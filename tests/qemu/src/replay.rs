@@ -1,7 +1,6 @@
 //! The talk of host and firmware, byte by byte, as `core/examples/replay/main.rs` describes it, and the target followed on the host, too.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
-use host_sim::percentiles::Spread;
 use host_sim::replay::answer_values::{state, values};
 use smr_core::{Answer, FineRect, Rect, Robust, Target, Tracker, paper, robust};
 use smr_evaluation::{CoreKind, Paper, Refused};
@@ -89,10 +88,10 @@ pub struct Report {
     memory: [u32; 3],
     /// The first frame, from 1, with a value that is not the host's: its name, the firmware's and the host's.
     pub difference: Option<(u32, (&'static str, String, String))>,
-    work: Spread<u64>,
+    work: [u64; 3],
     /// Instructions of an update, and of its longest step.
-    pub updates: Spread<u64>,
-    longest: Spread<u64>,
+    pub updates: [u64; 3],
+    longest: [u64; 3],
     /// Instructions of each update, and of the lock.
     pub counts: Vec<u64>,
     lock: u64,
@@ -136,7 +135,7 @@ impl Report {
         }
         let [3, _, stack, _, lock, ..] = next()? else { bail!("the firmware does not come to its end") };
         let memory = [target, workspace, buffer];
-        let [work, updates, longest] = [&work, &counts, &longest].map(|figures| Spread::of(figures));
+        let [work, updates, longest] = [&work, &counts, &longest].map(|figures| crate::spread(figures));
         Ok(Self { memory, difference, work, updates, longest, counts, stack, lock: instructions(lock) })
     }
 }
@@ -153,13 +152,13 @@ impl fmt::Display for Report {
         let more = stack.saturating_sub(target + workspace + buffer);
         writeln!(f, "  target {target} bytes, workspace {workspace}, pixels {buffer}, {more} more on the stack")?;
         writeln!(f, "  instructions of the lock: {lock}")?;
-        let Spread { median, p95, max } = updates;
+        let [median, p95, max] = updates;
         writeln!(f, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")?;
         if longest != updates {
-            let Spread { median, max, .. } = longest;
+            let [median, _, max] = longest;
             writeln!(f, "  instructions of its longest step: median {median}, at most {max}")?;
         }
-        writeln!(f, "  work of an update: median {}, at most {}", work.median, work.max)
+        writeln!(f, "  work of an update: median {}, at most {}", work[0], work[2])
     }
 }
 
