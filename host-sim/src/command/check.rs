@@ -102,9 +102,9 @@ impl Check {
                 break;
             }
             run.update(&frame?)?;
-            progress.inc(1);
+            progress.inc();
         }
-        progress.finish_and_clear();
+        progress.clear();
         let check::Report { sequence, frames, violation, counts: counted } = run.into_report();
         let compared = frames > 0 || violation.is_some();
         ensure!(compared, "{name}: only one frame, which is locked on: expected two or more");

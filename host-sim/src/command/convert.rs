@@ -73,9 +73,9 @@ impl Convert {
         let bar = progress::bar(&name, length);
         for frame in frames {
             writer.frame(&frame?)?;
-            bar.inc(1);
+            bar.inc();
         }
-        bar.finish_and_clear();
+        bar.clear();
         let written = writer.finish(truth.as_deref())?;
         let whole = truth.as_ref().is_some_and(|truth| is_whole(truth, written.frames));
         if format.needs_boxes() && !whole {

@@ -2,14 +2,13 @@
 
 use super::number::from;
 use super::paths::{Places, Taken};
-use super::progress::Expected;
+use super::progress::{Bar, Expected};
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, count_failures, end, say_what_failed};
 use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, named, progress};
 use anyhow::{Context, Result, ensure};
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 use smr_evaluation::robustness::{Former, Robustness, Starts, TABLES};
 use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, covered, faults, published};
@@ -233,9 +232,9 @@ impl Eval {
                 _ if cleanup::is_stopped() => break,
                 Err(error) => failures.push(error),
             }
-            bar.inc(1);
+            bar.inc();
         }
-        bar.finish_and_clear();
+        bar.clear();
         say_if_stopped();
         let failed = count_failures(failures, recordings == 1, &named(NAME))?;
         self.tables.print(&all.tables(), |layout| all.text(layout))?;
@@ -248,7 +247,7 @@ impl Eval {
         let bar = progress::of("covered", Some(found.len() + generated.len()), "recordings");
         let measure = |sequence: Result<Sequence>, other: &Path| {
             let measured = sequence.and_then(|sequence| self.cover(sequence, other, variants));
-            bar.inc(1);
+            bar.inc();
             measured
         };
         // The scene half the list away: neighbours by name are often of the same one.
@@ -260,7 +259,7 @@ impl Eval {
         let given = given.map(|(number, path)| measure(self.recording.open(path), other(number)));
         let generated = generated.into_par_iter().map(|sequence| measure(Ok(sequence), Path::new(synthetic::NAME)));
         let measured: Vec<_> = given.collect::<Vec<_>>().into_iter().chain(generated.collect::<Vec<_>>()).collect();
-        bar.finish_and_clear();
+        bar.clear();
         let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), &named(NAME));
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
@@ -299,7 +298,7 @@ impl Eval {
             Some(evaluation).filter(|evaluation| evaluation.is_ok() || !cleanup::is_stopped())
         };
         let evaluations = paths.par_iter().filter_map(one).collect();
-        bar.finish_and_clear();
+        bar.clear();
         say_if_stopped();
         evaluations
     }
@@ -309,7 +308,7 @@ impl Eval {
         path: &Path,
         variants: &[Variant],
         compare: bool,
-        (bar, expected): (&ProgressBar, &Expected<'_>),
+        (bar, expected): (&Bar, &Expected<'_>),
     ) -> Result<Evaluation> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {
@@ -318,7 +317,7 @@ impl Eval {
         }
         expected.add(sequence.truth.as_ref().map_or(0, |truth| truth.len() as u64), 1);
         let files = if compare { smr_evaluation::result_files(path)? } else { Vec::new() };
-        smr_evaluation::evaluate(sequence, variants, &files, || bar.inc(1))
+        smr_evaluation::evaluate(sequence, variants, &files, || bar.inc())
     }
 }
 

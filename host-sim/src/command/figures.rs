@@ -107,8 +107,8 @@ impl Figures {
         // Figures are gray.
         let sequence = Sequence { colors: Colors::None, ..self.recording.open(&self.sequence)? };
         let bar = progress::bar(&sequence.name, sequence.length);
-        let film = watch(sequence, methods, Refusal::Fails, Choice::Listed(frames), None, || bar.inc(1))?;
-        bar.finish_and_clear();
+        let film = watch(sequence, methods, Refusal::Fails, Choice::Listed(frames), None, || bar.inc())?;
+        bar.clear();
         Ok(film)
     }
 

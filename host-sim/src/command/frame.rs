@@ -115,12 +115,12 @@ impl Frame {
             }
         };
         let shots = Shots {
-            frames: in_color.inspect(|_| bar.inc(1)),
+            frames: in_color.inspect(|_| bar.inc()),
             size,
             shown: colors.within(self.number(), u16::MAX, patience).next(),
         };
         let picked = report::pick(shots, &choosing, least, budget);
-        bar.finish_and_clear();
+        bar.clear();
         if let Some(damage) = damage {
             complain(&format!("note: the page ends before damage: {}", messages::of(&damage)));
         }

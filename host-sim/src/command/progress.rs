@@ -1,31 +1,98 @@
-//! How far a command has got: on standard error, and only if it is a terminal.
+//! The progress of a command: one line on standard error, only if it is a terminal.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use smr_recordings::messages;
-use std::fmt::Write;
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::io::{IsTerminal, Write, stderr};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The shortest time between two lines.
+const PAUSE: Duration = Duration::from_millis(100);
+/// Erases the line. What is too long is cut by the terminal instead of wrapped.
+const ERASE: &str = "\r\x1b[2K\x1b[?7l";
+
+/// A counted line: `car: 120 of 300 frames, 4 s left`.
+pub struct Bar {
+    name: String,
+    what: &'static str,
+    is_hidden: bool,
+    began: Instant,
+    state: Mutex<State>,
+}
+
+struct State {
+    done: u64,
+    all: Option<u64>,
+    shown: Instant,
+}
 
 /// A bar of so many frames; without their number they are counted.
-pub fn bar(name: &str, frames: Option<usize>) -> ProgressBar {
+pub fn bar(name: &str, frames: Option<usize>) -> Bar {
     of(name, frames, "frames")
 }
 
 /// A progress bar that counts something else than frames.
-pub fn of(name: &str, count: Option<usize>, what: &str) -> ProgressBar {
-    let (bar, template) = match count {
-        Some(count) => {
-            (ProgressBar::new(count as u64), format!("{{msg}} [{{bar:40}}] {{pos}}/{{len}} {what}, {{left}} left"))
+pub fn of(name: &str, count: Option<usize>, what: &'static str) -> Bar {
+    let now = Instant::now();
+    let state = Mutex::new(State { done: 0, all: count.map(|count| count as u64), shown: now });
+    Bar { name: messages::line(name), what, is_hidden: !stderr().is_terminal(), began: now, state }
+}
+
+impl Bar {
+    pub fn hidden() -> Self {
+        Self { is_hidden: true, ..of("", None, "") }
+    }
+
+    pub const fn is_hidden(&self) -> bool {
+        self.is_hidden
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// One more is done.
+    pub fn inc(&self) {
+        let mut state = self.state();
+        state.done += 1;
+        if !self.is_hidden && state.shown.elapsed() >= PAUSE {
+            state.shown = Instant::now();
+            // What cannot be written is not shown.
+            let _ = write!(stderr(), "{ERASE}{}{}\x1b[?7h", self.name, self.line(&state));
         }
-        None => (ProgressBar::new_spinner(), format!("{{msg}} {{spinner}} {{pos}} {what}, {{per_sec}}")),
-    };
-    let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.with_style(style.with_key("left", left)).with_message(messages::line(name))
+    }
+
+    fn line(&self, State { done, all, .. }: &State) -> String {
+        let seconds = self.began.elapsed().as_secs_f64();
+        match all {
+            Some(all) => {
+                // By the rate of all that was done: that of the last moment says more of the last recording than of those that are left.
+                let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
+                format!(": {done} of {all} {}, {left:.0} s left", self.what)
+            }
+            None => format!(": {done} {}, {:.0} a second", self.what, *done as f64 / seconds),
+        }
+    }
+
+    pub fn done(&self) -> u64 {
+        self.state().done
+    }
+
+    /// Writes something else to the terminal.
+    pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
+        self.clear();
+        write()
+    }
+
+    pub fn clear(&self) {
+        if !self.is_hidden {
+            let _ = write!(stderr(), "{ERASE}\x1b[?7h");
+        }
+    }
 }
 
 /// How many frames there are, as recordings are opened: those that were not are taken for as long as the others.
 pub struct Expected<'a> {
-    bar: &'a ProgressBar,
+    bar: &'a Bar,
     state: Mutex<Opened>,
 }
 
@@ -37,7 +104,7 @@ struct Opened {
 }
 
 impl<'a> Expected<'a> {
-    pub fn of(bar: &'a ProgressBar, recordings: usize) -> Self {
+    pub fn of(bar: &'a Bar, recordings: usize) -> Self {
         Self { bar, state: Mutex::new(Opened { frames: 0, recordings: 0, all: recordings }) }
     }
 
@@ -57,15 +124,6 @@ impl<'a> Expected<'a> {
     fn update(&self, change: impl FnOnce(&mut Opened)) {
         let mut opened = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         change(&mut opened);
-        self.bar.set_length(opened.frames * opened.all as u64 / opened.recordings.max(1) as u64);
+        self.bar.state().all = Some(opened.frames * opened.all as u64 / opened.recordings.max(1) as u64);
     }
-}
-
-/// By the rate of all that was done: that of the last moment says more of the last recording than of those that are left.
-fn left(state: &ProgressState, out: &mut dyn Write) {
-    let (done, all) = (state.pos(), state.len().unwrap_or(0));
-    let seconds = state.elapsed().as_secs_f64() * all.saturating_sub(done) as f64 / done.max(1) as f64;
-    // What cannot be written is not shown.
-    let _ =
-        if done == 0 { write!(out, "-") } else { write!(out, "{:#}", HumanDuration(Duration::from_secs_f64(seconds))) };
 }

@@ -38,8 +38,8 @@ impl Replay {
             )
         };
         let bar = progress::of(&name, None, "entries");
-        let report = replay::replay(source, || bar.inc(1)).with_context(|| name.clone())?;
-        bar.finish_and_clear();
+        let report = replay::replay(source, || bar.inc()).with_context(|| name.clone())?;
+        bar.clear();
         let replayed = Replayed { version: env!("CARGO_PKG_VERSION"), file: name.clone(), report: &report };
         tell(self.json, &replayed, |replayed, out| describe(replayed, out))?;
         if let Some(damage) = &report.damage {

@@ -114,7 +114,7 @@ impl Report {
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (choice, several) = (self.choice(sequence.first)?, targets.len() > 1);
-            let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc(1))?;
+            let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc())?;
             // What others answered is of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
@@ -122,7 +122,7 @@ impl Report {
             Ok(film)
         };
         let films = paths.par_iter().zip(sequences.into_par_iter()).map(watch).collect();
-        progress.finish_and_clear();
+        progress.clear();
         films
     }
 

@@ -30,10 +30,10 @@ pub fn measure(
     let progress = |progress| match progress {
         Progress::Expected { frames, recordings } => expected.add(frames, recordings),
         Progress::Kept(recordings) => expected.leave_out(recordings),
-        Progress::Done => bar.inc(1),
+        Progress::Done => bar.inc(),
     };
     let mut robustness = robustness::measure_again(&found, open, variants, starts, kept.as_ref(), &progress);
-    bar.finish_and_clear();
+    bar.clear();
     if cleanup::is_stopped() {
         let again = resume.map_or("--resume DIR would keep them".to_owned(), |folder| {
             format!("the same command goes on, with what is in {}", folder.display())

@@ -2,12 +2,12 @@
 
 use super::events::Events;
 use super::paths::{Bare, Places, Taken, listed};
+use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::video::{Film, Shown};
-use super::{Outcome, is_closed_pipe, progress};
+use super::{Outcome, is_closed_pipe};
 use anyhow::{Context, Result, bail, ensure};
-use indicatif::ProgressBar;
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
@@ -169,9 +169,9 @@ impl Track {
     }
 
     /// `is_shown`: no lines on the same terminal show how far it is.
-    fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> ProgressBar {
+    fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> Bar {
         if !is_shown || !stderr().is_terminal() {
-            return ProgressBar::hidden();
+            return Bar::hidden();
         }
         let whole = || sequence.colors.length(self.recording.ffmpeg_patience());
         let part = |length| self.recording.frames().map_or(length, |part| part.length_of(length));
@@ -199,7 +199,7 @@ struct Pass {
     events: Option<Events>,
     /// And its name.
     film: Option<(PathBuf, Film)>,
-    bar: ProgressBar,
+    bar: Bar,
     live: Option<Now>,
     /// Whether frames have been dropped.
     drops: bool,
@@ -238,7 +238,7 @@ impl Pass {
         if let Some(warning) = warning(&poor) {
             self.warn(&warning);
         }
-        self.bar.inc(1);
+        self.bar.inc();
         self.last = number;
         Ok(())
     }
@@ -263,13 +263,13 @@ impl Pass {
             self.warn(&format!("it has ended: {reason}"));
         }
         let (name, dropped) = (&self.name, live.dropped());
-        let came = self.bar.position() + dropped as u64;
+        let came = self.bar.done() + dropped as u64;
         complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
     }
 
     /// Errors: A box lies in none of the frames that were read.
     fn finish(mut self, first: usize) -> Result<()> {
-        self.bar.finish_and_clear();
+        self.bar.clear();
         let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, named(target))));
         if let Some(live) = &self.live {
             self.say_end(live);
@@ -277,7 +277,7 @@ impl Pass {
             bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
         }
         self.lines.write(&self.printer.foot()?)?;
-        let (end, frames) = (self.end(), self.bar.position());
+        let (end, frames) = (self.end(), self.bar.done());
         if let Some((name, film)) = self.film {
             film.finish()?;
             let written = format!("{}: {frames} frames", name.display());
