@@ -5,9 +5,8 @@ use crate::Fuzzed;
 use crate::extent::Extent;
 use crate::paper;
 use crate::scene::{Part, Scene, frame};
-use crate::tally::{Reached, count};
 use arbitrary::{Result, Unstructured};
-use smr_core::{Answer, LockError, Rect, State, Tracker, UpdateError};
+use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
     /// Any backend, any steps, any parts of the frame.
@@ -39,7 +38,6 @@ impl<T: Fuzzed> Pair<T> {
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
         let Ok(any) = Tracker::<T>::new(config) else {
-            count(Reached::NewRefused);
             assert!(Tracker::<T>::new(T::plain(config)).is_err());
             return Ok(None);
         };
@@ -56,15 +54,11 @@ impl<T: Fuzzed> Pair<T> {
         for tracker in pair.plain.iter_mut().chain([&mut pair.any]) {
             assert_eq!(tracker.restore(&start.saved), Ok(()));
         }
-        count(Reached::RestoreToStartWith);
         Ok(pair)
     }
 
     fn new(any: Tracker<T>, beside: bool, scene: Scene, extent: &'static Extent) -> Self {
-        let plain = beside.then(|| {
-            count(Reached::PlainLoopsBesideIt);
-            Box::new(Tracker::new(T::plain(*any.config())).expect("the same numbers"))
-        });
+        let plain = beside.then(|| Box::new(Tracker::new(T::plain(*any.config())).expect("the same numbers")));
         Self { any: Box::new(any), plain, scene, updates: 0, extent }
     }
 
@@ -135,7 +129,6 @@ impl<T: Fuzzed> Pair<T> {
         let locked = if u.arbitrary()? {
             self.any.lock(&frame, target)
         } else {
-            count(Reached::LockInSteps);
             let begun = self.any.begin_lock(&frame, target).map(|mut lock| {
                 lock.step(1);
             });
@@ -147,15 +140,6 @@ impl<T: Fuzzed> Pair<T> {
             })
         };
         assert_eq!(self.any.resume_lock(&frame).err(), Some(LockError::NotBegun));
-        count(match locked {
-            Ok(_) => Reached::LockDone,
-            Err(LockError::BoxEmpty) => Reached::LockBoxEmpty,
-            Err(LockError::BoxOutsideFrame) => Reached::LockBoxOutsideFrame,
-            Err(LockError::BoxTooLarge) => Reached::LockBoxTooLarge,
-            Err(LockError::WindowTooLarge) => Reached::LockWindowTooLarge,
-            Err(LockError::LockWindowNotInMemory) => Reached::LockLockWindowNotInMemory,
-            Err(_) => Reached::LockAnotherError,
-        });
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
             // Refused only if the part is not the lock window, which was too large for memory.
@@ -194,32 +178,17 @@ impl<T: Fuzzed> Pair<T> {
         let whole = self.scene.part(self.scene.bounds(), gap(u)?);
         let least = frame(&self.scene, &first, second.as_ref());
         let shown = match &whole {
-            Some(whole) if u.arbitrary()? => {
-                count(Reached::FrameTheWholeOfIt);
-                frame(&self.scene, whole, None)
-            }
+            Some(whole) if u.arbitrary()? => frame(&self.scene, whole, None),
             _ => least,
         };
-        if first.stride > usize::from(first.rect.width) {
-            count(Reached::FrameRowsFarApart);
-        }
-        if (first.rect.x, first.rect.y) != (0, 0) {
-            count(Reached::FrameNotFromTheCorner);
-        }
-        count(if second.is_some() { Reached::FrameTwoParts } else { Reached::FrameOnePart });
         let answer = match u.int_in_range(0..=2_u8)? {
-            0 => {
-                count(Reached::UpdateWhole);
-                self.any.update(&shown)
-            }
+            0 => self.any.update(&shown),
             1 => {
-                count(Reached::UpdateInSteps);
                 let mut update = self.any.begin(&shown).expect("what it asked for is in memory");
                 while !update.step(work(u)?) && !u.is_empty() {}
                 Ok(update.finish())
             }
             _ => {
-                count(Reached::UpdateTakenUpAgainAfterEachStep);
                 let _ = self.any.begin(&shown).expect("what it asked for is in memory");
                 while !self.any.resume(&shown).expect("it was begun").step(work(u)?) && !u.is_empty() {}
                 self.any.resume(&shown).map(smr_core::Update::finish)
@@ -240,12 +209,6 @@ impl<T: Fuzzed> Pair<T> {
         assert_eq!(self.any.bbox(), Some(answer.fine));
         assert_eq!(self.any.state(), Some(answer.state));
         assert_eq!(answer.fine.whole(), answer.bbox);
-        count(match answer.state {
-            State::Tracking => Reached::AnswerTracking,
-            State::Leaving => Reached::AnswerLeaving,
-            State::Uncertain => Reached::AnswerUncertain,
-            State::Lost => Reached::AnswerLost,
-        });
     }
 
     /// The camera turns.
@@ -255,7 +218,6 @@ impl<T: Fuzzed> Pair<T> {
         } else {
             (u.int_in_range(-9999..=9999)?, u.int_in_range(-9999..=9999)?)
         };
-        count(Reached::Moved);
         self.any.moved(right, down);
         if let Some(plain) = &mut self.plain {
             plain.moved(right, down);
@@ -272,14 +234,12 @@ impl<T: Fuzzed> Pair<T> {
         let mut next = Tracker::<T>::new(*self.any.config()).expect("it was one");
         assert_eq!(next.restore(&bytes), Ok(()));
         assert_eq!((next.window(), next.bbox(), next.state()), (self.any.window(), self.any.bbox(), self.any.state()));
-        count(Reached::RestoreWhatWasJustSaved);
         *self.any = next;
         self.same();
         // Every change of a single bit must be noticed.
         let at = u.choose_index(bytes.len())?;
         bytes[at] ^= 1 << u.int_in_range(0..=7_u8)?;
         assert!(self.any.restore(&bytes).is_err());
-        count(Reached::RestoreRefusedForOneBit);
         self.same();
         Ok(())
     }
@@ -293,13 +253,6 @@ impl<T: Fuzzed> Pair<T> {
             let frame = frame(&self.scene, &part, None);
             let refused = self.any.update(&frame);
             let changed = self.scene.width != width;
-            count(match refused {
-                Ok(_) => Reached::OtherSizeTaken,
-                Err(UpdateError::NotLocked) => Reached::OtherSizeNotLocked,
-                Err(UpdateError::FrameSizeChanged) => Reached::OtherSizeFrameSizeChanged,
-                Err(UpdateError::WindowNotInMemory) => Reached::OtherSizeWindowNotInMemory,
-                Err(_) => Reached::OtherSizeAnotherError,
-            });
             if before.is_none() {
                 assert_eq!(refused, Err(UpdateError::NotLocked));
             } else if changed {
@@ -317,7 +270,6 @@ impl<T: Fuzzed> Pair<T> {
     }
 
     fn without_memory(&mut self) -> Result<()> {
-        count(Reached::UpdateWithoutWhatItAskedFor);
         let Some(part) = self.corner() else { return Ok(()) };
         assert!(self.any.update(&frame(&self.scene, &part, None)).is_err());
         Ok(())
@@ -329,7 +281,6 @@ impl<T: Fuzzed> Pair<T> {
         let shown = frame(&self.scene, &first, second.as_ref());
         self.any.begin(&shown).expect("what it asked for is in memory").step(work(u)?);
         let before = saved(&self.any);
-        count(Reached::UpdateGivenUp);
         if u.arbitrary()? {
             self.turn(u)?;
             // A turn that rounds to nothing leaves everything as it was.

@@ -6,7 +6,6 @@
 //! - `flight`: changed entries of a flight record.
 //! - `readers`: the files, lines and words that host-sim reads.
 //! - `scene`: the frames of both. `extent`: the size of inputs.
-//! - `tally`: counts the cases that were reached.
 
 mod calls;
 mod extent;
@@ -17,9 +16,6 @@ mod readers;
 mod robust;
 mod saved;
 mod scene;
-mod tally;
-
-pub use tally::reached;
 
 use arbitrary::Unstructured;
 use smr_core::similarity::Backend;

@@ -2,7 +2,6 @@
 
 use crate::extent::Extent;
 use crate::scene::Scene;
-use crate::tally::{Reached, count};
 use crate::{Fuzzed, Start, mostly};
 use arbitrary::{Result, Unstructured};
 use smr_core::paper::{Config, Fraction, Margins, Radius, RunnerUp};
@@ -24,11 +23,6 @@ pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
 pub(crate) fn backend(u: &mut Unstructured<'_>) -> Result<Option<Backend>> {
     static ALL: LazyLock<Vec<Backend>> = LazyLock::new(|| Backend::available().collect());
     let chosen = ALL.get(usize::from(u.int_in_range(0..=7_u8)?)).copied();
-    count(match chosen {
-        None => Reached::BackendTheFastest,
-        Some(Backend::Scalar) => Reached::BackendPlainLoop,
-        Some(_) => Reached::BackendOfThisMachine,
-    });
     Ok(chosen)
 }
 
