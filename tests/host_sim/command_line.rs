@@ -373,25 +373,6 @@ fn report_says_what_it_wrote() {
 }
 
 #[test]
-fn frame_says_what_it_cannot_show() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = folder.path().join("frame.html");
-    let there = ["-o", utf8(&picture)];
-    host_sim(&[&["frame", "synthetic", "241"], &there[..]].concat()).refuses(&[
-        "synthetic",
-        "no frame 241",
-        "1 to 240",
-    ]);
-    host_sim(&[&["frame", "no/such/recording"], &there[..]].concat()).refuses(&["no/such/recording"]);
-    host_sim(&["frame", "synthetic", "-o", utf8(folder.path())]).refuses(&["cannot write", utf8(folder.path())]);
-    for wrong in [&["0"][..], &["one"], &["--init", "1,2,3"], &["--init", "1,2,0,3"]] {
-        assert_eq!(host_sim(&[&["frame", "synthetic"], &there[..], wrong].concat()).code, Some(2), "{wrong:?}");
-    }
-    assert_eq!(host_sim(&["frame", "synthetic"]).code, Some(2), "-o is needed");
-    assert!(!picture.exists());
-}
-
-#[test]
 fn track_writes_a_json_object_a_frame() {
     let lines = host_sim(&["track", "periodic", "--method", "smr", "--json"]).json_lines();
     assert_eq!(lines.len(), 19);

@@ -126,9 +126,8 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     let note = ["-c", "copy", "-metadata:s:v:0", "rotate=90"];
     let copied = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned).status();
     assert!(copied.unwrap().success());
-    let page = file("pick.html");
     let size = |video: &Path| {
-        let said = host_sim(&["frame", utf8(video), "-o", utf8(&page), "--json"]).json();
+        let said = host_sim(&["convert", utf8(video), "-o", utf8(&file("clip.y4m")), "--json"]).json();
         (said["width"].as_u64().unwrap(), said["height"].as_u64().unwrap())
     };
     assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
@@ -515,10 +514,10 @@ fn a_damaged_video_is_read_alike_every_time() {
 fn the_name_of_a_file_does_not_steer_the_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
-    let (clip, picture) = (path("a\u{1b}[31m\n\u{9b}.y4m"), path("\u{1b}c.png"));
+    let (clip, page) = (path("a\u{1b}[31m\n\u{9b}.y4m"), path("\u{1b}c.pdf"));
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "1..3", "-o", &clip]).code, Some(0));
     for arguments in [
-        &["frame", &clip, "-o", &picture, "--init", "1,1,9,9"][..],
+        &["report", &clip, "-o", &page, "--init", "1,1,9,9"][..],
         &["track", &clip],
         &["eval", &clip],
         &["track", "synthetic", "--method", "\u{1b}[2J"],
@@ -561,8 +560,6 @@ fn the_name_of_an_output_says_what_it_is() {
         ("report", "--png", "r.jpg", "ends in .png"),
         ("demo", "--out", "r.pdf", "ends in .html, or a folder"),
         ("convert", "--out", "r.foo", "ends in .y4m, .raw, .gray, .bin, .y8 or .h, or a folder"),
-        ("frame", "--out", "f.png", "ends in .html"),
-        ("frame", "--out", "f", "ends in .html"),
         ("figures", "--out", "f.png", "a folder"),
         (
             "track",

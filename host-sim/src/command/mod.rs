@@ -8,7 +8,6 @@ mod eval;
 mod events;
 mod exit_code;
 mod figures;
-mod frame;
 pub mod number;
 mod paths;
 pub mod progress;
@@ -34,7 +33,6 @@ use smr_recordings::output::print;
 use smr_recordings::{BUILT_IN, is_live};
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -70,9 +68,6 @@ enum Command {
   host-sim view clip.mp4
   host-sim view sequences/car --no-open")]
     View(view::View),
-    /// Write a page on which boxes are dragged, as one file: `view` without a server, and without following
-    #[command(after_help = "Example:\n  host-sim frame clip.mp4 -o pick.html")]
-    Frame(frame::Frame),
     /// Print the target's box in every frame
     #[command(after_help = "Examples:
   host-sim track clip.mp4 --init 142,125,90,39 --method robust -o boxes.mp4
@@ -128,16 +123,12 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Replay(replay::Replay),
 }
 
-/// The most megabytes of a page, if nothing else is said.
-const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
-
 /// Runs the same code with the options of whichever command was given.
 macro_rules! each {
     ($of:expr, $command:ident => $do:expr) => {
         match $of {
             Command::Demo($command) => $do,
             Command::View($command) => $do,
-            Command::Frame($command) => $do,
             Command::Track($command) => $do,
             Command::Check($command) => $do,
             Command::Eval($command) => $do,

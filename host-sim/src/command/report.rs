@@ -4,7 +4,7 @@ use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{BUDGET, Outcome, progress, shell};
+use super::{Outcome, progress, shell};
 use anyhow::{Context, Result, anyhow, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
@@ -16,6 +16,9 @@ use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+
+/// The most megabytes of a page, if nothing else is said.
+const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
 

@@ -13,7 +13,6 @@ mod image;
 mod page;
 mod page_data;
 mod palette;
-mod pick;
 mod player_frames;
 mod scores;
 mod search;
@@ -24,6 +23,5 @@ mod trackers;
 
 pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
-pub use pick::{Choosing, Picked, SIDE, Shots, pick};
 pub use strip_frames::Choice;
 pub use strip_png::picture;
