@@ -186,14 +186,13 @@ fn a_file_is_written_whole_or_not_at_all() {
 fn what_cannot_be_written_is_said_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("no").join("such").join("file.svg");
-    let (file, [picture, boxes]) = (utf8(&file), [".png", ".txt"].map(|ending| utf8(&file).replace(".svg", ending)));
+    let (file, boxes) = (utf8(&file), utf8(&file).replace(".svg", ".txt"));
     // Each fails before it reads its frames, which do not exist.
     let missing = folder.path().join("empty.y4m");
     fs::write(&missing, "YUV4MPEG2 W9 H9 Cmono\n").unwrap();
     let recording = utf8(&missing);
     for arguments in [
         &["track", recording, "--init", "0,0,4,4", "--out", &boxes][..],
-        &["report", recording, "--init", "0,0,4,4", "--png", &picture],
         &["eval", recording, "--robustness", "--calibration", file],
     ] {
         host_sim(arguments).refuses(&["cannot write", arguments.last().unwrap()]);
@@ -292,18 +291,10 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
 
     host_sim(&["track", &clip, "--init", "9,9,9,9", "--video", &one, "--out", &one])
         .refuses(&["--out", "--video", &one, "two"]);
-    #[cfg(unix)]
-    {
-        let picture = path("page.png");
-        std::os::unix::fs::symlink("new/synthetic.html", &picture).unwrap();
-        host_sim(&["report", "synthetic", "--out", &path("new"), "--png", &picture])
-            .refuses(&["--out", "--png", "two"]);
-    }
     for arguments in [
         &["convert", &clip, "-o", &clip][..],
         &["track", &clip, "--init", "9,9,9,9", "--out", &clip],
         &["track", &frames, "--out", &truth],
-        &["report", &frames, "--png", &picture],
         &["eval", &frames, "--robustness", "--calibration", &picture],
     ] {
         let output = arguments.last().unwrap();
@@ -433,8 +424,6 @@ fn messages_are_in_peoples_words() {
     track(&["--method", "kcf"]).refuses(&["--method kcf: expected one of smr, robust, sad, ssd, ncc, lk"]);
     host_sim(&["eval", "synthetic", "--robustness", "--starts-every", "0"])
         .refuses(&["--starts-every 0: expected a whole number, 1 or more"]);
-    host_sim(&["report", "synthetic", "-o", "x.html", "--strip", "1,x"])
-        .refuses(&["--strip x: expected a whole number"]);
     track(&["--out", "no/such/boxes.txt"]).refuses(&["cannot write no/such/boxes.txt: there is no folder no/such"]);
     track(&["--size", "99999x99999"]).refuses(&["--size 99999x99999: expected two whole numbers", "at most 65535"]);
     track(&["--resize", "99999x99999"]).refuses(&["--resize 99999x99999: expected a size", "from 1 to 65535"]);
@@ -557,7 +546,6 @@ fn the_name_of_an_output_says_what_it_is() {
     let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
     for (command, option, name, expected) in [
         ("report", "--out", "r.pdf", "ends in .html, or a folder"),
-        ("report", "--png", "r.jpg", "ends in .png"),
         ("demo", "--out", "r.pdf", "ends in .html, or a folder"),
         ("convert", "--out", "r.foo", "ends in .y4m, .raw, .gray, .bin, .y8 or .h, or a folder"),
         ("figures", "--out", "f.png", "a folder"),

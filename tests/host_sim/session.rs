@@ -112,10 +112,8 @@ fn a_sequence_for_the_vot_toolkit_keeps_the_pixels_and_says_what_it_lacks() {
 fn parts_are_shown_and_checked_as_they_are_followed() {
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("part.html");
-    let said =
-        host_sim(&["report", "synthetic", "--frames", "20..40", "--strip", "20,40", "-o", utf8(&page), "--json"])
-            .json();
-    assert_eq!((&said["recordings"][0]["frames"], &said["recordings"][0]["shown"]), (&21.into(), &vec![20, 40].into()));
+    let said = host_sim(&["report", "synthetic", "--frames", "20..40", "-o", utf8(&page), "--json"]).json();
+    assert_eq!(said["recordings"][0]["frames"], Value::from(21));
     let said = host_sim(&["check", "synthetic", "--frames", "20..40", "--json"]).json();
     assert_eq!(said[0]["frames"], Value::from(20), "one is locked on");
     host_sim(&["report", "synthetic", "--frames", "300..", "-o", utf8(&page)]).refuses(&["no frame 300"]);

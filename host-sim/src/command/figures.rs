@@ -10,7 +10,7 @@ use serde::Serialize;
 use smr_evaluation::{Origin, Variant};
 use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{Figure, METHODS, Plan, Wish};
-use smr_pages::report::{Choice, Film, Refusal, watch};
+use smr_pages::report::{Film, Refusal, watch};
 use smr_recordings::messages::choice_name;
 use smr_recordings::{Colors, FrameRange, Sequence, output};
 use std::collections::BTreeSet;
@@ -89,10 +89,10 @@ impl Figures {
             "standard input can be read once, and figures need the recording twice: expected a file or a folder"
         );
         let methods = self.tracker.variants(&METHODS)?;
-        let film = self.watch(&methods, BTreeSet::new())?;
+        let film = self.watch(&methods, &BTreeSet::new())?;
         let (plans, left_out) = self.plans(&film)?;
         let shown = plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect();
-        let film = self.watch(&methods, shown)?;
+        let film = self.watch(&methods, &shown)?;
         fs::create_dir_all(&self.out).with_context(|| format!("cannot make the folder {}", self.out.display()))?;
         let figures = plans.iter().map(|plan| self.write(plan, &film)).collect::<Result<_>>()?;
         let methods = methods.iter().map(Variant::origin).collect();
@@ -103,11 +103,11 @@ impl Figures {
     }
 
     /// What happens in the recording, with the pictures of these frames.
-    fn watch(&self, methods: &[Variant], frames: BTreeSet<usize>) -> Result<Film> {
+    fn watch(&self, methods: &[Variant], frames: &BTreeSet<usize>) -> Result<Film> {
         // Figures are gray.
         let sequence = Sequence { colors: Colors::None, ..self.recording.open(&self.sequence)? };
         let bar = progress::bar(&sequence.name, sequence.length);
-        let film = watch(sequence, methods, Refusal::Fails, Choice::Listed(frames), None, || bar.inc(1))?;
+        let film = watch(sequence, methods, Refusal::Fails, frames, None, || bar.inc(1))?;
         bar.finish_and_clear();
         Ok(film)
     }

@@ -94,7 +94,7 @@ enum Command {
   host-sim convert synthetic --format vot -o workspace/sequences/synthetic
   host-sim convert sequences/car --format pgm -o frames")]
     Convert(convert::Convert),
-    /// Show a recording: one HTML page with frames, plots and differences, or a picture
+    /// Show a recording: one HTML page with frames, plots and differences
     #[command(after_help = "Example:
   host-sim report sequences/car --out report.html")]
     Report(report::Report),

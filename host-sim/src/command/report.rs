@@ -1,16 +1,17 @@
-//! `host-sim report`: recordings as people look at them, a page or a picture.
+//! `host-sim report`: recordings as people look at them, on one page.
 
 use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, shell};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
-use smr_pages::report::{self, About, Choice, Film, Refusal};
+use smr_pages::report::{self, About, Film, Refusal};
 use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{BUILT_IN, Sequence, Target, misfit};
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::io::Write;
@@ -35,17 +36,11 @@ pub struct Report {
     ///
     /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, with shift to move), and what was compared; scores where
     /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
-    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
-    out: Option<PathBuf>,
+    #[arg(short, long, value_name = "DIR|FILE.html")]
+    out: PathBuf,
     /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
-    /// Write the film strip of one recording alone, as one picture
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
-    /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
-    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = from::<NonZeroUsize>(1))]
-    strip: Vec<NonZeroUsize>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -63,14 +58,12 @@ struct Written {
 
 impl Report {
     pub fn places(&self) -> Places<'_> {
-        let places = Places::of(&self.paths).writes_as("--out", self.out.as_ref(), Taken::PAGE);
-        places.writes_as("--png", self.png.as_ref(), Taken::PICTURE)
+        Places::of(&self.paths).writes_as("--out", Some(&self.out), Taken::PAGE)
     }
 
     pub fn run(self) -> Result<Outcome> {
         let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
         let found = self.recording.find(&self.paths)?;
-        ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
         let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         for (sequence, targets) in &sequences {
@@ -80,23 +73,17 @@ impl Report {
         }
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
-        let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
+        let page = page_file(&self.out, &title)?;
         // In a folder the page has the recording's name.
-        Places::of(&found).writes("--out", page.as_ref()).writes("--png", self.png.as_ref()).check()?;
-        let page = page.map(File::create).transpose()?;
-        let png = self.png.clone().map(File::create).transpose()?;
+        Places::of(&found).writes("--out", Some(&page)).check()?;
+        let output = Output::create(&page)?;
         let mut films = self.watch(&found, sequences, &methods)?;
         for film in &films {
             film.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", film.name)));
         }
-        let mut files = Vec::new();
-        if let Some(file) = page {
-            let page = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
-            files.push(file.write(page.as_bytes())?);
-        }
-        if let Some(file) = png {
-            files.push(file.write(&report::picture(&films[0])?)?);
-        }
+        let text = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
+        output.end(text.as_bytes())?;
+        let files = [Written { file: page, bytes: text.len() }];
         let text = if self.json { json(&films, &methods, &files)? } else { lines(&films, &files) };
         print(|out| out.write_all(text.as_bytes()))?;
         Ok(Outcome::Holds)
@@ -112,12 +99,12 @@ impl Report {
         let name =
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
-        let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
+        let budget = Some(self.budget_bytes() / sequences.len());
         // A method that was not asked for is left out instead of being an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
-            let (choice, several) = (self.choice(sequence.first)?, targets.len() > 1);
-            let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc(1))?;
+            let (stills, several) = (BTreeSet::new(), targets.len() > 1);
+            let mut film = report::watch_all(sequence, targets, methods, refusal, &stills, budget, || progress.inc(1))?;
             // What others answered is of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
@@ -142,18 +129,6 @@ impl Report {
             command_line: shell::line(words.iter().map(OsString::as_os_str)),
             options: serde_json::to_string(&origins)?,
         })
-    }
-
-    /// The frames of the film strip of a recording whose first frame has this number.
-    fn choice(&self, first: usize) -> Result<Choice> {
-        if self.strip.is_empty() {
-            return Ok(Choice::Spread);
-        }
-        let index = |number: &NonZeroUsize| {
-            let index = number.get().checked_sub(first);
-            index.with_context(|| format!("--strip: frame {number} is not read: expected {first} or later (--frames)"))
-        };
-        Ok(Choice::Listed(self.strip.iter().map(index).collect::<Result<_>>()?))
     }
 }
 
@@ -183,27 +158,10 @@ fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     Ok(file)
 }
 
-struct File {
-    name: PathBuf,
-    output: Output,
-}
-
-impl File {
-    fn create(name: PathBuf) -> Result<Self> {
-        Ok(Self { output: Output::create(&name)?, name })
-    }
-
-    fn write(self, bytes: &[u8]) -> Result<Written> {
-        self.output.end(bytes)?;
-        Ok(Written { file: self.name, bytes: bytes.len() })
-    }
-}
-
 fn lines(films: &[Film], files: &[Written]) -> String {
     let frames: usize = films.iter().map(|film| film.moments.len()).sum();
-    let shown: usize = films.iter().map(|film| film.shown().len()).sum();
     let line = |Written { file, bytes }: &Written| {
-        format!("{}: {frames} frames, {shown} in the film strip, {} kB\n", file.display(), bytes.div_ceil(1000))
+        format!("{}: {frames} frames, {} kB\n", file.display(), bytes.div_ceil(1000))
     };
     files.iter().map(line).collect()
 }
@@ -216,8 +174,6 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         serde_json::json!({
             "sequence": film.name,
             "frames": film.moments.len(),
-            "shown": film.shown(),
-            "changes_left_out": film.changes_left_out,
             "notes": film.notes,
             "pictures": film.pictures(),
         })
@@ -246,38 +202,22 @@ mod tests {
         Line::try_parse_from([&["report", "synthetic"], arguments].concat())?.report.run()
     }
 
-    /// The README shows it; this is how it is made anew:
-    /// `host-sim report street --strip 1,40,75,150,187,260 --png host-sim/assets/street.png`
-    #[test]
-    fn the_picture_of_the_readme_is_what_the_command_makes() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("street.png");
-        let line = ["report", "street", "--strip", "1,40,75,150,187,260", "--png", file.to_str().unwrap()];
-        Line::try_parse_from(line).unwrap().report.run().unwrap();
-        let (made, kept) = (fs::read(file).unwrap(), include_bytes!("../../assets/street.png"));
-        assert!(made == kept, "assets/street.png is another picture: make it anew, see above");
-        assert!(kept.len() < 200_000, "{} bytes", kept.len());
-    }
-
     #[test]
     fn a_folder_gets_a_page_of_the_recordings_name() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("folder");
-        run(&["--strip", "1,2", "--out", out.to_str().unwrap()]).unwrap();
+        run(&["--out", out.to_str().unwrap()]).unwrap();
         let page = fs::read_to_string(out.join("synthetic.html")).unwrap();
         assert!(page.len() < 10_000_000, "{} bytes", page.len());
         let file = out.join("again.html");
-        run(&["--strip", "2,1,2", "--out", file.to_str().unwrap()]).unwrap();
+        run(&["--out", file.to_str().unwrap()]).unwrap();
         assert!(page == fs::read_to_string(file).unwrap(), "the same page every time");
     }
 
     #[test]
     fn what_cannot_be_is_refused() {
         assert!(run(&[]).unwrap_err().to_string().contains("--out"));
-        assert!(run(&["--out", "x.html", "--strip", "0"]).unwrap_err().to_string().contains("--strip"));
         let folder = tempfile::tempdir().unwrap();
-        let error = format!("{:#}", File::create(folder.path().to_owned()).err().unwrap());
-        assert!(error.starts_with(&format!("cannot write {}", folder.path().display())), "{error}");
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         let error = format!("{:#}", page_file(&file, "name").unwrap_err());

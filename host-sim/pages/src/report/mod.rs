@@ -4,7 +4,6 @@
 pub mod axes;
 pub mod calibration;
 pub mod canvas;
-mod coinciding_boxes;
 pub mod diagram;
 mod difference;
 pub mod figures;
@@ -16,12 +15,7 @@ mod palette;
 mod player_frames;
 mod scores;
 mod search;
-mod strip_frames;
-mod strip_png;
-mod strip_tile;
 mod trackers;
 
 pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
-pub use strip_frames::Choice;
-pub use strip_png::picture;

@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::report::canvas::Canvas;
     use crate::report::diagram::Form;
-    use crate::report::{Choice, Refusal, watch};
+    use crate::report::{Refusal, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{Configs, Variant};
     use smr_recordings::{OpenOptions, Sequence, synthetic};
@@ -163,8 +163,7 @@ mod tests {
     fn watched(sequence: Sequence, frames: &[usize]) -> Film {
         let configs = Configs::from(Config::paper());
         let methods = METHODS.map(|kind| Variant::new(kind, &configs));
-        watch(sequence, &methods, Refusal::Fails, Choice::Listed(frames.iter().copied().collect()), None, || ())
-            .unwrap()
+        watch(sequence, &methods, Refusal::Fails, &frames.iter().copied().collect(), None, || ()).unwrap()
     }
 
     /// What happens in the built-in recording, without pictures.
