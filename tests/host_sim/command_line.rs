@@ -301,26 +301,6 @@ fn options_of_another_method_are_refused() {
 }
 
 #[test]
-fn eval_counts_and_draws_what_a_ratio_is_worth() {
-    let folder = tempfile::tempdir().unwrap();
-    let plot = folder.path().join("calibration.svg");
-    let arguments = ["eval", "synthetic", "--frames", "..60", "--robustness", "--method", "robust,sad"];
-    let report = host_sim(&[&arguments[..], &["--calibration", utf8(&plot), "--json"]].concat()).json();
-    assert!(fs::read_to_string(&plot).unwrap().starts_with("<svg"));
-    let bins = report["calibration"].as_array().unwrap();
-    assert!(bins.iter().all(|bin| bin["tracker"] == "robust" && bin["correct"].as_u64() <= bin["frames"].as_u64()));
-    assert_eq!((&bins[0]["from"], &bins.last().unwrap()["to"]), (&Value::from(0.0), &Value::from(1.0)));
-    // Five runs of 60 frames, the first of which is locked on.
-    assert_eq!(bins.iter().filter_map(|bin| bin["frames"].as_u64()).sum::<u64>(), 5 * 59);
-
-    let robustness = ["eval", "synthetic", "--robustness"];
-    host_sim(&[&robustness[..], &["--calibration", "plot.gif"]].concat()).refuses(&["plot.gif", ".svg or .png"]);
-    let no_ratio = ["--method", "sad", "--calibration", "plot.svg"];
-    host_sim(&[&robustness[..], &no_ratio].concat()).refuses(&["--calibration", "smr and robust", "--method"]);
-    assert_eq!(host_sim(&["eval", "synthetic", "--calibration", "plot.svg"]).code, Some(2));
-}
-
-#[test]
 fn a_truncated_recording_loses_nothing_before_the_damage() {
     let folder = tempfile::tempdir().unwrap();
     let written = folder.path().join("recording");

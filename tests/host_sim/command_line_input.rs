@@ -185,18 +185,13 @@ fn a_file_is_written_whole_or_not_at_all() {
 #[test]
 fn what_cannot_be_written_is_said_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("no").join("such").join("file.svg");
-    let (file, boxes) = (utf8(&file), utf8(&file).replace(".svg", ".txt"));
-    // Each fails before it reads its frames, which do not exist.
+    let file = folder.path().join("no").join("such").join("file.txt");
+    let boxes = utf8(&file);
+    // It fails before it reads its frames, which do not exist.
     let missing = folder.path().join("empty.y4m");
     fs::write(&missing, "YUV4MPEG2 W9 H9 Cmono\n").unwrap();
     let recording = utf8(&missing);
-    for arguments in [
-        &["track", recording, "--init", "0,0,4,4", "--out", &boxes][..],
-        &["eval", recording, "--robustness", "--calibration", file],
-    ] {
-        host_sim(arguments).refuses(&["cannot write", arguments.last().unwrap()]);
-    }
+    host_sim(&["track", recording, "--init", "0,0,4,4", "--out", boxes]).refuses(&["cannot write", boxes]);
 }
 
 #[cfg(target_os = "linux")]
@@ -295,7 +290,6 @@ fn two_outputs_are_two_files_and_none_is_the_input() {
         &["convert", &clip, "-o", &clip][..],
         &["track", &clip, "--init", "9,9,9,9", "--out", &clip],
         &["track", &frames, "--out", &truth],
-        &["eval", &frames, "--robustness", "--calibration", &picture],
     ] {
         let output = arguments.last().unwrap();
         host_sim(arguments).refuses(&[output, "belongs to the recording"]);
@@ -564,7 +558,6 @@ fn the_name_of_an_output_says_what_it_is() {
         let said = host_sim(&[command, "periodic", "--format", format, "-o", &path(name)]);
         said.refuses(&[&format!("--format {format} into"), name, expected]);
     }
-    host_sim(&["eval", "synthetic", "--robustness", "--resume", &path("r.json")]).refuses(&["--resume", "a folder"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     for (name, format) in [("b.txt", "json"), ("b", "otb"), ("b.JSON", "coco"), ("c.jsonl", "json")] {
         assert_eq!(host_sim(&["track", "periodic", "--format", format, "-o", &path(name)]).code, Some(0), "{name}");

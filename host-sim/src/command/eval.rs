@@ -1,22 +1,20 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
 use super::number::from;
-use super::paths::{Places, Taken};
+use super::paths::Places;
 use super::progress::Expected;
 use super::recording_options::RecordingOptions;
 use super::robustness::{self, count_failures, end, say_what_failed};
 use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, named, progress};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use smr_evaluation::robustness::{Former, Robustness, Starts, TABLES};
 use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, covered, faults, published};
-use smr_pages::report::calibration;
-use smr_pages::report::diagram::Form;
 use smr_recordings::fault::{Fault, Faults};
-use smr_recordings::output::{Output, complain};
+use smr_recordings::output::complain;
 use smr_recordings::{OpenOptions, Resize, Sequence, cleanup, slow, synthetic};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -70,17 +68,6 @@ pub struct Eval {
     /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
-    /// With --robustness: keep what is measured in this folder, and go on from there
-    ///
-    /// A file for each tracker on each recording. It counts as long as the recording, the options and host-sim itself are the same.
-    #[arg(long, value_name = "DIR", requires = "robustness")]
-    resume: Option<PathBuf>,
-    /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
-    ///
-    /// Over all frames of all runs of smr and robust, with the numbers as one more table. A frame without an answer is not correct, and
-    /// neither is one in which the target is hidden.
-    #[arg(long, value_name = "FILE", requires = "robustness")]
-    calibration: Option<PathBuf>,
     /// Put faults of the camera, or changes of light, into the recordings, and measure what the trackers do; several are separated by
     /// commas, `all` and `light` are lists [default methods: smr,robust]
     ///
@@ -120,9 +107,7 @@ pub struct Eval {
 
 impl Eval {
     pub fn places(&self) -> Places<'_> {
-        let places = Places::of(&self.paths).reads(self.against.as_ref());
-        let places = places.writes_as("--calibration", self.calibration.as_ref(), Taken::PLOT);
-        places.writes_as("--resume", self.resume.as_ref(), Taken::FOLDER)
+        Places::of(&self.paths).reads(self.against.as_ref())
     }
 
     pub fn run(mut self) -> Result<Outcome> {
@@ -191,25 +176,15 @@ impl Eval {
     }
 
     fn measure_robustness(&self, variants: &[Variant]) -> Result<Outcome> {
-        let form = self.calibration.as_deref().map(Form::of).transpose()?;
-        let confident = variants.iter().any(|variant| variant.kind.is_core());
         let former = self.against.as_deref().map(Former::read).transpose()?;
-        ensure!(
-            confident || form.is_none(),
-            "--calibration is of the confidence of smr and robust: expected one of them in --method"
-        );
-        let plot = self.calibration.as_deref().map(Output::create).transpose()?;
         let starts = match self.starts_every {
             Some(every) => Starts::Every(every),
             None if self.single_start => Starts::Given,
             None => Starts::Near,
         };
         let (mut robustness, failed) =
-            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts, self.resume.as_deref())?;
+            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts)?;
         robustness.compare(former.as_ref())?;
-        if let (Some(plot), Some(form)) = (plot, form) {
-            plot.end(&form.draw(&calibration::marks(robustness.calibration()))?)?;
-        }
         self.print_robustness(&robustness)?;
         end(failed)
     }
@@ -281,8 +256,7 @@ impl Eval {
 
     fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
         self.tables.print(&robustness.tables(), |layout| {
-            let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table(layout));
-            let mut parts = vec![robustness.table(layout), robustness.paired_table(layout), calibration];
+            let mut parts = vec![robustness.table(layout), robustness.paired_table(layout)];
             parts.retain(|part| !part.is_empty());
             parts.join("\n")
         })

@@ -4,13 +4,12 @@ use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, told};
 use anyhow::{Error, Result, bail};
 use smr_evaluation::Variant;
-use smr_evaluation::robustness::{self, Kept, Progress, Robustness, Starts};
+use smr_evaluation::robustness::{self, Progress, Robustness, Starts};
 use smr_recordings::cleanup;
 use smr_recordings::output::complain;
 use std::path::{Path, PathBuf};
 
 /// Measures `variants` for `command` on what is at `paths`, names what fails, and tells how much that is.
-/// `resume`: a folder with what was measured before, which gets the rest.
 /// Errors: No recording is there, or the only thing that was asked for failed.
 pub fn measure(
     command: &clap::Command,
@@ -18,27 +17,20 @@ pub fn measure(
     recording: &RecordingOptions,
     variants: &[Variant],
     starts: Starts,
-    resume: Option<&Path>,
 ) -> Result<(Robustness, usize)> {
     let found = recording.find(paths)?;
-    let options = format!("{recording:?} {starts:?}");
-    let kept = resume.map(|folder| Kept::in_folder(folder, &options)).transpose()?;
     let bar = progress::bar(command.get_name(), Some(0));
     let open = |path: &Path| recording.open(path);
     let expected = progress::Expected::of(&bar, found.len());
     cleanup::stop_first();
     let progress = |progress| match progress {
         Progress::Expected { frames, recordings } => expected.add(frames, recordings),
-        Progress::Kept(recordings) => expected.leave_out(recordings),
         Progress::Done => bar.inc(1),
     };
-    let mut robustness = robustness::measure_again(&found, open, variants, starts, kept.as_ref(), &progress);
+    let mut robustness = robustness::measure(&found, open, variants, starts, &progress);
     bar.finish_and_clear();
     if cleanup::is_stopped() {
-        let again = resume.map_or("--resume DIR would keep them".to_owned(), |folder| {
-            format!("the same command goes on, with what is in {}", folder.display())
-        });
-        complain(&format!("stopped: these are the results until now; {again}"));
+        complain("stopped: these are the results until now");
     }
     let failed = count_failures(std::mem::take(&mut robustness.failures), robustness.is_empty(), command)?;
     Ok((robustness, failed))

@@ -103,7 +103,6 @@ impl Mean {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::Row;
-    use super::super::calibration::Calibration;
     use super::super::starts::Start;
     use super::*;
     use crate::{MethodKind, Origin, Score};
@@ -143,7 +142,6 @@ pub(super) mod tests {
             path: PathBuf::from(sequence),
             folder,
             figures,
-            calibration: Calibration::default(),
             starts: vec![start; 5],
         }
     }

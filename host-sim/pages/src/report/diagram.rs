@@ -1,18 +1,14 @@
-//! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
+//! Lines, words and pictures as a file, SVG or PNG: what figures are drawn with.
 
 use super::canvas::{self, Canvas, Dashes, FONT, pixel};
 use super::image::Pixels;
 use crate::colors::{Color, PAPER, WHITE};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use embedded_graphics::geometry::Point;
 use embedded_graphics::primitives::Rectangle;
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use serde::Serialize;
-use std::path::Path;
-
-/// Width and height of a diagram.
-pub const SIZE: (u32, u32) = (760, 460);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
@@ -21,22 +17,8 @@ pub enum Form {
 }
 
 impl Form {
-    /// By the name of the file.
-    pub fn of(file: &Path) -> Result<Self> {
-        match file.extension().and_then(|extension| extension.to_str()) {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => bail!("{}: a plot is written as .svg or .png", file.display()),
-        }
-    }
-
-    /// The file's bytes, of a diagram of the usual size.
-    pub fn draw(self, marks: &[Mark]) -> Result<Vec<u8>> {
-        self.draw_sized(SIZE, marks)
-    }
-
-    /// The same of any width and height.
-    pub fn draw_sized(self, size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
+    /// The file's bytes.
+    pub fn draw(self, size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
         match self {
             Self::Svg => Ok(svg(size, marks)?.into_bytes()),
             Self::Png => png(size, marks),
@@ -129,15 +111,4 @@ fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
         }
     }
     canvas.png()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn other_files_are_refused() {
-        assert_eq!(Form::of(Path::new("a.png")).unwrap(), Form::Png);
-        assert!(Form::of(Path::new("a.gif")).unwrap_err().to_string().contains("a.gif: a plot is written as"));
-    }
 }

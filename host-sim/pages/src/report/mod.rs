@@ -1,8 +1,6 @@
-//! What people look at: methods side by side on recordings, as one page, as one picture or as figures; how fast they are and what
-//! their confidence is worth, as diagrams.
+//! What people look at: methods side by side on recordings, as one page or as figures.
 
-pub mod axes;
-pub mod calibration;
+mod axes;
 pub mod canvas;
 pub mod diagram;
 mod difference;

@@ -34,7 +34,7 @@ impl Sheet {
 
     /// The file's bytes.
     pub fn file(&self, form: Form) -> Result<Vec<u8>> {
-        form.draw_sized(self.size, &self.marks)
+        form.draw(self.size, &self.marks)
     }
 
     pub(super) fn words(&mut self, x: f64, y: f64, place: f64, words: &str, color: Option<Color>) {
