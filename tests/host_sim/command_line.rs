@@ -234,10 +234,9 @@ fn the_robust_tracker_is_a_method_like_the_others() {
     assert!(lines.iter().all(|line| line["box"]["x"].is_null() || line["box"]["x"].is_i64()));
     assert!(lines.iter().any(|line| line["scale"].as_f64().is_some_and(|scale| scale != 1.0)));
 
-    let checked =
-        host_sim(&["check", "periodic", "--method", "robust", "--without", "size,distance-penalty", "--json"]).json();
+    let checked = host_sim(&["check", "periodic", "--method", "robust", "--without", "size,sweep", "--json"]).json();
     assert_eq!((&checked[0]["method"], &checked[0]["violation"]), (&"robust".into(), &Value::Null));
-    assert_eq!(checked[0]["options"], json!({ "without": ["size", "distance-penalty"] }));
+    assert_eq!(checked[0]["options"], json!({ "without": ["size", "sweep"] }));
     assert!(checked[0]["responses"].as_u64() > Some(0));
 
     let folder = tempfile::tempdir().unwrap();

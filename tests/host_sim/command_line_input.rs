@@ -630,7 +630,7 @@ fn a_command_line_that_cannot_be_read_is_mended() {
         ("track CLIP --size 320 240", "with an x and without blanks: --size 320x240"),
         ("track CLIP --frames 1 2", "with two dots and without blanks: --frames 1..2"),
         ("track CLIP --k 1 4", "with a slash and without blanks: --k 1/4"),
-        ("track CLIP --without size velocity", "with commas and without blanks: --without size,velocity"),
+        ("track CLIP --without size sweep", "with commas and without blanks: --without size,sweep"),
         // Other separators.
         (
             "track CLIP --init 142;125;90;39",
