@@ -149,7 +149,8 @@ fn the_smallest_recording_can_be_shown() {
     let one = utf8(folder.path());
     let out = tempfile::tempdir().unwrap();
     let page = out.path().join("page.html");
-    for command in [&["report", one, "-o", utf8(&page)][..], &["figures", one, "-o", utf8(out.path())], &["track", one]]
+    for command in
+        [&["report", one, "-o", utf8(&page)][..], &["report", one, "--figures", utf8(out.path())], &["track", one]]
     {
         let said = host_sim(&[command, &["--init", "0,0,1,1"]].concat());
         assert_eq!(said.code, Some(0), "{command:?}: {}", said.err);
@@ -366,7 +367,7 @@ fn a_box_that_is_refused_has_the_same_words_everywhere() {
         (&["check", &large], true),
         (&["eval", &large], true),
         (&["report", &large, "-o", &page, "--method", "smr"], true),
-        (&["figures", &large, "-o", &figures], false),
+        (&["report", &large, "--figures", &figures], true),
     ] {
         let answer = host_sim(&[command, &size].concat());
         answer.refuses(&said);
@@ -536,17 +537,15 @@ fn the_name_of_an_output_says_what_it_is() {
     let path = |name: &str| utf8(&folder.path().join(name)).to_owned();
     for (command, option, name, expected) in [
         ("report", "--out", "r.pdf", "ends in .html, or a folder"),
-        ("demo", "--out", "r.pdf", "ends in .html, or a folder"),
         ("convert", "--out", "r.foo", "ends in .y4m, .raw, .gray, .bin, .y8 or .h, or a folder"),
-        ("figures", "--out", "f.png", "a folder"),
+        ("report", "--figures", "f.png", "a folder"),
         ("track", "--out", "b.avi", ".txt, .csv, .json, .jsonl, .xml, .mp4, .mov, .mkv or .webm, or has no ending"),
         ("track", "--out", "b.m4v", "ends in .txt"),
         ("track", "--out", "b.xlsx", "ends in .txt"),
         ("track", "--out", "b.", "ends in .txt"),
         ("track", "--video", "b.avi", "ends in .mp4, .mov, .mkv or .webm, or a folder"),
     ] {
-        let sequence: &[&str] = if command == "demo" { &[] } else { &["synthetic"] };
-        host_sim(&[&[command], sequence, &[option, &path(name)]].concat()).refuses(&[option, name, expected]);
+        host_sim(&[command, "synthetic", option, &path(name)]).refuses(&[option, name, expected]);
     }
     for (command, name, format, expected) in [
         ("track", "b.csv", "json", "expected a file that ends in .json, .jsonl or .txt, or has no ending"),
@@ -610,12 +609,12 @@ fn a_command_line_that_cannot_be_read_is_mended() {
     let clip = utf8(&file);
     for (line, expected) in [
         // No command, or another word in its place.
-        ("no.mp4", "no.mp4: there is no such file and no such command: expected a recording, or one of demo, view"),
+        ("no.mp4", "no.mp4: there is no such file and no such command: expected a recording, or one of view, track"),
         ("Trak clip", "did you mean track?"),
         ("CLIP --metod smr", "view has no option --metod: did you mean --method?"),
-        ("CLIP -o b.csv", "view has no option -o: it belongs to demo, frame, track"),
+        ("CLIP -o b.csv", "view has no option -o: it belongs to track, convert, report"),
         ("CLIP track", "track is a command: expected it first, as in host-sim track"),
-        ("--method smr track CLIP", "--method stands before the command: expected one of demo, view"),
+        ("--method smr track CLIP", "--method stands before the command: expected one of view, track"),
         // Parts of a value as words of their own.
         (
             "CLIP --init 142 125 90 39",

@@ -54,9 +54,6 @@ fn without_arguments_a_target_is_followed_and_shown() {
     assert!(run.status.success() && said.contains("smr-demo.html") && said.contains("--init"), "{said}");
     let page = fs::read_to_string(folder.path().join("smr-demo.html")).unwrap();
     assert!(page.contains("<html") && page.contains("robust"));
-    let page = folder.path().join("street.html");
-    assert!(host_sim(&["demo", "-o", utf8(folder.path())]).out.contains(utf8(&page)) && page.exists());
-    host_sim(&["demo", "-o", utf8(&page.join("below.html"))]).refuses(&["street.html"]);
 }
 
 #[test]

@@ -1,16 +1,18 @@
-//! `host-sim report`: recordings as people look at them, on one page.
+//! `host-sim report`: recordings as people look at them, on one page or in figures.
 
 use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::{Outcome, progress, shell};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
+use smr_pages::report::diagram::Form;
+use smr_pages::report::figures::{self, Figure, Plan, Wish};
 use smr_pages::report::{self, About, Film, Refusal};
-use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{BUILT_IN, Sequence, Target, misfit};
+use smr_recordings::output::{self, Output, complain, print};
+use smr_recordings::{BUILT_IN, Colors, FrameRange, Sequence, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
@@ -36,11 +38,24 @@ pub struct Report {
     ///
     /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, with shift to move), and what was compared; scores where
     /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
-    #[arg(short, long, value_name = "DIR|FILE.html")]
-    out: PathBuf,
+    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "figures")]
+    out: Option<PathBuf>,
     /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
+    /// Draw the paper's five figures of one recording, SMR beside SAD, as PNG and SVG into this folder
+    ///
+    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
+    /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
+    /// is hidden. 2, 4 and 5 need ground truth. If a recording lacks what a figure needs, host-sim leaves the figure out and says so.
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// With --figures: the frame of figures 1 and 2; the first is 1 [default: where SMR is farthest ahead of SAD]
+    #[arg(long, value_name = "N", requires = "figures", value_parser = from::<NonZeroUsize>(1))]
+    frame: Option<NonZeroUsize>,
+    /// With --figures: where the target is hidden, for figure 5 [default: the frames without a box in the ground truth]
+    #[arg(long, value_name = "A..B", requires = "figures")]
+    hidden: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -54,16 +69,46 @@ pub struct Report {
 struct Written {
     file: PathBuf,
     bytes: usize,
+    /// Of a figure: the frames whose pictures are in it; the first is 1.
+    frames: Option<Vec<usize>>,
 }
 
 impl Report {
     pub fn places(&self) -> Places<'_> {
-        Places::of(&self.paths).writes_as("--out", Some(&self.out), Taken::PAGE)
+        let places = Places::of(&self.paths).writes_as("--out", self.out.as_ref(), Taken::PAGE);
+        places.writes_as("--figures", self.figures.as_ref(), Taken::FOLDER)
     }
 
     pub fn run(self) -> Result<Outcome> {
         let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
         let found = self.recording.find(&self.paths)?;
+        if self.figures.is_some() {
+            ensure!(found.len() == 1, "--figures is of one recording, and there are {}", found.len());
+            ensure!(
+                found[0] != Path::new("-"),
+                "standard input can be read once, and figures need the recording twice: expected a file or a folder"
+            );
+        }
+        let (films, mut files) = match &self.out {
+            Some(out) => self.page(out, &found, &methods)?,
+            None => Default::default(),
+        };
+        let mut left_out = Vec::new();
+        if let Some(folder) = &self.figures {
+            let drawn = self.draw(&found[0], folder)?;
+            files.extend(drawn.0);
+            left_out = drawn.1;
+        }
+        let text = if self.json {
+            json(&films, &methods, &files, &left_out)?
+        } else {
+            lines(&films, &files) + &left_out.iter().map(|why| format!("left out: {why}\n")).collect::<String>()
+        };
+        print(|out| out.write_all(text.as_bytes()))?;
+        Ok(Outcome::Holds)
+    }
+
+    fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<Film>, Vec<Written>)> {
         let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         for (sequence, targets) in &sequences {
@@ -73,20 +118,62 @@ impl Report {
         }
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
-        let page = page_file(&self.out, &title)?;
+        let page = page_file(out, &title)?;
         // In a folder the page has the recording's name.
-        Places::of(&found).writes("--out", Some(&page)).check()?;
+        Places::of(found).writes("--out", Some(&page)).check()?;
         let output = Output::create(&page)?;
-        let mut films = self.watch(&found, sequences, &methods)?;
+        let mut films = self.watch(found, sequences, methods)?;
         for film in &films {
             film.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", film.name)));
         }
-        let text = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
+        let text = report::page(&mut films, &self.about(&title, methods)?, self.budget_bytes())?;
         output.end(text.as_bytes())?;
-        let files = [Written { file: page, bytes: text.len() }];
-        let text = if self.json { json(&films, &methods, &files)? } else { lines(&films, &files) };
-        print(|out| out.write_all(text.as_bytes()))?;
-        Ok(Outcome::Holds)
+        Ok((films, vec![Written { file: page, bytes: text.len(), frames: None }]))
+    }
+
+    /// Draws the paper's figures into `folder`; returns the files, and why others are left out.
+    fn draw(&self, path: &Path, folder: &Path) -> Result<(Vec<Written>, Vec<String>)> {
+        let methods = self.tracker.variants(&figures::METHODS)?;
+        let watch = |stills: &BTreeSet<usize>| {
+            // Figures are gray.
+            let sequence = Sequence { colors: Colors::None, ..self.recording.open(path)? };
+            let bar = progress::bar(&sequence.name, sequence.length);
+            let film = report::watch(sequence, &methods, Refusal::Fails, stills, None, || bar.inc(1));
+            bar.finish_and_clear();
+            film
+        };
+        let film = watch(&BTreeSet::new())?;
+        let wish = Wish { frame: self.frame.map(|frame| frame.get() - 1), hidden: self.hidden };
+        let (mut plans, mut left_out) = (Vec::new(), Vec::new());
+        for figure in Figure::ALL {
+            // A frame or a span that is given must be one of the recording.
+            let must = match figure {
+                Figure::Boxes => self.frame.is_some(),
+                Figure::Occlusion => self.hidden.is_some(),
+                _ => false,
+            };
+            match Plan::new(figure, &film, &wish) {
+                Ok(plan) => plans.push(plan),
+                Err(error) if must => return Err(error),
+                Err(error) => left_out.push(format!("{error:#}")),
+            }
+        }
+        if plans.is_empty() {
+            bail!("{}", left_out[0]);
+        }
+        let film = watch(&plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect())?;
+        make_folder(folder)?;
+        let mut files = Vec::new();
+        for plan in &plans {
+            let sheet = plan.draw(&film)?;
+            for (form, ending) in [(Form::Png, "png"), (Form::Svg, "svg")] {
+                let (file, bytes) = (folder.join(format!("{}.{ending}", plan.figure)), sheet.file(form)?);
+                output::write(&file, &bytes)?;
+                let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
+                files.push(Written { file, bytes: bytes.len(), frames });
+            }
+        }
+        Ok((files, left_out))
     }
 
     fn watch(
@@ -153,20 +240,30 @@ fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
         false => (out, out.join(format!("{name}.html"))),
     };
     if !folder.as_os_str().is_empty() {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        make_folder(folder)?;
     }
     Ok(file)
 }
 
+fn make_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
+}
+
 fn lines(films: &[Film], files: &[Written]) -> String {
-    let frames: usize = films.iter().map(|film| film.moments.len()).sum();
-    let line = |Written { file, bytes }: &Written| {
-        format!("{}: {frames} frames, {} kB\n", file.display(), bytes.div_ceil(1000))
+    let all: usize = films.iter().map(|film| film.moments.len()).sum();
+    let line = |Written { file, bytes, frames }: &Written| {
+        let frames = match frames.as_deref() {
+            None => format!("{all} frames"),
+            Some([]) => "all frames".to_owned(),
+            Some([frame]) => format!("frame {frame}"),
+            Some(frames) => format!("frames {}", frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        format!("{}: {frames}, {} kB\n", file.display(), bytes.div_ceil(1000))
     };
     files.iter().map(line).collect()
 }
 
-fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String> {
+fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
     let evaluations: Vec<Option<Evaluation>> = films.iter().map(Film::evaluation).collect::<Result<_>>()?;
     let evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
     let results = Results::new(&evaluations);
@@ -182,6 +279,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         "methods": methods.iter().map(Variant::origin).collect::<Vec<_>>(),
         "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
+        "left_out": left_out,
         "scores": results.tables(),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")

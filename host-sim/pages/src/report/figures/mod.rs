@@ -14,7 +14,6 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_evaluation::MethodKind;
 use smr_recordings::FrameRange;
 use std::fmt;
-use std::str::FromStr;
 
 pub use drawing::Sheet;
 
@@ -53,16 +52,6 @@ impl Figure {
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}", self.number(), self.name())
-    }
-}
-
-impl FromStr for Figure {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let found = Self::ALL.into_iter().find(|one| one.name() == text || one.number().to_string() == text);
-        let expected = Self::ALL.map(|one| format!("{} ({})", one.number(), one.name())).join(", ");
-        found.with_context(|| format!("expected {expected}"))
     }
 }
 
@@ -247,14 +236,5 @@ mod tests {
         let plan = |wish: &Wish| Plan::new(Figure::Occlusion, synthetic(), wish).unwrap();
         assert_eq!(plan(&Wish::default()).hidden, Some((173, 199)));
         assert_eq!(plan(&Wish { hidden: Some("82..130".parse().unwrap()), frame: None }).hidden, Some((81, 129)));
-    }
-
-    #[test]
-    fn figures_have_numbers_and_names() {
-        for figure in Figure::ALL {
-            assert_eq!(figure.name().parse::<Figure>().unwrap(), figure);
-            assert_eq!(figure.number().to_string().parse::<Figure>().unwrap(), figure);
-        }
-        assert!("6".parse::<Figure>().unwrap_err().to_string().starts_with("expected 1 (boxes), "));
     }
 }
