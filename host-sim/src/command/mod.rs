@@ -12,9 +12,7 @@ mod progress;
 pub mod recording_options;
 mod replay;
 mod report;
-mod robustness;
 mod shell;
-mod table_options;
 mod track;
 mod tracker_options;
 mod usage;
@@ -173,10 +171,6 @@ fn is_recording(arguments: &[OsString]) -> bool {
     let begins = first.as_encoded_bytes().starts_with(b"--") && !arguments[1..].iter().any(is_command);
     let is_view = first == "-" || if begins { arguments[2..].iter().any(is_recording) } else { is_recording(first) };
     is_view && !is_command(first)
-}
-
-fn named(name: &str) -> clap::Command {
-    HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
 }
 
 impl HostSim {
