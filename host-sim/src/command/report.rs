@@ -8,7 +8,6 @@ use super::{Outcome, progress, shell};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
-use smr_pages::report::diagram::Form;
 use smr_pages::report::figures::{self, Figure, Plan, Wish};
 use smr_pages::report::{self, About, Film, Refusal};
 use smr_recordings::output::{self, Output, complain, print};
@@ -32,7 +31,7 @@ pub struct Report {
     paths: Vec<PathBuf>,
     /// The methods to show; several are separated by commas. The states are those of the first [default: robust,smr; without smr if the
     /// box is too large for it]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_enum, value_delimiter = ',', requires = "out")]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
@@ -80,7 +79,11 @@ impl Report {
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
+        let methods = self.tracker.variants(match &self.out {
+            None => &figures::METHODS,
+            Some(_) if self.method.is_empty() => &METHODS,
+            Some(_) => &self.method,
+        })?;
         let found = self.recording.find(&self.paths)?;
         if self.figures.is_some() {
             ensure!(found.len() == 1, "--figures is of one recording, and there are {}", found.len());
@@ -95,9 +98,9 @@ impl Report {
         };
         let mut left_out = Vec::new();
         if let Some(folder) = &self.figures {
-            let drawn = self.draw(&found[0], folder)?;
-            files.extend(drawn.0);
-            left_out = drawn.1;
+            let (drawn, others) = self.draw(&found[0], folder)?;
+            files.extend(drawn);
+            left_out = others;
         }
         let text = if self.json {
             json(&films, &methods, &files, &left_out)?
@@ -166,8 +169,8 @@ impl Report {
         let mut files = Vec::new();
         for plan in &plans {
             let sheet = plan.draw(&film)?;
-            for (form, ending) in [(Form::Png, "png"), (Form::Svg, "svg")] {
-                let (file, bytes) = (folder.join(format!("{}.{ending}", plan.figure)), sheet.file(form)?);
+            for (ending, bytes) in [("png", sheet.png()?), ("svg", sheet.svg()?.into_bytes())] {
+                let file = folder.join(format!("{}.{ending}", plan.figure));
                 output::write(&file, &bytes)?;
                 let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
                 files.push(Written { file, bytes: bytes.len(), frames });

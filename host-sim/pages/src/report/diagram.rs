@@ -10,22 +10,6 @@ use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use serde::Serialize;
 
-#[derive(Clone, Copy)]
-pub enum Form {
-    Png,
-    Svg,
-}
-
-impl Form {
-    /// The file's bytes.
-    pub fn draw(self, size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
-        match self {
-            Self::Svg => Ok(svg(size, marks)?.into_bytes()),
-            Self::Png => png(size, marks),
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stroke {
     Solid,
@@ -76,13 +60,13 @@ impl Mark {
     }
 }
 
-fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
+pub(super) fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
     let mut templates = Environment::new();
     templates.add_template("diagram.svg", include_str!("diagram.svg"))?;
     Ok(templates.get_template("diagram.svg")?.render(context! { width, height, marks => Serde(marks) })?)
 }
 
-fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
+pub(super) fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
     let mut canvas = Canvas::new(width, height, PAPER);
     for mark in marks {
         match mark {

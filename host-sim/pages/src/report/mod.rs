@@ -1,8 +1,8 @@
 //! What people look at: methods side by side on recordings, as one page or as figures.
 
 mod axes;
-pub mod canvas;
-pub mod diagram;
+pub(crate) mod canvas;
+mod diagram;
 mod difference;
 pub mod figures;
 mod film;

@@ -137,7 +137,6 @@ fn clearest(film: &Film) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::report::canvas::Canvas;
-    use crate::report::diagram::Form;
     use crate::report::{Refusal, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{Configs, Variant};
@@ -165,8 +164,8 @@ mod tests {
     fn drawn(name: &str, film: &Film, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
         let plan = Plan::new(figure, film, wish).unwrap();
         let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
-        let svg = String::from_utf8(sheet.file(Form::Svg).unwrap()).unwrap();
-        let png = Canvas::decoded(&sheet.file(Form::Png).unwrap());
+        let svg = sheet.svg().unwrap();
+        let png = Canvas::decoded(&sheet.png().unwrap());
         assert_eq!((png.width, png.height), sheet.size);
         (plan, svg, png)
     }
