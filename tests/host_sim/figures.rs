@@ -1,7 +1,7 @@
-//! `host-sim figures` from its user's view.
+//! `host-sim report --figures` from its user's view.
 
 use crate::program::{host_sim, utf8};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
@@ -9,12 +9,9 @@ use std::path::Path;
 fn all_five_as_png_and_svg() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("new/folder");
-    let said = host_sim(&["figures", "synthetic", "--out", utf8(&out), "--json"]).json();
-    assert_eq!((&said["sequence"], &said["left_out"]), (&json!("synthetic"), &json!([])));
-    let figures = said["figures"].as_array().unwrap();
-    let names: Vec<_> = figures.iter().map(|figure| figure["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["boxes", "differences", "leaving", "drift", "occlusion"]);
-    for file in figures.iter().flat_map(|figure| figure["files"].as_array().unwrap()) {
+    let said = host_sim(&["report", "synthetic", "--figures", utf8(&out), "--json"]).json();
+    assert_eq!((&said["recordings"], &said["left_out"]), (&json!([]), &json!([])));
+    for file in said["files"].as_array().unwrap() {
         let bytes = fs::read(file["file"].as_str().unwrap()).unwrap();
         assert_eq!(file["bytes"], bytes.len());
         assert!(bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"<svg"), "{file}");
@@ -22,16 +19,16 @@ fn all_five_as_png_and_svg() {
     assert_eq!(fs::read_dir(&out).unwrap().count(), 10);
 }
 
-/// `host-sim/FIGURES.md` shows them. To make them again: `host-sim figures synthetic -o DIR --form png`, then add `synthetic-` before each
-/// name.
+/// `host-sim/FIGURES.md` shows them. To make them again: `host-sim report synthetic --figures DIR`, then add `synthetic-` before each name.
 #[test]
 fn the_documentation_shows_what_the_command_draws() {
     let folder = tempfile::tempdir().unwrap();
-    let said = host_sim(&["figures", "synthetic", "-o", utf8(folder.path()), "--form", "png"]);
+    let said = host_sim(&["report", "synthetic", "--figures", utf8(folder.path())]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let mut compared = 0;
-    for file in fs::read_dir(folder.path()).unwrap().map(Result::unwrap) {
+    let files = fs::read_dir(folder.path()).unwrap().map(Result::unwrap);
+    for file in files.filter(|file| file.path().extension().is_some_and(|ending| ending == "png")) {
         let name = format!("synthetic-{}", file.file_name().into_string().unwrap());
         let (made, kept) = (fs::read(file.path()).unwrap(), fs::read(assets.join(&name)).unwrap());
         assert!(made == kept, "assets/{name} is another picture: make it anew, see above");
@@ -49,32 +46,29 @@ fn what_cannot_be_drawn_is_left_out_or_refused() {
     let said = host_sim(&["convert", "synthetic", "-o", utf8(&film), "--frames", "1..20"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     let figures = |more: &[&str]| {
-        host_sim(&[&["figures", utf8(&film), "--init", "36,24,24,28", "-o", utf8(&out)], more].concat())
+        host_sim(&[&["report", utf8(&film), "--init", "36,24,24,28", "--figures", utf8(&out)], more].concat())
     };
     // Without ground truth only the figure of the boxes is drawn.
-    let said = figures(&["--form", "svg"]);
+    let said = figures(&[]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(said.out.matches("left out: blind: no figure ").count(), 4, "{}", said.out);
-    assert_eq!(fs::read_dir(&out).unwrap().count(), 1);
-    figures(&["--figure", "4"]).refuses(&["no figure 4 (drift)", "needs ground truth"]);
-    figures(&["--figure", "leaving"]).refuses(&["no figure 3 (leaving)", "never reaches over the border"]);
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
+    figures(&["--hidden", "5..9"]).refuses(&["no figure 5 (occlusion)", "needs ground truth"]);
     figures(&["--frame", "21"]).refuses(&["frame 21", "expected 2 to 20"]);
-    assert_eq!(figures(&["--figure", "6"]).code, Some(2));
-    host_sim(&["figures", "-", "-o", utf8(&out)]).refuses(&["standard input", "expected a file"]);
+    host_sim(&["report", "-", "--figures", utf8(&out)]).refuses(&["standard input", "expected a file"]);
+    host_sim(&["report", "border", "noise", "--figures", utf8(&out)]).refuses(&["--figures is of one recording"]);
 }
 
 #[test]
 fn a_part_of_a_recording_is_counted_from_1_again() {
     let folder = tempfile::tempdir().unwrap();
     let said = host_sim(&[
-        "figures",
+        "report",
         "synthetic",
-        "-o",
+        "--figures",
         utf8(folder.path()),
         "--frames",
         "60..120",
-        "--figure",
-        "boxes,occlusion",
         "--frame",
         "11",
         "--hidden",
@@ -82,6 +76,7 @@ fn a_part_of_a_recording_is_counted_from_1_again() {
         "--json",
     ])
     .json();
-    assert_eq!(said["figures"][0]["frames"], json!([11]));
-    assert_eq!(said["figures"][1]["frames"], json!([20, 30, 60, 61]));
+    let files = said["files"].as_array().unwrap();
+    let frames = |file: &Value| file["frames"].clone();
+    assert_eq!((frames(&files[0]), frames(files.last().unwrap())), (json!([11]), json!([20, 30, 60, 61])));
 }

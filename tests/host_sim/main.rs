@@ -12,7 +12,6 @@ mod endurance;
 mod figures;
 mod live;
 mod page;
-mod pick;
 mod readme_commands;
 mod replay;
 mod session;

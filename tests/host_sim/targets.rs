@@ -161,16 +161,3 @@ fn a_video_keeps_colors_times_shape_and_sound() {
     let seconds: f64 = stream(&part, "a", "duration").parse().unwrap();
     assert!((seconds - expected[9]).abs() < 0.1, "{seconds} s of sound for {} s", expected[9]);
 }
-
-#[test]
-fn a_rate_that_is_given_holds() {
-    if !has_both("a_rate_that_is_given_holds") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let (clip, boxes) = (clip(folder.path()), folder.path().join("boxes.mp4"));
-    let arguments = ["track", utf8(&clip), "--init", "100,60,40,40", "--video", utf8(&boxes), "--rate", "29.97"];
-    assert_eq!(host_sim(&arguments).code, Some(0));
-    assert_eq!(stream(&boxes, "v", "avg_frame_rate"), "30000/1001");
-    assert_eq!(stream(&boxes, "a", "codec_type"), "");
-}

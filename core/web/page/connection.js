@@ -6,8 +6,6 @@ const AGAIN_MS = 1000;
 const MOST_FAILURES = 3;
 
 export class Connection {
-  /** True: targets are followed while the page is open. */
-  follows = true;
   #revision = 0; // the number of the last change of the targets that this page knows
   #sending = Promise.resolve();
 
@@ -19,11 +17,6 @@ export class Connection {
     const source = await (await asked("source")).json();
     this.#revision = source.revision;
     return { first: 1, ...source, targets: source.targets.map(targetOf) };
-  }
-
-  /** The frame that comes so many frames later, or earlier. */
-  step(number, by) {
-    return number + by;
   }
 
   /** The picture of a frame. */

@@ -46,7 +46,7 @@ export function drawTaken(place, name) {
   }
 }
 
-/** The lines that repeat what was done. `verbs`: { track: "--video out.mp4", ... }, what follows after the boxes. */
+/** The lines that repeat what was done. `verbs`: { report: "-o report.html", ... }, what follows after the boxes. */
 export function drawCommands(place, verbs, { words, method, options }, targets) {
   const shown = Object.keys(TITLES).filter((verb) => verb in verbs);
   if (place.children.length === 0) {
@@ -54,9 +54,9 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   }
   const named = targets.map((target) => ({ name: nameOf(target), locks: target.locks }));
   const inits = initsOf(named, targets.length > 1 || targets.some(({ name }) => name !== ""));
-  const chosen = Object.entries(options ?? {}).map(([name, value]) => `--${name} ${value}`);
+  const chosen = Object.entries(options).map(([name, value]) => `--${name} ${value}`);
   for (const verb of shown) {
-    const parts = ["host-sim", verb, words, ...inits, method && `--method ${method}`, ...chosen, verbs[verb]];
+    const parts = ["host-sim", verb, words, ...inits, `--method ${method}`, ...chosen, verbs[verb]];
     write(verb, targets.length === 0 ? "Drag a box first." : parts.filter(Boolean).join(" "));
     document.querySelector(`[data-of=${verb}]`).disabled = targets.length === 0;
   }
@@ -70,7 +70,7 @@ function write(id, text) {
   }
 }
 
-const TITLES = { track: "The command that follows it", report: "The command that makes a page of it", view: "The command that opens it again" };
+const TITLES = { track: "The command that follows it", report: "The command that makes a page of it" };
 
 function line(verb) {
   const text = htmlNode("pre", { id: verb, tabindex: 0, "aria-label": TITLES[verb] });

@@ -1,5 +1,4 @@
-// The window: shows frames of host-sim with the boxes of the targets, and takes what the user draws on them. Behind it is
-// `host-sim view`, or, on the page of `host-sim frame`, frames in the page itself.
+// The window of `host-sim view`: shows frames with the boxes of the targets, and takes what the user draws on them.
 
 import { Answers } from "./answers.js";
 import { Connection } from "./connection.js";
@@ -8,7 +7,6 @@ import { byId, htmlNode, inView } from "./dom.js";
 import { save } from "./download.js";
 import { Drag, gripOf } from "./drag.js";
 import { Edits, lockIn, nameOf } from "./edits.js";
-import { Embedded } from "./embedded.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { Figures } from "./figures.js";
 import { FRAMES, Graph } from "./graph.js";
@@ -28,14 +26,14 @@ const NEW_COLOR = "#fff";
 const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
-const connection = byId("data") === null ? new Connection() : new Embedded();
+const connection = new Connection();
 const edits = new Edits();
 const answers = new Answers();
 const pictures = new Pictures((number) => connection.picture(number), came, missed);
 const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
 let source; // see connection.js
-let kind; // recording, live or embedded
+let kind; // recording or live
 let [first, last] = [1, 1];
 let frame = null; // the number of the frame that is wanted
 let shown = null; // of the frame that is on the screen
@@ -59,8 +57,8 @@ const size = () => (shown === null ? null : { width: source.width, height: sourc
 const timeOf = (number) => source.times?.[number - source.first] ?? (source.rate ? (number - source.first) / source.rate : null);
 
 function goTo(number) {
-  frame = connection.step(clamp(number, first, last), 0);
-  const ahead = Array.from({ length: playing === null ? 1 : AHEAD }, (_, by) => connection.step(frame, by + 1)).filter((one) => one <= last);
+  frame = clamp(number, first, last);
+  const ahead = Array.from({ length: playing === null ? 1 : AHEAD }, (_, by) => frame + by + 1).filter((one) => one <= last);
   pictures.want([...new Set([frame, ...ahead, ...(shown === null ? [] : [shown])])]);
   if (pictures.get(frame) !== undefined) {
     show(frame);
@@ -108,7 +106,7 @@ function visitEvent(way) {
 function play(on) {
   if (kind === "live") {
     byId("newest").checked = on;
-  } else if (on && playing === null && kind === "recording") {
+  } else if (on && playing === null) {
     playing = restarted(frame >= last ? first : frame);
     goTo(playing.frame);
     requestAnimationFrame(tick);
@@ -151,20 +149,13 @@ function whole({ x, y, width, height }) {
   return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
 }
 
-// At least as large as a tracker takes, and inside.
-function fitted(box) {
-  const [leastWidth, leastHeight] = source.least ?? [1, 1];
-  const [width, height] = [Math.max(box.width, leastWidth), Math.max(box.height, leastHeight)];
-  return { x: clamp(box.x, 0, Math.max(source.width - width, 0)), y: clamp(box.y, 0, Math.max(source.height - height, 0)), width, height };
-}
-
 function lock(box, grip) {
   if (box.width * box.height === 0) {
     say("The box has no pixels: drag from one corner to the other.");
     return;
   }
   say("");
-  edits.lock(shown, fitted(box), grip === null ? edits.chosen : targetOf(grip.id));
+  edits.lock(shown, box, grip === null ? edits.chosen : targetOf(grip.id));
   changed();
   if (grip === null && kind === "recording" && byId("plays").checked) {
     // The box is not proposed any more when the frame goes on.
@@ -204,9 +195,6 @@ function choose(target) {
 async function changed() {
   const { targets } = edits;
   draw();
-  if (!connection.follows) {
-    return;
-  }
   try {
     await connection.targets(targets);
     answers.keep(edits.targets.map(({ id }) => id));
@@ -259,7 +247,7 @@ function heard(told) {
 // From where to where frames can be reached.
 function measure() {
   if (kind !== "live") {
-    [first, last] = [source.first, source.last ?? (source.frames === null ? Math.max(followed ?? 0, frame ?? 0, source.first) : source.first + source.frames - 1)];
+    [first, last] = [source.first, source.frames === null ? Math.max(followed ?? 0, frame ?? 0, source.first) : source.first + source.frames - 1];
   } else if (news.live) {
     [first, last] = [news.live.oldest, news.live.newest];
     answers.forget(first);
@@ -279,18 +267,11 @@ function gone() {
 
 // ---- what is drawn
 
-// The box of a target in the frame that is shown: its lock, else its answer. Without a tracker, that of another frame.
+// The box of a target in the frame that is shown: its lock, else its answer.
 function boxOf(target) {
   const answer = target && answers.at(target.id, shown);
   const box = target && (lockIn(target, shown)?.box ?? answer?.box);
-  if (box) {
-    return { box, state: answer?.state ?? "tracking" };
-  }
-  if (!target || connection.follows) {
-    return null;
-  }
-  const near = target.locks.findLast(({ number }) => number <= shown) ?? target.locks[0];
-  return { box: near.box, state: `frame ${near.number}`, isLast: true };
+  return box ? { box, state: answer?.state ?? "tracking" } : null;
 }
 
 function drawn(target) {
@@ -300,9 +281,9 @@ function drawn(target) {
   if (found === null || (proposed !== null && pulled?.id === target.id)) {
     return [];
   }
-  const { box, state, isLast = state === "lost" } = found;
+  const { box, state } = found;
   const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
-  return [{ box, color: target.color, words, isChosen, isLast, hasHandles: isChosen && lockIn(target, shown) !== undefined }];
+  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen && lockIn(target, shown) !== undefined }];
 }
 
 const seen = () => ({ x: view.x, y: view.y, width: source.width / view.zoom, height: source.height / view.zoom });
@@ -379,14 +360,14 @@ function drawReadings() {
   drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
-  drawCommands(byId("commands"), verbs(), source, edits.targets);
+  drawCommands(byId("commands"), kind === "live" ? { track: "" } : { track: "", report: "-o report.html" }, source, edits.targets);
 }
 
 function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
-    write(byId("targets").children[at].querySelector(".now"), connection.follows ? (answers.state(target.id, shown) ?? "–") : "");
+    write(byId("targets").children[at].querySelector(".now"), answers.state(target.id, shown) ?? "–");
   });
 }
 
@@ -394,9 +375,6 @@ const named = (number) => (number > last ? "" : timeOf(number) === null ? String
 
 // Of the tracker that follows, what app.js shows of both.
 function drawChosen(chosen) {
-  if (!connection.follows) {
-    return;
-  }
   const on = Object.fromEntries(METHODS.map((method) => [method, method === source.method]));
   const now = chosen === null ? undefined : answers.at(chosen.id, shown);
   figures.draw({ now: { [source.method]: now ?? {} }, time: () => NaN }, on);
@@ -419,12 +397,12 @@ function drawControls(chosen) {
   write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
   byId("lost").hidden = lost === undefined;
   write(byId("load"), load());
-  write(byId("about"), source.about ?? about());
+  write(byId("about"), about());
   byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
 }
 
 function placed(number) {
-  const of = kind === "live" || source.frames === null ? "" : ` of ${source.last ?? last}`;
+  const of = kind === "live" || source.frames === null ? "" : ` of ${last}`;
   return `frame ${number}${of}${timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`}`;
 }
 
@@ -460,8 +438,6 @@ function droppedOf({ dropped }) {
   return dropped === 0 ? "No frame was dropped" : `${dropped} ${dropped === 1 ? "frame was" : "frames were"} dropped: this machine was behind`;
 }
 
-const verbs = () => source.commands ?? (kind === "live" ? { track: "" } : { track: "", report: "-o report.html" });
-
 // ---- the address, which leads to a frame
 
 let writing = null;
@@ -482,8 +458,8 @@ function addressed() {
 // ---- actions of the user
 
 const KEYS = {
-  ArrowLeft: ({ shiftKey }) => visit(connection.step(frame, shiftKey ? -10 : -1)),
-  ArrowRight: ({ shiftKey }) => visit(connection.step(frame, shiftKey ? 10 : 1)),
+  ArrowLeft: ({ shiftKey }) => visit(frame - (shiftKey ? 10 : 1)),
+  ArrowRight: ({ shiftKey }) => visit(frame + (shiftKey ? 10 : 1)),
   Home: () => visit(first),
   End: () => visit(last),
   "[": () => visitEvent(-1),
@@ -515,8 +491,8 @@ function pressed(event) {
 
 function listen() {
   document.addEventListener("keydown", pressed);
-  byId("back").addEventListener("click", () => visit(connection.step(frame, -1)));
-  byId("on").addEventListener("click", () => visit(connection.step(frame, 1)));
+  byId("back").addEventListener("click", () => visit(frame - 1));
+  byId("on").addEventListener("click", () => visit(frame + 1));
   byId("play").addEventListener("click", () => KEYS[" "]());
   byId("newest").addEventListener("change", measure);
   byId("speed").addEventListener("change", () => (playing = playing && restarted(frame)));
@@ -614,9 +590,8 @@ async function make(what, options) {
 }
 
 function prepare() {
-  kind = connection.follows ? (source.live ? "live" : "recording") : "embedded";
-  document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = !node.dataset.in.split(" ").includes(kind)));
-  byId("play").hidden = kind === "embedded";
+  kind = source.live ? "live" : "recording";
+  document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
   document.title = source.name;
   byId("name").textContent = source.name;
   byId("version").textContent = `host-sim ${source.version}`;
@@ -630,15 +605,13 @@ function prepare() {
     },
   });
   edits.load(source.targets);
-  if (connection.follows) {
-    byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
-    showSettings(source.options);
-    showMethod();
-    graph = new Graph(byId("curves"));
-    figures = new Figures(byId("figures"), NOT_THERE);
-    seesCurves = inView(byId("curves"), draw);
-    drawFiles(byId("files"), source, take, make);
-  }
+  byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
+  showSettings(source.options);
+  showMethod();
+  graph = new Graph(byId("curves"));
+  figures = new Figures(byId("figures"), NOT_THERE);
+  seesCurves = inView(byId("curves"), draw);
+  drawFiles(byId("files"), source, take, make);
 }
 
 async function start() {
@@ -646,10 +619,8 @@ async function start() {
   prepare();
   listen();
   measure();
-  goTo(addressed() ?? source.shown ?? first);
-  if (connection.follows) {
-    await connection.listen(heard, gone, () => shown ?? first);
-  }
+  goTo(addressed() ?? first);
+  await connection.listen(heard, gone, () => shown ?? first);
 }
 
 start().catch((error) => {

@@ -240,6 +240,27 @@ onWindow("390 pixels wide, with a finger and with keys alone, several targets", 
   await shoot(page, "narrow", 390);
 }, { width: 390, height: 844 });
 
+onWindow("a box is moved and resized by keys and at its edges, stays inside, and is followed by a part that is enlarged", async (page) => {
+  await page.click("#plays");
+  await page.drag(await place(page, 120, 82), await place(page, 170, 50));
+  await commands(page, /--init 120,50,40,32 --method/);
+  await focus(page);
+  await keys(page, ["Enter"], ["ArrowLeft", { alt: true }], ["ArrowUp"], ["Enter"]);
+  await commands(page, /--init 119,47,40,32 --method/);
+  await keys(page, ["Enter"], ["ArrowLeft", { shift: true }], ["ArrowDown", { alt: true, shift: true }], ["Enter"]);
+  await commands(page, /--init 119,47,37,33 --method/);
+  await keys(page, ["Enter"], ["ArrowLeft"], ["Escape"], ["Enter"], ...Array(30).fill(["ArrowRight"]), ...Array(30).fill(["ArrowUp", { shift: true }]), ["Enter"]);
+  await commands(page, /--init 123,47,37,1 --method/);
+  await page.select("zoom", "2");
+  await keys(page, ["Enter"], ...Array(40).fill(["ArrowLeft"]));
+  await new Promise((resolve) => setTimeout(resolve, 100));
+  await page.key("Enter");
+  await commands(page, /--init 3,47,37,1 --method/);
+  await page.key("Delete");
+  await page.drag(await place(page, 20, 20), await place(page, 60, 60));
+  await page.until(`/,20,20 --method/.test(document.getElementById("track").textContent)`);
+});
+
 onWindow("a box that is refused is taken back, and why is said", async (page) => {
   await page.click("#plays");
   await dragBox(page, [10, 10, 0, 20]);

@@ -11,7 +11,6 @@
 //! benchmark's own code.
 
 use super::Trajectory;
-use serde::{Deserialize, Serialize};
 use smr_recordings::BoundingBox;
 
 /// Steps between the thresholds of the success curve, which has one point more.
@@ -23,7 +22,7 @@ pub const NEAR: usize = 20;
 /// The largest distance of the precision curve, in pixels.
 pub const FARTHEST: usize = 50;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Otb {
     /// The area under the success curve; 0 if the target is never visible.
     pub otb_auc: f64,

@@ -21,8 +21,6 @@ pub enum TableName {
     Printed,
     /// Of --robustness: mean differences to another tracker, recording by recording
     Paired,
-    /// Of --robustness: frames and correct frames by the confidence that was reported
-    Calibration,
 }
 
 impl TableName {

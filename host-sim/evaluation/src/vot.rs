@@ -12,9 +12,8 @@
 //! that the tracker was given.
 
 use super::Trajectory;
-use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vot {
     /// The largest F; 0 if no answer meets the target.
     pub vot_f: f64,

@@ -22,7 +22,6 @@ modules! {
     "download.js"
     "drag.js"
     "edits.js"
-    "embedded.js"
     "events.js"
     "figures.js"
     "graph.js"

@@ -1,22 +1,20 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
 use super::number::from;
-use super::paths::{Places, Taken};
+use super::paths::Places;
 use super::progress::{Bar, Expected};
 use super::recording_options::RecordingOptions;
-use super::robustness::{self, count_failures, end, say_what_failed};
-use super::table_options::TableOptions;
 use super::tracker_options::TrackerOptions;
-use super::{Outcome, named, progress};
-use anyhow::{Context, Result, ensure};
+use super::{HostSim, Outcome, progress, tell, told};
+use anyhow::{Context, Error, Result, bail, ensure};
+use clap::CommandFactory;
 use rayon::prelude::*;
-use smr_evaluation::robustness::{Former, Robustness, Starts, TABLES};
-use smr_evaluation::{Evaluation, MethodKind, Results, TableName, Variant, covered, faults, published};
-use smr_pages::report::calibration;
-use smr_pages::report::diagram::Form;
+use smr_evaluation::robustness::{self, Former, Progress, Starts};
+use smr_evaluation::{Evaluation, Layout, MethodKind, Results, TableName, Tables, Variant, covered, faults, published};
 use smr_recordings::fault::{Fault, Faults};
-use smr_recordings::output::{Output, complain};
+use smr_recordings::output::complain;
 use smr_recordings::{OpenOptions, Resize, Sequence, cleanup, slow, synthetic};
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -69,17 +67,6 @@ pub struct Eval {
     /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
-    /// With --robustness: keep what is measured in this folder, and go on from there
-    ///
-    /// A file for each tracker on each recording. It counts as long as the recording, the options and host-sim itself are the same.
-    #[arg(long, value_name = "DIR", requires = "robustness")]
-    resume: Option<PathBuf>,
-    /// With --robustness: draw the chance that a frame is correct by the confidence that was reported in it: FILE.svg or FILE.png
-    ///
-    /// Over all frames of all runs of smr and robust, with the numbers as one more table. A frame without an answer is not correct, and
-    /// neither is one in which the target is hidden.
-    #[arg(long, value_name = "FILE", requires = "robustness")]
-    calibration: Option<PathBuf>,
     /// Put faults of the camera, or changes of light, into the recordings, and measure what the trackers do; several are separated by
     /// commas, `all` and `light` are lists [default methods: smr,robust]
     ///
@@ -117,11 +104,46 @@ pub struct Eval {
     tracker: TrackerOptions,
 }
 
+/// How tables are printed: in words, as JSON, or as CSV.
+#[derive(Debug, clap::Args)]
+struct TableOptions {
+    /// Print JSON instead of tables: an object with the tables of --part, each an array of flat objects
+    ///
+    /// All objects of a table have the same keys, and a key has values of one type; what is not known is null. The options of a tracker are a
+    /// text, itself JSON.
+    #[arg(long)]
+    json: bool,
+    /// How the tables are written
+    #[arg(long, value_enum, default_value_t, conflicts_with = "json")]
+    format: Layout,
+    /// With --format csv: which table of --json [default: measured]
+    #[arg(long, value_enum, conflicts_with = "json")]
+    part: Option<TableName>,
+}
+
+impl TableOptions {
+    /// Errors: --part without CSV, or of a table that is not one of `known`.
+    fn check(&self, known: &[TableName]) -> Result<()> {
+        let Some(part) = self.part else { return Ok(()) };
+        ensure!(self.format == Layout::Csv, "--part chooses a table of --format csv: expected both");
+        let names = || known.iter().map(|name| name.text()).collect::<Vec<_>>().join(", ");
+        ensure!(known.contains(&part), "--part {}: expected one of {}", part.text(), names());
+        Ok(())
+    }
+
+    /// Prints `tables` as JSON or CSV, or what `words` says.
+    fn print(&self, tables: &Tables, words: impl FnOnce(Layout) -> String) -> Result<()> {
+        let text = match self.format {
+            Layout::Csv => tables.csv(self.part.unwrap_or(TableName::Measured)).context("there is no such table")?,
+            layout => words(layout),
+        };
+        tell(self.json, tables, |_, out| out.write_all(text.as_bytes()))
+    }
+}
+
 impl Eval {
     pub fn places(&self) -> Places<'_> {
-        let places = Places::of(&self.paths).reads(self.against.as_ref());
-        let places = places.writes_as("--calibration", self.calibration.as_ref(), Taken::PLOT);
-        places.writes_as("--resume", self.resume.as_ref(), Taken::FOLDER)
+        Places::of(&self.paths).reads(self.against.as_ref())
     }
 
     pub fn run(mut self) -> Result<Outcome> {
@@ -159,7 +181,7 @@ impl Eval {
             }
         }
         evaluations.retain(|evaluation| !evaluation.scores.is_empty());
-        let failed = count_failures(failures, evaluations.is_empty(), &named(NAME))?;
+        let failed = count_failures(failures, evaluations.is_empty())?;
         say_what_to_know(&evaluations);
         let results = Results::new(&evaluations);
         self.tables.print(&results.tables(), |layout| results.text(layout))?;
@@ -169,7 +191,7 @@ impl Eval {
     /// Those that are printed as JSON.
     const fn known_tables(&self) -> &'static [TableName] {
         if self.robustness {
-            TABLES
+            robustness::TABLES
         } else if self.covered {
             covered::TABLES
         } else if self.fault.is_empty() {
@@ -190,26 +212,31 @@ impl Eval {
     }
 
     fn measure_robustness(&self, variants: &[Variant]) -> Result<Outcome> {
-        let form = self.calibration.as_deref().map(Form::of).transpose()?;
-        let confident = variants.iter().any(|variant| variant.kind.is_core());
         let former = self.against.as_deref().map(Former::read).transpose()?;
-        ensure!(
-            confident || form.is_none(),
-            "--calibration is of the confidence of smr and robust: expected one of them in --method"
-        );
-        let plot = self.calibration.as_deref().map(Output::create).transpose()?;
         let starts = match self.starts_every {
             Some(every) => Starts::Every(every),
             None if self.single_start => Starts::Given,
             None => Starts::Near,
         };
-        let (mut robustness, failed) =
-            robustness::measure(&named(NAME), &self.paths, &self.recording, variants, starts, self.resume.as_deref())?;
+        let found = self.recording.find(&self.paths)?;
+        let bar = progress::bar(NAME, Some(0));
+        let expected = Expected::of(&bar, found.len());
+        cleanup::stop_first();
+        let progress = |progress| match progress {
+            Progress::Expected { frames, recordings } => expected.add(frames, recordings),
+            Progress::Done => bar.inc(),
+        };
+        let open = |path: &Path| self.recording.open(path);
+        let mut robustness = robustness::measure(&found, open, variants, starts, &progress);
+        bar.clear();
+        say_if_stopped();
+        let failed = count_failures(std::mem::take(&mut robustness.failures), robustness.is_empty())?;
         robustness.compare(former.as_ref())?;
-        if let (Some(plot), Some(form)) = (plot, form) {
-            plot.end(&form.draw(&calibration::marks(robustness.calibration()))?)?;
-        }
-        self.print_robustness(&robustness)?;
+        self.tables.print(&robustness.tables(), |layout| {
+            let mut parts = vec![robustness.table(layout), robustness.paired_table(layout)];
+            parts.retain(|part| !part.is_empty());
+            parts.join("\n")
+        })?;
         end(failed)
     }
 
@@ -236,7 +263,7 @@ impl Eval {
         }
         bar.clear();
         say_if_stopped();
-        let failed = count_failures(failures, recordings == 1, &named(NAME))?;
+        let failed = count_failures(failures, recordings == 1)?;
         self.tables.print(&all.tables(), |layout| all.text(layout))?;
         end(failed)
     }
@@ -260,7 +287,7 @@ impl Eval {
         let generated = generated.into_par_iter().map(|sequence| measure(Ok(sequence), Path::new(synthetic::NAME)));
         let measured: Vec<_> = given.collect::<Vec<_>>().into_iter().chain(generated.collect::<Vec<_>>()).collect();
         bar.clear();
-        let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()), &named(NAME));
+        let failed = say_what_failed(measured.iter().filter_map(|measured| measured.as_ref().err()));
         let runs = measured.into_iter().flatten().flatten().collect();
         let results = covered::Results::of(runs, variants);
         self.tables.print(&results.tables(), |layout| results.text(layout))?;
@@ -276,15 +303,6 @@ impl Eval {
         let other = other.frames.next().with_context(|| format!("{} holds no frame", other.name))??;
         sequence.frames = Box::new(std::iter::once(Ok(first)).chain(sequence.frames));
         covered::measure(sequence, &other, variants)
-    }
-
-    fn print_robustness(&self, robustness: &Robustness) -> Result<()> {
-        self.tables.print(&robustness.tables(), |layout| {
-            let calibration = self.calibration.as_ref().map_or(String::new(), |_| robustness.calibration_table(layout));
-            let mut parts = vec![robustness.table(layout), robustness.paired_table(layout), calibration];
-            parts.retain(|part| !part.is_empty());
-            parts.join("\n")
-        })
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.
@@ -319,6 +337,34 @@ impl Eval {
         let files = if compare { smr_evaluation::result_files(path)? } else { Vec::new() };
         smr_evaluation::evaluate(sequence, variants, &files, || bar.inc())
     }
+}
+
+/// Names what failed, and tells how much that is.
+/// Errors: All that was asked for is one thing, which failed: one line says it all.
+fn count_failures(mut failures: Vec<Error>, all: bool) -> Result<usize> {
+    if all && failures.len() == 1 { Err(failures.remove(0)) } else { Ok(say_what_failed(&failures)) }
+}
+
+/// One line on standard error for everything that could not be measured; how many there are.
+fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>) -> usize {
+    let command = HostSim::command().find_subcommand(NAME).cloned().unwrap_or_default();
+    let say = |error: &Error| {
+        cleanup::yield_to_signal();
+        complain(&format!("error: {}", told(error, &command)));
+    };
+    errors.into_iter().map(say).count()
+}
+
+/// The end of a command of which so many parts failed.
+/// Errors: one part or more failed.
+fn end(failed: usize) -> Result<Outcome> {
+    if let Some(signal) = cleanup::stopped_by() {
+        return Ok(Outcome::Stopped(signal));
+    }
+    if failed > 0 {
+        bail!("{failed} of what was asked for could not be measured (see above); results are of the rest");
+    }
+    Ok(Outcome::Holds)
 }
 
 /// True if the paper's table has the recording at `path`.

@@ -3,23 +3,18 @@
 
 mod check;
 mod convert;
-mod demo;
 mod eval;
 mod events;
 mod exit_code;
-mod figures;
-mod frame;
 pub mod number;
 mod paths;
-pub mod progress;
+mod progress;
 pub mod recording_options;
 mod replay;
 mod report;
-pub mod robustness;
 mod shell;
-pub mod table_options;
 mod track;
-pub mod tracker_options;
+mod tracker_options;
 mod usage;
 mod video;
 mod view;
@@ -31,14 +26,14 @@ use exit_code::{is_closed_pipe, obey, told};
 use paths::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
-use smr_recordings::{BUILT_IN, is_live};
+use smr_recordings::{BUILT_IN, is_live, street};
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window.
+/// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window. Without
+/// arguments, the target of a built-in recording is followed and shown on a page.
 ///
 /// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
 /// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, `noise` (the worst case) or `tiles` (which firmware draws as well).
@@ -59,9 +54,6 @@ pub struct HostSim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Follow the target of a built-in recording and write a page that shows it: what `host-sim` does without arguments
-    #[command(after_help = "Example:\n  host-sim demo -o page.html")]
-    Demo(demo::Demo),
     /// Open a recording in the browser: drag a box, see it followed, go to any frame, correct it, and take the result away
     ///
     /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video can be reached
@@ -70,9 +62,6 @@ enum Command {
   host-sim view clip.mp4
   host-sim view sequences/car --no-open")]
     View(view::View),
-    /// Write a page on which boxes are dragged, as one file: `view` without a server, and without following
-    #[command(after_help = "Example:\n  host-sim frame clip.mp4 -o pick.html")]
-    Frame(frame::Frame),
     /// Print the target's box in every frame
     #[command(after_help = "Examples:
   host-sim track clip.mp4 --init 142,125,90,39 --method robust -o boxes.mp4
@@ -99,21 +88,11 @@ enum Command {
   host-sim convert synthetic --format vot -o workspace/sequences/synthetic
   host-sim convert sequences/car --format pgm -o frames")]
     Convert(convert::Convert),
-    /// Show a recording: one HTML page with frames, plots and differences, or a picture
-    #[command(after_help = "Example:
-  host-sim report sequences/car --out report.html")]
-    Report(report::Report),
-    /// Draw the paper's five figures of a recording: SMR beside SAD, as PNG and SVG
-    ///
-    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
-    /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
-    /// is hidden. 2, 4 and 5 need ground truth. If a recording lacks what a figure needs, host-sim leaves the figure
-    /// out and says so; with --figure it is an error.
+    /// Show a recording: one HTML page with frames, plots and differences, or the paper's figures
     #[command(after_help = "Examples:
-  host-sim figures synthetic -o figures
-  host-sim figures sequences/car -o figures --figure 1,2 --frame 180 --form png
-  host-sim figures sequences/car -o figures --figure occlusion --hidden 45..60")]
-    Figures(figures::Figures),
+  host-sim report sequences/car --out report.html
+  host-sim report sequences/car --figures figures --frame 180 --hidden 45..60")]
+    Report(report::Report),
     /// Run a flight record of firmware again, and name the first answer that differs
     ///
     /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
@@ -128,39 +107,62 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Replay(replay::Replay),
 }
 
-/// The most megabytes of a page, if nothing else is said.
-const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
-
 /// Runs the same code with the options of whichever command was given.
 macro_rules! each {
     ($of:expr, $command:ident => $do:expr) => {
         match $of {
-            Command::Demo($command) => $do,
             Command::View($command) => $do,
-            Command::Frame($command) => $do,
             Command::Track($command) => $do,
             Command::Check($command) => $do,
             Command::Eval($command) => $do,
             Command::Convert($command) => $do,
             Command::Report($command) => $do,
-            Command::Figures($command) => $do,
             Command::Replay($command) => $do,
         }
     };
 }
 
+/// The page that is written without arguments.
+const FIRST_PAGE: &str = "smr-demo.html";
+
 /// Runs what the command line of this process says.
 pub fn run() -> ExitCode {
     let mut arguments: Vec<_> = std::env::args_os().collect();
-    if let Some(command) = usual(&arguments) {
-        arguments.insert(1, command.into());
+    let is_first = arguments.len() <= 1;
+    if is_first {
+        arguments = ["host-sim", "report", street::NAME, "--out", FIRST_PAGE].map(OsString::from).to_vec();
+    } else if is_recording(&arguments) {
+        arguments.insert(1, "view".into());
     }
-    obey(arguments, HostSim::run)
+    obey(arguments, |line: HostSim| {
+        let outcome = line.run()?;
+        if is_first {
+            say(say_what_to_type)?;
+        }
+        Ok(outcome)
+    })
 }
 
-/// The command of a line that names none: of a recording alone the window.
-fn usual(arguments: &[OsString]) -> Option<&'static str> {
-    let Some(first) = arguments.get(1) else { return Some("demo") };
+/// What to type next.
+fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
+    // As it was typed, so that the lines can be copied. cargo leaves a path like target/release/host-sim.
+    let program = std::env::args().next().unwrap_or_else(|| "host-sim".to_owned());
+    writeln!(
+        out,
+        "The trackers were locked on a car of the built-in recording `{}`: it passes behind a tree, turns, and meets\n\
+         another like it. Open {FIRST_PAGE} in a browser to see which of them follows it.\n\n\
+         Your own video, in the browser or with a box to start from (left, top, width, height):\n  \
+         {program} view video.mp4    # drag a box, and it is followed\n  \
+         {program} track video.mp4 --init 150,100,40,48 --video boxes.mp4\n  \
+         {program} report video.mp4 --init 150,100,40,48 --out report.html\n\n\
+         All commands: {program} --help",
+        street::NAME,
+    )
+}
+
+/// True of a line that names no command, but a recording, which is opened in the window.
+fn is_recording(arguments: &[OsString]) -> bool {
+    let first = &arguments[1];
     let all = HostSim::command();
     let is_command = |word: &OsString| word == "help" || all.find_subcommand(word).is_some();
     let is_recording = |word: &OsString| {
@@ -168,11 +170,7 @@ fn usual(arguments: &[OsString]) -> Option<&'static str> {
     };
     let begins = first.as_encoded_bytes().starts_with(b"--") && !arguments[1..].iter().any(is_command);
     let is_view = first == "-" || if begins { arguments[2..].iter().any(is_recording) } else { is_recording(first) };
-    (is_view && !is_command(first)).then_some("view")
-}
-
-fn named(name: &str) -> clap::Command {
-    HostSim::command().find_subcommand(name).cloned().unwrap_or_default()
+    is_view && !is_command(first)
 }
 
 impl HostSim {

@@ -34,8 +34,6 @@ pub enum Bare {
 }
 
 impl Taken {
-    pub const PICTURE: Self = Self { endings: &["png"], bare: Bare::Refused };
-    pub const PLOT: Self = Self { endings: &["svg", "png"], bare: Bare::Refused };
     pub const FOLDER: Self = Self { endings: &[], bare: Bare::Folder };
     /// A page, or a folder for it.
     pub const PAGE: Self = Self { endings: &["html"], bare: Bare::Folder };
@@ -193,10 +191,7 @@ mod tests {
         }
         let expected = "a file that ends in .html, or a folder (no ending, or a / after it)";
         assert_eq!(check("page.pdf", Taken::PAGE).unwrap_err(), expected);
-        assert_eq!(check("x.jpg", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
-        assert_eq!(check("picture", Taken::PICTURE).unwrap_err(), "a file that ends in .png");
         assert!(check("x.png", Taken::FOLDER).is_err());
-        assert_eq!(check("x", Taken::PLOT).unwrap_err(), "a file that ends in .svg or .png");
         let text = Taken { endings: &["txt"], bare: Bare::File };
         assert_eq!((check("x", text), check("x.txt", text)), (Ok(()), Ok(())));
         assert_eq!(check("x.", text).unwrap_err(), "a file that ends in .txt, or has no ending");

@@ -110,20 +110,9 @@ impl<'a> Expected<'a> {
 
     /// So many frames in so many recordings that were opened.
     pub fn add(&self, frames: u64, recordings: usize) {
-        self.update(|opened| {
-            opened.frames += frames;
-            opened.recordings += recordings;
-        });
-    }
-
-    /// So many recordings are not opened at all.
-    pub fn leave_out(&self, recordings: usize) {
-        self.update(|opened| opened.all -= recordings);
-    }
-
-    fn update(&self, change: impl FnOnce(&mut Opened)) {
         let mut opened = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        change(&mut opened);
+        opened.frames += frames;
+        opened.recordings += recordings;
         self.bar.state().all = Some(opened.frames * opened.all as u64 / opened.recordings.max(1) as u64);
     }
 }

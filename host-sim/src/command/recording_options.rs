@@ -59,41 +59,6 @@ impl RecordingOptions {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }
 
-    /// Whether the box to start from is given, not found beside the recording.
-    pub fn gives_init(&self) -> bool {
-        !self.init.is_empty()
-    }
-
-    /// The same with frames in the size of the recording: boxes in them are what --init takes.
-    pub fn in_own_size(&self) -> Self {
-        Self { resize: None, ..self.clone() }
-    }
-
-    /// The smallest box, in the size of the recording, that has a pixel in frames of the size that trackers get.
-    pub fn least_box(&self, width: u16, height: u16) -> (u16, u16) {
-        match self.resize {
-            None => (1, 1),
-            Some(Resize::By(numerator, denominator)) => {
-                let least = denominator.div_ceil(numerator);
-                (least, least)
-            }
-            Some(Resize::To(to_width, to_height)) => (width.div_ceil(to_width), height.div_ceil(to_height)),
-        }
-    }
-
-    /// The options as they are typed, but for those of the box to start from.
-    pub fn words(&self) -> Vec<String> {
-        let given = [
-            ("--size", self.size.map(|size| size.to_string())),
-            ("--resize", self.resize.map(|resize| resize.to_string())),
-            ("--frames", self.frames.map(|frames| frames.to_string())),
-            ("--truth-from", self.truth_from.map(|frame| frame.to_string())),
-            ("--levels", self.levels.map(|levels| levels.to_string())),
-            ("--ffmpeg-timeout", self.ffmpeg_timeout.map(|seconds| seconds.to_string())),
-        ];
-        given.into_iter().filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten().collect()
-    }
-
     /// The time that ffmpeg may do nothing.
     pub fn ffmpeg_patience(&self) -> Duration {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))

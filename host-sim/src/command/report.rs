@@ -1,21 +1,26 @@
-//! `host-sim report`: recordings as people look at them, a page or a picture.
+//! `host-sim report`: recordings as people look at them, on one page or in figures.
 
 use super::number::from;
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{BUDGET, Outcome, progress, shell};
-use anyhow::{Context, Result, anyhow, ensure};
+use super::{Outcome, progress, shell};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
-use smr_pages::report::{self, About, Choice, Film, Refusal};
-use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{BUILT_IN, Sequence, Target, misfit};
+use smr_pages::report::figures::{self, Figure, Plan, Wish};
+use smr_pages::report::{self, About, Film, Refusal};
+use smr_recordings::output::{self, Output, complain, print};
+use smr_recordings::{BUILT_IN, Colors, FrameRange, Sequence, Target, misfit};
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+
+/// The most megabytes of a page, if nothing else is said.
+const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
 
@@ -26,23 +31,30 @@ pub struct Report {
     paths: Vec<PathBuf>,
     /// The methods to show; several are separated by commas. The states are those of the first [default: robust,smr; without smr if the
     /// box is too large for it]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_enum, value_delimiter = ',', requires = "out")]
     method: Vec<MethodKind>,
     /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
     ///
     /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, with shift to move), and what was compared; scores where
     /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
-    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "png")]
+    #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "figures")]
     out: Option<PathBuf>,
     /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
-    /// Write the film strip of one recording alone, as one picture
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
-    /// Frames of the film strip; the first is 1 [default: 9 to 16 evenly spaced ones, and each in which the state changes]
-    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = from::<NonZeroUsize>(1))]
-    strip: Vec<NonZeroUsize>,
+    /// Draw the paper's five figures of one recording, SMR beside SAD, as PNG and SVG into this folder
+    ///
+    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
+    /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
+    /// is hidden. 2, 4 and 5 need ground truth. If a recording lacks what a figure needs, host-sim leaves the figure out and says so.
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// With --figures: the frame of figures 1 and 2; the first is 1 [default: where SMR is farthest ahead of SAD]
+    #[arg(long, value_name = "N", requires = "figures", value_parser = from::<NonZeroUsize>(1))]
+    frame: Option<NonZeroUsize>,
+    /// With --figures: where the target is hidden, for figure 5 [default: the frames without a box in the ground truth]
+    #[arg(long, value_name = "A..B", requires = "figures")]
+    hidden: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
     #[arg(long)]
     json: bool,
@@ -56,18 +68,50 @@ pub struct Report {
 struct Written {
     file: PathBuf,
     bytes: usize,
+    /// Of a figure: the frames whose pictures are in it; the first is 1.
+    frames: Option<Vec<usize>>,
 }
 
 impl Report {
     pub fn places(&self) -> Places<'_> {
         let places = Places::of(&self.paths).writes_as("--out", self.out.as_ref(), Taken::PAGE);
-        places.writes_as("--png", self.png.as_ref(), Taken::PICTURE)
+        places.writes_as("--figures", self.figures.as_ref(), Taken::FOLDER)
     }
 
     pub fn run(self) -> Result<Outcome> {
-        let methods = self.tracker.variants(if self.method.is_empty() { &METHODS } else { &self.method })?;
+        let methods = self.tracker.variants(match &self.out {
+            None => &figures::METHODS,
+            Some(_) if self.method.is_empty() => &METHODS,
+            Some(_) => &self.method,
+        })?;
         let found = self.recording.find(&self.paths)?;
-        ensure!(self.png.is_none() || found.len() == 1, "--png is of one recording, and there are {}", found.len());
+        if self.figures.is_some() {
+            ensure!(found.len() == 1, "--figures is of one recording, and there are {}", found.len());
+            ensure!(
+                found[0] != Path::new("-"),
+                "standard input can be read once, and figures need the recording twice: expected a file or a folder"
+            );
+        }
+        let (films, mut files) = match &self.out {
+            Some(out) => self.page(out, &found, &methods)?,
+            None => Default::default(),
+        };
+        let mut left_out = Vec::new();
+        if let Some(folder) = &self.figures {
+            let (drawn, others) = self.draw(&found[0], folder)?;
+            files.extend(drawn);
+            left_out = others;
+        }
+        let text = if self.json {
+            json(&films, &methods, &files, &left_out)?
+        } else {
+            lines(&films, &files) + &left_out.iter().map(|why| format!("left out: {why}\n")).collect::<String>()
+        };
+        print(|out| out.write_all(text.as_bytes()))?;
+        Ok(Outcome::Holds)
+    }
+
+    fn page(&self, out: &Path, found: &[PathBuf], methods: &[Variant]) -> Result<(Vec<Film>, Vec<Written>)> {
         let open = |path: &PathBuf| self.recording.open_with_targets(path, false);
         let mut sequences = found.iter().map(open).collect::<Result<Vec<_>>>()?;
         for (sequence, targets) in &sequences {
@@ -77,26 +121,62 @@ impl Report {
         }
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
-        let page = self.out.as_ref().map(|out| page_file(out, &title)).transpose()?;
+        let page = page_file(out, &title)?;
         // In a folder the page has the recording's name.
-        Places::of(&found).writes("--out", page.as_ref()).writes("--png", self.png.as_ref()).check()?;
-        let page = page.map(File::create).transpose()?;
-        let png = self.png.clone().map(File::create).transpose()?;
-        let mut films = self.watch(&found, sequences, &methods)?;
+        Places::of(found).writes("--out", Some(&page)).check()?;
+        let output = Output::create(&page)?;
+        let mut films = self.watch(found, sequences, methods)?;
         for film in &films {
             film.notes.iter().for_each(|note| complain(&format!("note: {}: {note}", film.name)));
         }
+        let text = report::page(&mut films, &self.about(&title, methods)?, self.budget_bytes())?;
+        output.end(text.as_bytes())?;
+        Ok((films, vec![Written { file: page, bytes: text.len(), frames: None }]))
+    }
+
+    /// Draws the paper's figures into `folder`; returns the files, and why others are left out.
+    fn draw(&self, path: &Path, folder: &Path) -> Result<(Vec<Written>, Vec<String>)> {
+        let methods = self.tracker.variants(&figures::METHODS)?;
+        let watch = |stills: &BTreeSet<usize>| {
+            // Figures are gray.
+            let sequence = Sequence { colors: Colors::None, ..self.recording.open(path)? };
+            let bar = progress::bar(&sequence.name, sequence.length);
+            let film = report::watch(sequence, &methods, Refusal::Fails, stills, None, || bar.inc());
+            bar.clear();
+            film
+        };
+        let film = watch(&BTreeSet::new())?;
+        let wish = Wish { frame: self.frame.map(|frame| frame.get() - 1), hidden: self.hidden };
+        let (mut plans, mut left_out) = (Vec::new(), Vec::new());
+        for figure in Figure::ALL {
+            // A frame or a span that is given must be one of the recording.
+            let must = match figure {
+                Figure::Boxes => self.frame.is_some(),
+                Figure::Occlusion => self.hidden.is_some(),
+                _ => false,
+            };
+            match Plan::new(figure, &film, &wish) {
+                Ok(plan) => plans.push(plan),
+                Err(error) if must => return Err(error),
+                Err(error) => left_out.push(format!("{error:#}")),
+            }
+        }
+        if plans.is_empty() {
+            bail!("{}", left_out[0]);
+        }
+        let film = watch(&plans.iter().flat_map(|plan| plan.frames.iter().copied()).collect())?;
+        make_folder(folder)?;
         let mut files = Vec::new();
-        if let Some(file) = page {
-            let page = report::page(&mut films, &self.about(&title, &methods)?, self.budget_bytes())?;
-            files.push(file.write(page.as_bytes())?);
+        for plan in &plans {
+            let sheet = plan.draw(&film)?;
+            for (ending, bytes) in [("png", sheet.png()?), ("svg", sheet.svg()?.into_bytes())] {
+                let file = folder.join(format!("{}.{ending}", plan.figure));
+                output::write(&file, &bytes)?;
+                let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
+                files.push(Written { file, bytes: bytes.len(), frames });
+            }
         }
-        if let Some(file) = png {
-            files.push(file.write(&report::picture(&films[0])?)?);
-        }
-        let text = if self.json { json(&films, &methods, &files)? } else { lines(&films, &files) };
-        print(|out| out.write_all(text.as_bytes()))?;
-        Ok(Outcome::Holds)
+        Ok((files, left_out))
     }
 
     fn watch(
@@ -109,12 +189,12 @@ impl Report {
         let name =
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
-        let budget = self.out.as_ref().map(|_| self.budget_bytes() / sequences.len());
+        let budget = Some(self.budget_bytes() / sequences.len());
         // A method that was not asked for is left out instead of being an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
-            let (choice, several) = (self.choice(sequence.first)?, targets.len() > 1);
-            let mut film = report::watch_all(sequence, targets, methods, refusal, choice, budget, || progress.inc())?;
+            let (stills, several) = (BTreeSet::new(), targets.len() > 1);
+            let mut film = report::watch_all(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
             // What others answered is of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
@@ -140,18 +220,6 @@ impl Report {
             options: serde_json::to_string(&origins)?,
         })
     }
-
-    /// The frames of the film strip of a recording whose first frame has this number.
-    fn choice(&self, first: usize) -> Result<Choice> {
-        if self.strip.is_empty() {
-            return Ok(Choice::Spread);
-        }
-        let index = |number: &NonZeroUsize| {
-            let index = number.get().checked_sub(first);
-            index.with_context(|| format!("--strip: frame {number} is not read: expected {first} or later (--frames)"))
-        };
-        Ok(Choice::Listed(self.strip.iter().map(index).collect::<Result<_>>()?))
-    }
 }
 
 /// Recordings of one name in several folders get numbers: each is called something else on the page.
@@ -175,37 +243,30 @@ fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
         false => (out, out.join(format!("{name}.html"))),
     };
     if !folder.as_os_str().is_empty() {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        make_folder(folder)?;
     }
     Ok(file)
 }
 
-struct File {
-    name: PathBuf,
-    output: Output,
-}
-
-impl File {
-    fn create(name: PathBuf) -> Result<Self> {
-        Ok(Self { output: Output::create(&name)?, name })
-    }
-
-    fn write(self, bytes: &[u8]) -> Result<Written> {
-        self.output.end(bytes)?;
-        Ok(Written { file: self.name, bytes: bytes.len() })
-    }
+fn make_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
 fn lines(films: &[Film], files: &[Written]) -> String {
-    let frames: usize = films.iter().map(|film| film.moments.len()).sum();
-    let shown: usize = films.iter().map(|film| film.shown().len()).sum();
-    let line = |Written { file, bytes }: &Written| {
-        format!("{}: {frames} frames, {shown} in the film strip, {} kB\n", file.display(), bytes.div_ceil(1000))
+    let all: usize = films.iter().map(|film| film.moments.len()).sum();
+    let line = |Written { file, bytes, frames }: &Written| {
+        let frames = match frames.as_deref() {
+            None => format!("{all} frames"),
+            Some([]) => "all frames".to_owned(),
+            Some([frame]) => format!("frame {frame}"),
+            Some(frames) => format!("frames {}", frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        format!("{}: {frames}, {} kB\n", file.display(), bytes.div_ceil(1000))
     };
     files.iter().map(line).collect()
 }
 
-fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String> {
+fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
     let evaluations: Vec<Option<Evaluation>> = films.iter().map(Film::evaluation).collect::<Result<_>>()?;
     let evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
     let results = Results::new(&evaluations);
@@ -213,8 +274,6 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         serde_json::json!({
             "sequence": film.name,
             "frames": film.moments.len(),
-            "shown": film.shown(),
-            "changes_left_out": film.changes_left_out,
             "notes": film.notes,
             "pictures": film.pictures(),
         })
@@ -223,6 +282,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written]) -> Result<String
         "methods": methods.iter().map(Variant::origin).collect::<Vec<_>>(),
         "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
+        "left_out": left_out,
         "scores": results.tables(),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
@@ -243,38 +303,22 @@ mod tests {
         Line::try_parse_from([&["report", "synthetic"], arguments].concat())?.report.run()
     }
 
-    /// The README shows it; this is how it is made anew:
-    /// `host-sim report street --strip 1,40,75,150,187,260 --png host-sim/assets/street.png`
-    #[test]
-    fn the_picture_of_the_readme_is_what_the_command_makes() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("street.png");
-        let line = ["report", "street", "--strip", "1,40,75,150,187,260", "--png", file.to_str().unwrap()];
-        Line::try_parse_from(line).unwrap().report.run().unwrap();
-        let (made, kept) = (fs::read(file).unwrap(), include_bytes!("../../assets/street.png"));
-        assert!(made == kept, "assets/street.png is another picture: make it anew, see above");
-        assert!(kept.len() < 200_000, "{} bytes", kept.len());
-    }
-
     #[test]
     fn a_folder_gets_a_page_of_the_recordings_name() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("folder");
-        run(&["--strip", "1,2", "--out", out.to_str().unwrap()]).unwrap();
+        run(&["--out", out.to_str().unwrap()]).unwrap();
         let page = fs::read_to_string(out.join("synthetic.html")).unwrap();
         assert!(page.len() < 10_000_000, "{} bytes", page.len());
         let file = out.join("again.html");
-        run(&["--strip", "2,1,2", "--out", file.to_str().unwrap()]).unwrap();
+        run(&["--out", file.to_str().unwrap()]).unwrap();
         assert!(page == fs::read_to_string(file).unwrap(), "the same page every time");
     }
 
     #[test]
     fn what_cannot_be_is_refused() {
         assert!(run(&[]).unwrap_err().to_string().contains("--out"));
-        assert!(run(&["--out", "x.html", "--strip", "0"]).unwrap_err().to_string().contains("--strip"));
         let folder = tempfile::tempdir().unwrap();
-        let error = format!("{:#}", File::create(folder.path().to_owned()).err().unwrap());
-        assert!(error.starts_with(&format!("cannot write {}", folder.path().display())), "{error}");
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         let error = format!("{:#}", page_file(&file, "name").unwrap_err());

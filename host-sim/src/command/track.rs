@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::export::{FILM_ENDINGS, Plan, Rate};
+use smr_pages::export::{FILM_ENDINGS, Plan};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
 use smr_recordings::{GrayFrame, Now, Sequence, cleanup, misfit};
@@ -45,7 +45,7 @@ pub struct Track {
     /// format. The name of a video is that of --video: with -o boxes.mp4 the boxes are printed, as --format says.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Also draw the boxes over the frames: .mp4, .mov, .mkv, .webm or .gif (they need ffmpeg), or a new folder for PNG pictures
+    /// Also draw the boxes over the frames: .mp4, .mov, .mkv or .webm (they need ffmpeg), or a new folder for PNG pictures
     ///
     /// On a terminal host-sim then says when a target is lost and found instead of a line for each frame.
     /// In the colors of the recording, and of a video at its times and with its sound. The box is green while the target is tracking,
@@ -54,9 +54,6 @@ pub struct Track {
     /// confidence in hundredths. If the reader of the printed boxes goes away (`| head`), the video is still finished.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
-    /// Frames per second of the video, without sound [default: as in the recording, else 25]
-    #[arg(long, value_name = "25|29.97|30000/1001")]
-    rate: Option<Rate>,
     #[command(flatten)]
     recording: RecordingOptions,
     #[command(flatten)]
@@ -67,8 +64,8 @@ const FILM: Taken = Taken { endings: &FILM_ENDINGS, bare: Bare::Folder };
 const BOXES: Taken = Taken { endings: &ENDINGS, bare: Bare::File };
 
 /// The extensions of boxes, then those of films.
-const ENDINGS: [&str; 10] = {
-    let (mut all, mut at) = ([""; 10], 0);
+const ENDINGS: [&str; 9] = {
+    let (mut all, mut at) = ([""; 9], 0);
     while at < all.len() {
         all[at] = if at < 5 { Format::ENDINGS[at] } else { FILM_ENDINGS[at - 5] };
         at += 1;
@@ -110,7 +107,6 @@ impl Track {
         let printer = Printer::new(format, about);
         let (boxes, films) = self.outputs();
         let film = match films[..] {
-            [] if self.rate.is_some() => bail!("--rate is of a video, and none is written: expected --video, too"),
             [] => None,
             [(_, film)] => Some(film),
             _ => bail!("--out and --video both name a video: expected one of them"),
@@ -182,7 +178,7 @@ impl Track {
     fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
         let (patience, first) = (self.recording.ffmpeg_patience(), sequence.first);
         let colors = std::mem::take(&mut sequence.colors);
-        let plan = Plan { rate: self.rate, sound: colors.video().map(Path::to_owned), first, patience };
+        let plan = Plan { sound: colors.video().map(Path::to_owned), first, patience };
         let truth = sequence.truth.take().unwrap_or_default();
         Film::create(out, plan, colors.open(first, patience), truth)
     }

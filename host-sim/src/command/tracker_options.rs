@@ -8,7 +8,6 @@ use serde_json::{Map, Value, json};
 use smr_core::paper::{Config, Fraction, Radius, RunnerUp};
 use smr_core::robust;
 use smr_core::similarity::{Backend, Table};
-use smr_core::unstable::{self, without};
 use smr_evaluation::{Configs, MethodKind, Variant};
 use smr_recordings::messages::choice_name;
 use smr_reference::{Numbers, robust as reference};
@@ -81,7 +80,7 @@ pub struct TrackerOptions {
     /// Look for the runner-up in every frame, not only where the gate's decision depends on it
     #[arg(long)]
     runner_up_always: bool,
-    /// Parts to leave out; several are separated by commas [robust]
+    /// What it does not do; several are separated by commas [robust]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     without: Vec<Part>,
     /// How far the target is looked for to each side, in cells, 4 to 8 [robust] [default: 8]
@@ -125,61 +124,16 @@ fn taken_by(option: &str) -> &'static [MethodKind] {
     }
 }
 
-/// The parts of the robust tracker, each of which can be left out.
+/// What the robust tracker does unless it is told not to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
-    /// A moving target is expected to go on
-    Velocity,
-    /// Responses far from where the target is expected count less
-    DistancePenalty,
+enum Part {
     /// The change of size
     Size,
-    /// The early template checks that it is still the target
-    Verification,
-    /// Only frames with enough evidence are learned
-    GatedLearning,
     /// A lost target is searched all over the frame
     Sweep,
     /// A small learned network corrects the box
     Refiner,
-    /// Its opinion of the box can make the state worse
-    Opinion,
-}
-
-impl Part {
-    /// As on the command line.
-    pub fn name(self) -> String {
-        choice_name(&self)
-    }
-
-    /// Whether the reference has it.
-    fn of(self, parts: &mut reference::Parts) -> &mut bool {
-        match self {
-            Self::Velocity => &mut parts.velocity,
-            Self::DistancePenalty => &mut parts.distance_penalty,
-            Self::Size => &mut parts.size,
-            Self::Verification => &mut parts.verification,
-            Self::GatedLearning => &mut parts.gated_learning,
-            Self::Sweep => &mut parts.sweep,
-            Self::Refiner => &mut parts.refiner,
-            Self::Opinion => &mut parts.opinion,
-        }
-    }
-
-    /// Leaves it out of `config`.
-    pub fn leave_out(self, config: &mut robust::Config) {
-        match self {
-            Self::Velocity => *config = without(*config, unstable::Part::Velocity),
-            Self::DistancePenalty => *config = without(*config, unstable::Part::DistancePenalty),
-            Self::Size => config.size = false,
-            Self::Verification => *config = without(*config, unstable::Part::Verification),
-            Self::GatedLearning => *config = without(*config, unstable::Part::GatedLearning),
-            Self::Sweep => config.sweep = false,
-            Self::Refiner => config.refiner = false,
-            Self::Opinion => *config = without(*config, unstable::Part::Opinion),
-        }
-    }
 }
 
 fn backend(text: &str) -> Result<Backend> {
@@ -311,7 +265,13 @@ impl TrackerOptions {
     fn robust(&self) -> Result<robust::Config> {
         let plain = self.config == Some(Preset::Robust);
         let mut config = if plain { robust::Config::robust() } else { robust::Config::refined() };
-        self.without.iter().for_each(|part| part.leave_out(&mut config));
+        for part in &self.without {
+            match part {
+                Part::Size => config.size = false,
+                Part::Sweep => config.sweep = false,
+                Part::Refiner => config.refiner = false,
+            }
+        }
         config.backend = self.backend;
         config.reach = self.reach.unwrap_or(config.reach);
         config.patience = self.patience.unwrap_or(config.patience);
@@ -331,7 +291,11 @@ impl TrackerOptions {
         let mut numbers = reference::Numbers::refined();
         numbers.parts.refiner = self.config != Some(Preset::Robust);
         for part in &self.without {
-            *part.of(&mut numbers.parts) = false;
+            match part {
+                Part::Size => numbers.parts.size = false,
+                Part::Sweep => numbers.parts.sweep = false,
+                Part::Refiner => numbers.parts.refiner = false,
+            }
         }
         numbers.reach = self.reach.map_or(numbers.reach, i64::from);
         numbers.confidence_rate = self.patience.map_or(numbers.confidence_rate, |patience| 256.0 - f64::from(patience));

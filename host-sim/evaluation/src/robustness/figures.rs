@@ -1,10 +1,8 @@
 //! What runs come to: from single runs over the starts of a recording to means over recordings.
 
-use super::calibration::Calibration;
 use crate::tables::Columns;
 use crate::{CORRECT, Run, Score, Trajectory, overlaps};
 use anyhow::Result;
-use serde::{Deserialize, Serialize};
 use smr_core::State;
 use std::time::Duration;
 
@@ -30,7 +28,6 @@ pub(super) struct RunFigures {
     /// `None` if that of one update was not counted.
     work: Option<u64>,
     time: Duration,
-    pub calibration: Calibration,
 }
 
 impl RunFigures {
@@ -58,9 +55,6 @@ impl RunFigures {
             figures.wrong += usize::from(!right);
             figures.right += usize::from(right);
             figures.right_unsaid += usize::from(right && !said);
-            if let Some(confidence) = report.confidence() {
-                figures.calibration.count(confidence, right);
-            }
         }
         Ok(figures)
     }
@@ -84,7 +78,7 @@ pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
         /// How well a method does on a recording over all starts, or on several recordings on average.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
         }
@@ -238,8 +232,6 @@ mod tests {
     #[test]
     fn over_starts_by_hand() {
         let runs = runs(Some(200));
-        let bins = Calibration::total(runs.iter().map(|run| &run.calibration)).bins("smr");
-        assert_eq!((bins[20].frames, bins[20].correct), (9, 1), "without the frames that were locked on");
         let figures = Figures::over_starts(&runs);
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,

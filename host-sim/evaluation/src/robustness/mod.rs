@@ -3,23 +3,17 @@
 //! - `starts`: where runs start.
 //! - `figures`: what runs come to.
 //! - `paired`: what one method is better by than another.
-//! - `calibration`: what a reported ratio says of the chance to be right.
-//! - `kept`: what was measured before.
 //! - `table`: the results as text.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
 //! own start and the truth of that frame, and the frame of the start counts.
 
-mod calibration;
 mod figures;
-mod kept;
 mod paired;
 mod starts;
 mod table;
 
-pub use calibration::Bin;
 pub use figures::Figures;
-pub use kept::Kept;
 pub use paired::Former;
 pub use starts::Starts;
 
@@ -28,7 +22,6 @@ use super::run::{Intervention, MOST_BYTES, Recording};
 use super::tables::{Columns, TableName, Tables, error_of};
 use super::{Origin, Score, Variant};
 use anyhow::{Context, Error, Result};
-use calibration::Calibration;
 use figures::{HEADLINE, RunFigures};
 use paired::Paired;
 use rayon::prelude::*;
@@ -37,8 +30,7 @@ use starts::Start;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-pub const TABLES: &[TableName] =
-    &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired, TableName::Calibration];
+pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
@@ -47,8 +39,6 @@ pub enum Progress {
         frames: u64,
         recordings: usize,
     },
-    /// So many recordings were measured before.
-    Kept(usize),
     Done,
 }
 
@@ -60,8 +50,6 @@ pub struct Robustness {
     means: Vec<Mean>,
     /// What each method is better by than another one, if that was asked for.
     paired: Vec<Paired>,
-    /// Of each method that reports a ratio.
-    calibration: Vec<Bin>,
     pub failures: Vec<Error>,
 }
 
@@ -80,7 +68,6 @@ impl Robustness {
             start_columns().table(TableName::Starts, &starts),
             Mean::columns().table(TableName::Means, &self.means),
             paired::columns().table(TableName::Paired, &self.paired),
-            Columns::new(calibration::COLUMNS).table(TableName::Calibration, &self.calibration),
         ])
     }
 }
@@ -96,7 +83,6 @@ struct Row {
     /// The folder that the recording lies in, among others.
     folder: PathBuf,
     figures: Figures,
-    calibration: Calibration,
     /// Where it was started, and what it made of it.
     starts: Vec<(Start, Score)>,
 }
@@ -177,28 +163,8 @@ pub fn measure(
     starts: Starts,
     progress: &(impl Fn(Progress) + Sync),
 ) -> Robustness {
-    measure_again(paths, open, variants, starts, None, progress)
-}
-
-/// The same without what `kept` has; what is measured is put into it.
-pub fn measure_again(
-    paths: &[PathBuf],
-    open: impl Fn(&Path) -> Result<Sequence> + Sync,
-    variants: &[Variant],
-    starts: Starts,
-    kept: Option<&Kept>,
-    progress: &(impl Fn(Progress) + Sync),
-) -> Robustness {
-    let before = |path: &PathBuf| variants.iter().filter_map(|variant| kept?.read(path, variant)).collect::<Vec<_>>();
-    let mut rows: Vec<Row> = paths.iter().flat_map(before).collect();
-    let has = |rows: &[Row], path: &Path, variant: &Variant| {
-        rows.iter().any(|row| row.path == path && row.tracker == variant.name)
-    };
-    let is_new = |path: &&PathBuf| !variants.iter().all(|variant| has(&rows, path, variant));
-    let new: Vec<&PathBuf> = paths.iter().filter(is_new).collect();
-    progress(Progress::Kept(paths.len() - new.len()));
-    let (mut failures, mut held) = (Vec::new(), Vec::new());
-    let mut parts = new.chunks(rayon::current_num_threads()).peekable();
+    let (mut rows, mut failures, mut held) = (Vec::new(), Vec::new(), Vec::new());
+    let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
     while let Some(part) = parts.next()
         && !cleanup::is_stopped()
     {
@@ -207,10 +173,10 @@ pub fn measure_again(
         let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
         if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
             let pairs = held.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant)));
-            let pairs: Vec<_> = pairs.filter(|(case, variant)| !has(&rows, &case.path, variant)).collect();
+            let pairs: Vec<_> = pairs.collect();
             let frames = pairs.iter().map(|(case, _)| case.frames_to_run()).sum();
             progress(Progress::Expected { frames, recordings: held.len() });
-            separate(run_all(&pairs, kept, progress), &mut rows, &mut failures);
+            separate(run_all(&pairs, progress), &mut rows, &mut failures);
             held.clear();
         }
     }
@@ -219,8 +185,7 @@ pub fn measure_again(
         (variants.iter().position(|variant| variant.name == row.tracker), path)
     };
     rows.sort_by_key(place);
-    let (means, calibration) = (means(&rows, variants), calibration(&rows, variants));
-    Robustness { recordings: rows, means, paired: Vec::new(), calibration, failures }
+    Robustness { means: means(&rows, variants), recordings: rows, paired: Vec::new(), failures }
 }
 
 /// Those that are good, and the failures of the others.
@@ -257,7 +222,6 @@ impl Case {
             path: self.path.clone(),
             folder: folder_of(&self.path),
             figures: Figures::over_starts(runs),
-            calibration: Calibration::total(runs.iter().map(|run| &run.calibration)),
             starts: self.starts.iter().cloned().zip(runs.iter().map(|run| run.score)).collect(),
         }
     }
@@ -265,11 +229,7 @@ impl Case {
 
 /// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts. Nor has one that was
 /// stopped.
-fn run_all(
-    pairs: &[(&Case, &Variant)],
-    kept: Option<&Kept>,
-    progress: &(impl Fn(Progress) + Sync),
-) -> Vec<Result<Row>> {
+fn run_all(pairs: &[(&Case, &Variant)], progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
     // Runs are of very different length: one at a time is what a thread takes.
     let row = |&(case, variant): &(&Case, &Variant)| {
         let Recording { name, frames, truth, .. } = &case.recording;
@@ -281,9 +241,7 @@ fn run_all(
             figures.with_context(|| format!("{name}: {}: start {}", variant.name, start.name))
         };
         let runs: Vec<_> = case.starts.par_iter().with_max_len(1).map(run).collect();
-        let row = case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?);
-        kept.map_or(Ok(()), |kept| kept.write(variant, &row))?;
-        Ok(row)
+        Ok(case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?))
     };
     let of_whole = |pair| Some(row(pair)).filter(|row| row.is_ok() || !cleanup::is_stopped());
     pairs.par_iter().with_max_len(1).filter_map(of_whole).collect()
@@ -323,15 +281,6 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
     variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
 }
 
-/// The bins of each variant over all its rows.
-fn calibration(rows: &[Row], variants: &[Variant]) -> Vec<Bin> {
-    let bins = |variant: &Variant| {
-        let own = rows.iter().filter(|row| row.tracker == variant.name);
-        Calibration::total(own.map(|row| &row.calibration)).bins(&variant.name)
-    };
-    variants.iter().flat_map(bins).collect()
-}
-
 /// The folder's name; where two have the same one, the whole path.
 fn label(folder: &Path, all: &[&Path]) -> String {
     let alike = all.iter().filter(|other| other.file_name() == folder.file_name()).count();
@@ -364,7 +313,6 @@ mod tests {
         let result = measure(&paths, open, &variants, starts, &|progress| {
             match progress {
                 Progress::Expected { frames, .. } => expected.fetch_add(frames, Ordering::Relaxed),
-                Progress::Kept(recordings) => expected.fetch_add(recordings as u64, Ordering::Relaxed),
                 Progress::Done => done.fetch_add(1, Ordering::Relaxed),
             };
         });

@@ -1,4 +1,4 @@
-//! The results as text: recordings, then the means; or the means alone, one row a tracker.
+//! The results as text: recordings, then the means.
 
 use super::{Figures, Mean, Robustness};
 use crate::{Layout, NOTHING, cell, header};
@@ -6,7 +6,7 @@ use crate::{Layout, NOTHING, cell, header};
 /// A title, and what stands below it.
 type Column = (&'static str, fn(&Figures) -> String);
 
-/// The columns of figures. The first, the second, and those from the sixth on are in a summary, too.
+/// The columns of figures.
 const COLUMNS: [Column; 13] = [
     ("correct", |of| cell(Some(of.mean_correct), 3)),
     ("worst", |of| cell(Some(of.worst_correct), 3)),
@@ -55,38 +55,6 @@ impl Robustness {
         }
         layout.table(&lines, 2)
     }
-
-    /// One row a tracker, over all recordings, with the correct frames of each folder if there are several. Nothing if nothing
-    /// was measured.
-    pub fn summary(&self, layout: Layout) -> String {
-        if self.is_empty() {
-            return String::new();
-        }
-        let mut folders: Vec<&str> = Vec::new();
-        for folder in self.means.iter().filter_map(|mean| mean.folder.as_deref()) {
-            if !folders.contains(&folder) {
-                folders.push(folder);
-            }
-        }
-        let correct = |mean: &Mean| mean.figures.mean_correct;
-        let columns = || COLUMNS[1..2].iter().chain(&COLUMNS[5..]);
-        let mut titles = header("tracker|correct|standard error");
-        titles.extend(folders.iter().map(|folder| format!("in {folder}")));
-        titles.extend(columns().map(|(title, _)| (*title).to_owned()));
-        let mut lines = vec![titles];
-        for over_all in self.means.iter().filter(|mean| mean.folder.is_none()) {
-            let in_folder = |folder: &&str| {
-                let is_it = |mean: &&Mean| mean.tracker == over_all.tracker && mean.folder.as_deref() == Some(*folder);
-                cell(self.means.iter().find(is_it).map(correct), 3)
-            };
-            let error = over_all.standard_error.as_ref().map(|error| error[0]);
-            let mut line = vec![over_all.tracker.clone(), cell(Some(correct(over_all)), 3), cell(error, 3)];
-            line.extend(folders.iter().map(in_folder));
-            line.extend(columns().map(|(_, text)| text(&over_all.figures)));
-            lines.push(line);
-        }
-        layout.table(&lines, 1)
-    }
 }
 
 impl Mean {
@@ -103,7 +71,6 @@ impl Mean {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::Row;
-    use super::super::calibration::Calibration;
     use super::super::starts::Start;
     use super::*;
     use crate::{MethodKind, Origin, Score};
@@ -143,7 +110,6 @@ pub(super) mod tests {
             path: PathBuf::from(sequence),
             folder,
             figures,
-            calibration: Calibration::default(),
             starts: vec![start; 5],
         }
     }
@@ -203,16 +169,5 @@ sad      mean of 1 in more            0.667  0.250        0.250  0.500     0.500
         assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &1.into()));
         assert_eq!(json["means"][0]["mean_correct_standard_error"], 0.1);
         assert!(json["means"][1]["mean_correct_standard_error"].is_null());
-    }
-
-    #[test]
-    fn folders_stand_side_by_side() {
-        let expected = "\
-tracker  correct  standard error  in tld  in more  worst  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
-smr        0.750           0.100   0.750    0.667  0.250      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
-sad        0.667               -       -    0.667  0.250      1.000                -              -               -               -             -           -        12
-";
-        assert_eq!(results().summary(Layout::Text), expected);
-        assert_eq!(Robustness::default().summary(Layout::Text), "");
     }
 }

@@ -16,18 +16,17 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant, SystemTime};
 use std::{fs, thread};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub(super) enum Kind {
     Mp4,
     Mov,
     Mkv,
     Webm,
-    Gif,
 }
 
 impl Kind {
     pub fn of(extension: &str) -> Option<Self> {
-        let kinds = [Self::Mp4, Self::Mov, Self::Mkv, Self::Webm, Self::Gif];
+        let kinds = [Self::Mp4, Self::Mov, Self::Mkv, Self::Webm];
         super::video::ENDINGS.iter().zip(kinds).find(|(ending, _)| **ending == extension).map(|(_, kind)| kind)
     }
 
@@ -42,7 +41,6 @@ impl Kind {
             Self::Webm => {
                 &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"]
             }
-            Self::Gif => &["-f", "gif"],
         }
     }
 }
@@ -122,18 +120,12 @@ impl Ffmpeg {
             command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
         }
         command.args(["-fps_mode", "passthrough"]);
-        if kind == Kind::Gif {
-            // Each frame has the 256 colors that suit it.
-            let palette = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none";
-            command.args(["-vf", palette]);
-        } else {
-            // Players want color at half the size, and BT.709.
-            let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
-            let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
-            command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
-            command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
-            command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]);
-        }
+        // Players want color at half the size, and BT.709.
+        let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+        let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
+        command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
+        command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
+        command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]);
         command.args(kind.options());
         command.arg("-y").arg(file);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());

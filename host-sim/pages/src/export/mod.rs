@@ -1,9 +1,8 @@
 //! Recordings as files: for other programs, for firmware, and to be looked at.
 //!
-//! - [`png()`], [`pgm`]: a frame as a picture.
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
 //! - [`boxes`]: what trackers answered, as text.
-//! - [`Film`]: a recording with boxes drawn, as a video, an animation or a folder of pictures.
+//! - [`Film`]: a recording with boxes drawn, as a video or a folder of pictures.
 
 pub mod boxes;
 mod c_array;
@@ -15,8 +14,6 @@ mod toolkit;
 mod video;
 mod writer;
 
-pub use crate::encode::{pgm, png};
-pub use frame_times::Rate;
 pub use overlay::Overlay;
 pub use video::{ENDINGS as FILM_ENDINGS, Film, Plan};
 pub use writer::{Format, Writer, Written, is_whole};

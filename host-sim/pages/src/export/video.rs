@@ -1,7 +1,7 @@
-//! Frames that were drawn on, as something to watch: a video or a GIF file (through ffmpeg), or a folder of PNG pictures.
+//! Frames that were drawn on, as something to watch: a video (through ffmpeg), or a folder of PNG pictures.
 
 use super::ffmpeg::{Encoded, Kind};
-use super::frame_times::{Rate, Timeline};
+use super::frame_times::Timeline;
 use super::overlay::Overlay;
 use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The extensions of films that are files.
-pub const ENDINGS: [&str; 5] = ["mp4", "mov", "mkv", "webm", "gif"];
+pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
 /// A film under way. Until [`Film::finish`] nothing has its name.
 pub struct Film {
@@ -30,9 +30,7 @@ enum Way {
 /// What a film takes from the recording.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// `None`: frames are shown at the times that they have in the recording, or 25 a second where it has none.
-    pub rate: Option<Rate>,
-    /// The file with the sound. It is left out if frames do not keep their times.
+    /// The file with the sound. It is left out if the recording has no times.
     pub sound: Option<PathBuf>,
     pub first: usize,
     /// How long ffmpeg may do nothing.
@@ -45,12 +43,9 @@ impl Film {
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
-        let Plan { rate, sound, first, patience } = plan;
+        let Plan { sound, first, patience } = plan;
         let way = match Kind::of(&extension) {
-            Some(kind) => {
-                let sound = sound.filter(|_| kind != Kind::Gif);
-                Way::Encoded(Encoded::new(kind, Output::create(out)?, sound, patience))
-            }
+            Some(kind) => Way::Encoded(Encoded::new(kind, Output::create(out)?, sound, patience)),
             None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
             None => {
                 let endings = ENDINGS.join(", .");
@@ -60,7 +55,7 @@ impl Film {
                 )
             }
         };
-        Ok(Self { name: out.to_owned(), way, timeline: Timeline::new(rate), number: first })
+        Ok(Self { name: out.to_owned(), way, timeline: Timeline::new(), number: first })
     }
 
     /// Adds a frame, and when it is shown in the recording, if that is known. All must be of the size of the first.
@@ -97,11 +92,11 @@ mod tests {
     use super::*;
     use crate::colors::GREEN;
     use crate::report::canvas::Canvas;
-    use smr_recordings::{BoundingBox, Colors, GrayFrame, Time};
+    use smr_recordings::{BoundingBox, GrayFrame};
     use std::fs;
 
     fn plan() -> Plan {
-        Plan { rate: Some("25".parse().unwrap()), sound: None, first: 1, patience: Duration::from_secs(60) }
+        Plan { sound: None, first: 1, patience: Duration::from_secs(60) }
     }
 
     /// Odd sides, which MP4 cannot have.
@@ -143,31 +138,11 @@ mod tests {
         }
         // Color at half the size has no odd sides.
         for name in ENDINGS.map(|ending| format!("film.{ending}")) {
-            let size = if name.ends_with("gif") { (61, 43) } else { (62, 44) };
             let out = above.path().join(&name);
             filmed(&out);
             let sequence = smr_recordings::open(&out, &smr_recordings::OpenOptions::default()).unwrap();
             let sizes: Vec<_> = sequence.frames.map(Result::unwrap).map(|frame| (frame.width, frame.height)).collect();
-            assert_eq!(sizes, [size; 3], "{name}");
-        }
-    }
-
-    /// The colors of the boxes are those that were drawn, and gray stays within a level of what it was.
-    #[test]
-    fn a_gif_holds_the_boxes() {
-        let above = tempfile::tempdir().unwrap();
-        let out = above.path().join("film.gif");
-        if !crate::missing::has_ffmpeg("a_gif_holds_the_boxes") {
-            return;
-        }
-        filmed(&out);
-        let mut colors = Colors::Video(out, Time::default()).open(1, Duration::from_secs(60));
-        for frame in frames() {
-            let gray = GrayFrame { width: 61, height: 43, pixels: vec![0; 61 * 43] };
-            let shown = colors.next(&gray).0;
-            for (found, expected) in shown.pixels.as_flattened().iter().zip(frame.rgb()) {
-                assert!(found.abs_diff(*expected) <= 2, "{found} {expected}");
-            }
+            assert_eq!(sizes, [(62, 44); 3], "{name}");
         }
     }
 
@@ -179,7 +154,7 @@ mod tests {
         drop(film);
         let error = Film::create(&above.path().join("film.avi"), plan()).err().unwrap().to_string();
         assert!(error.ends_with(
-            "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, .gif, or a folder (no ending, or a / after it)"
+            "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, or a folder (no ending, or a / after it)"
         ));
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 0);
     }

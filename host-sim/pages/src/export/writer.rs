@@ -1,7 +1,8 @@
 //! A recording as files that this program, others, and firmware read.
 
 use super::toolkit::{About, configure, enlist};
-use super::{c_array, pgm, png, toolkit};
+use super::{c_array, toolkit};
+use crate::encode::{pgm, png};
 use anyhow::Result;
 use serde::Serialize;
 use smr_recordings::boxes::Form;

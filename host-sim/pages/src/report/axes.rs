@@ -15,10 +15,6 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// The axes of a diagram of the usual size, with room for names at the right end.
-    pub const DIAGRAM: Self =
-        Self { left: 70.0, right: 640.0, top: 44.0, bottom: 400.0, across: (0.0, 1.0), up: (0.0, 1.0) };
-
     pub fn x(&self, value: f64) -> f64 {
         let span = (self.across.1 - self.across.0).max(f64::MIN_POSITIVE);
         (self.left + (self.right - self.left) * (value - self.across.0) / span).clamp(self.left, self.right)

@@ -11,8 +11,7 @@ use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
 use embedded_graphics::primitives::{Line, PointsIter, Primitive, PrimitiveStyle, Rectangle};
 use embedded_graphics::text::{Baseline, Text};
 use embedded_graphics::{Drawable, Pixel};
-use smr_recordings::{ColorFrame, GrayFrame};
-use std::collections::BTreeMap;
+use smr_recordings::GrayFrame;
 use std::convert::Infallible;
 
 pub const FONT: &MonoFont<'_> = &FONT_10X20;
@@ -30,15 +29,13 @@ pub(crate) struct Canvas {
 pub(crate) struct Dashes {
     pub on: f64,
     pub off: f64,
-    /// How long the first gap is.
-    pub after: f64,
 }
 
 impl Dashes {
-    pub const NONE: Self = Self { on: f64::MAX, off: 0.0, after: 0.0 };
+    pub const NONE: Self = Self { on: f64::MAX, off: 0.0 };
 
     pub const fn new(on: f64, off: f64) -> Self {
-        Self { on, off, after: 0.0 }
+        Self { on, off }
     }
 }
 
@@ -73,11 +70,9 @@ impl Canvas {
         }
     }
 
-    /// Writes `text` and tells where it ends.
-    pub fn text(&mut self, left: i32, top: i32, text: &str, color: Color, font: &MonoFont<'_>) -> i32 {
+    pub fn text(&mut self, left: i32, top: i32, text: &str, color: Color, font: &MonoFont<'_>) {
         let style = MonoTextStyle::new(font, rgb(color));
-        let Ok(end) = Text::with_baseline(text, Point::new(left, top), style, Baseline::Top).draw(self);
-        end.x
+        let Ok(_) = Text::with_baseline(text, Point::new(left, top), style, Baseline::Top).draw(self);
     }
 
     pub fn fill(&mut self, area: &Rectangle, color: Color) {
@@ -154,12 +149,9 @@ pub(super) fn width_of(text: &str) -> u32 {
 }
 
 /// A line through `points`; dashes go on around the corners.
-pub(crate) fn line<D>(target: &mut D, points: &[(f64, f64)], width: u32, color: Color, dashes: Dashes)
-where
-    D: DrawTarget<Color = Rgb888, Error = Infallible>,
-{
+pub(crate) fn line(canvas: &mut Canvas, points: &[(f64, f64)], width: u32, color: Color, dashes: Dashes) {
     let style = PrimitiveStyle::with_stroke(rgb(color), width);
-    let mut before = -dashes.after;
+    let mut before = 0.0;
     for ends in points.windows(2) {
         let (from, to) = (ends[0], ends[1]);
         let length = (to.0 - from.0).hypot(to.1 - from.1);
@@ -172,7 +164,7 @@ where
         while dash <= before + length {
             let (start, end) = (dash.max(before), (dash + dashes.on - 1.0).min(before + length));
             if start <= end {
-                let Ok(()) = Line::new(at(start), at(end)).into_styled(style).draw(target);
+                let Ok(()) = Line::new(at(start), at(end)).into_styled(style).draw(canvas);
             }
             dash += period;
         }
@@ -190,50 +182,6 @@ pub(super) fn coarse(gray: u8) -> Color {
     [gray / 2 * 2 + gray / 128; 3]
 }
 
-/// Several frames in at most so many colors in all, by median cut: what is most spread, of the most pixels, is halved.
-pub(super) fn few_colors<'a>(frames: impl Iterator<Item = &'a ColorFrame>, most: usize) -> Vec<Canvas> {
-    let few = |frame: &ColorFrame| Canvas {
-        width: frame.width.into(),
-        height: frame.height.into(),
-        pixels: frame.pixels.iter().map(|pixel| pixel.map(|level| coarse(level)[0])).collect(),
-    };
-    let mut pictures: Vec<Canvas> = frames.map(few).collect();
-    let mut cells = vec![spread(pictures.iter().flat_map(|picture| picture.pixels.clone()).collect())];
-    while cells.len() < most {
-        let Some((at, &(weight, channel, _))) = cells.iter().enumerate().max_by_key(|(_, (weight, ..))| *weight) else {
-            break;
-        };
-        if weight == 0 {
-            break;
-        }
-        let (_, _, mut pixels) = cells.swap_remove(at);
-        pixels.sort_unstable_by_key(|pixel| pixel[channel]);
-        // Equal levels stay together.
-        let middle = pixels[pixels.len() / 2][channel].max(pixels[0][channel] + 1);
-        let high = pixels.split_off(pixels.partition_point(|pixel| pixel[channel] < middle));
-        cells.extend([spread(pixels), spread(high)]);
-    }
-    let mut palette = BTreeMap::new();
-    for (_, _, pixels) in cells {
-        let mean =
-            |channel: usize| pixels.iter().map(|pixel| usize::from(pixel[channel])).sum::<usize>() / pixels.len();
-        let mean = [0, 1, 2].map(|channel| u8::try_from(mean(channel)).unwrap_or(u8::MAX));
-        palette.extend(pixels.into_iter().map(|pixel| (pixel, mean)));
-    }
-    pictures.iter_mut().flat_map(|picture| &mut picture.pixels).for_each(|pixel| *pixel = palette[pixel]);
-    pictures
-}
-
-/// How much colors differ, in all, in the channel in which they differ most.
-fn spread(pixels: Vec<Color>) -> (usize, usize, Vec<Color>) {
-    let range = |channel: usize| {
-        let levels = || pixels.iter().map(|pixel| usize::from(pixel[channel]));
-        levels().max().unwrap_or(0) - levels().min().unwrap_or(0)
-    };
-    let (range, channel) = [0, 1, 2].map(|channel| (range(channel), channel)).into_iter().max().unwrap_or_default();
-    (range * pixels.len(), channel, pixels)
-}
-
 /// The frame with fewer gray levels.
 pub(super) fn coarse_frame(frame: &GrayFrame) -> Canvas {
     let mut canvas = Canvas::of(frame);
@@ -249,10 +197,10 @@ mod tests {
     #[test]
     fn dashes_go_on_around_the_corner() {
         let mut canvas = Canvas::new(30, 30, BLACK);
-        line(&mut canvas, &[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)], 1, WHITE, Dashes { on: 8.0, off: 8.0, after: 4.0 });
+        line(&mut canvas, &[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)], 1, WHITE, Dashes::new(8.0, 8.0));
         let drawn = |x: u32, y: u32| canvas.at(x, y) == WHITE;
-        assert_eq!([0, 3, 5, 11, 13, 19].map(|x| drawn(x, 0)), [false, false, true, true, false, false]);
-        assert_eq!([1, 7, 9, 15, 17].map(|y| drawn(20, y)), [true, true, false, false, true]);
+        assert_eq!([0, 7, 9, 15, 17, 19].map(|x| drawn(x, 0)), [true, true, false, false, true, true]);
+        assert_eq!([2, 5, 11, 13, 19].map(|y| drawn(20, y)), [true, false, false, true, true]);
     }
 
     #[test]
@@ -260,7 +208,7 @@ mod tests {
         let mut canvas = Canvas::new(8, 8, BLACK);
         canvas.fill(&Rectangle::new(Point::new(-100_000, 6), Size::new(2_000_000_000, 2_000_000_000)), WHITE);
         assert_eq!(canvas.pixels.iter().filter(|&&pixel| pixel == WHITE).count(), 16);
-        assert_eq!(canvas.text(-20, 2, "abc", WHITE, FONT), 10);
+        canvas.text(-20, 2, "abc", WHITE, FONT);
         assert!(canvas.png().unwrap().starts_with(b"\x89PNG"));
     }
 }

@@ -1,48 +1,14 @@
-//! Lines, words and pictures as a file, SVG or PNG: what diagrams and figures are drawn with.
+//! Lines, words and pictures as a file, SVG or PNG: what figures are drawn with.
 
 use super::canvas::{self, Canvas, Dashes, FONT, pixel};
 use super::image::Pixels;
 use crate::colors::{Color, PAPER, WHITE};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use embedded_graphics::geometry::Point;
 use embedded_graphics::primitives::Rectangle;
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use serde::Serialize;
-use std::path::Path;
-
-/// Width and height of a diagram.
-pub const SIZE: (u32, u32) = (760, 460);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Form {
-    Png,
-    Svg,
-}
-
-impl Form {
-    /// By the name of the file.
-    pub fn of(file: &Path) -> Result<Self> {
-        match file.extension().and_then(|extension| extension.to_str()) {
-            Some("svg") => Ok(Self::Svg),
-            Some("png") => Ok(Self::Png),
-            _ => bail!("{}: a plot is written as .svg or .png", file.display()),
-        }
-    }
-
-    /// The file's bytes, of a diagram of the usual size.
-    pub fn draw(self, marks: &[Mark]) -> Result<Vec<u8>> {
-        self.draw_sized(SIZE, marks)
-    }
-
-    /// The same of any width and height.
-    pub fn draw_sized(self, size: (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
-        match self {
-            Self::Svg => Ok(svg(size, marks)?.into_bytes()),
-            Self::Png => png(size, marks),
-        }
-    }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Stroke {
@@ -94,13 +60,13 @@ impl Mark {
     }
 }
 
-fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
+pub(super) fn svg((width, height): (u32, u32), marks: &[Mark]) -> Result<String> {
     let mut templates = Environment::new();
     templates.add_template("diagram.svg", include_str!("diagram.svg"))?;
     Ok(templates.get_template("diagram.svg")?.render(context! { width, height, marks => Serde(marks) })?)
 }
 
-fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
+pub(super) fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
     let mut canvas = Canvas::new(width, height, PAPER);
     for mark in marks {
         match mark {
@@ -129,15 +95,4 @@ fn png((width, height): (u32, u32), marks: &[Mark]) -> Result<Vec<u8>> {
         }
     }
     canvas.png()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn other_files_are_refused() {
-        assert_eq!(Form::of(Path::new("a.png")).unwrap(), Form::Png);
-        assert!(Form::of(Path::new("a.gif")).unwrap_err().to_string().contains("a.gif: a plot is written as"));
-    }
 }

@@ -2,16 +2,16 @@
 
 use super::player_frames::Pictures;
 use super::search::{self, Shown, Sight};
-use super::strip_frames::{Choice, Reel};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
-use smr_recordings::{BoundingBox, ColorFrame, FFMPEG_PATIENCE, FrameRange, GrayFrame, Sequence, Target};
+use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, FrameRange, GrayFrame, Sequence, Target};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 pub struct Film {
     pub name: String,
-    /// The first is the one whose states are shown. Of several targets there is each method once for each, under the name of both.
+    /// Of several targets there is each method once for each, under the name of both.
     pub methods: Vec<Variant>,
     /// The place of the target of each method.
     pub(super) of: Vec<usize>,
@@ -24,8 +24,6 @@ pub struct Film {
     /// When each frame is shown, in seconds, as far as that is known: of a video.
     pub(super) times: Vec<Option<f64>>,
     pub(super) stills: Vec<Still>,
-    /// Changes of state that there was no room to show.
-    pub changes_left_out: usize,
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     /// All frames, if they were asked for.
     pub(super) pictures: Option<Pictures>,
@@ -92,28 +90,13 @@ pub struct Moment {
     pub(super) lasts: Vec<BoundingBox>,
 }
 
-impl Moment {
-    pub fn first(&self) -> &Report {
-        &self.reports[0]
-    }
-}
-
 /// A frame to show.
 pub(super) struct Still {
     /// The first is 0.
     pub index: usize,
     pub frame: GrayFrame,
-    /// The same in its colors.
-    pub colors: ColorFrame,
     /// What each method looked at.
     pub sights: Vec<Sight>,
-}
-
-impl Still {
-    /// The search window that is drawn: that of the first method that shows one.
-    pub fn window(&self) -> Option<Rect> {
-        self.sights.iter().find_map(|sight| sight.search.as_ref()?.window)
-    }
 }
 
 /// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
@@ -122,26 +105,26 @@ pub fn watch(
     sequence: Sequence,
     methods: &[Variant],
     refusal: Refusal,
-    choice: Choice,
+    stills: &BTreeSet<usize>,
     budget: Option<usize>,
     progress: impl Fn(),
 ) -> Result<Film> {
     let start = sequence.start()?;
     let target = Target { name: None, starts: vec![(sequence.first, start.into())] };
-    watch_all(sequence, vec![target], methods, refusal, choice, budget, progress)
+    watch_all(sequence, vec![target], methods, refusal, stills, budget, progress)
 }
 
-/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only those
-/// of `choice` are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
+/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only the `stills`,
+/// of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
 ///
 /// Ground truth is of one target: of several there is none.
-/// Errors: No method, a frame that cannot be read or tracked, or a listed frame, or one with a box, that there is not.
+/// Errors: No method, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
 pub fn watch_all(
     sequence: Sequence,
     targets: Vec<Target>,
     methods: &[Variant],
     refusal: Refusal,
-    choice: Choice,
+    stills: &BTreeSet<usize>,
     budget: Option<usize>,
     progress: impl Fn(),
 ) -> Result<Film> {
@@ -150,12 +133,11 @@ pub fn watch_all(
     let mut colors = colors.open(first, FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
     let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
-    let listed = if let Choice::Listed(frames) = &choice { frames.last().copied() } else { None };
     let boxes = targets.iter().flat_map(|target| &target.starts).map(|(index, _)| *index);
-    let last = listed.into_iter().chain(boxes).max();
+    let last = stills.last().copied().into_iter().chain(boxes).max();
     let mut pairs = pairs(&targets, methods, first)?;
     let mut notes = Vec::new();
-    let (mut reel, mut moments, mut size) = (Reel::new(choice), Vec::<Moment>::new(), (0, 0));
+    let (mut kept, mut moments, mut size) = (Vec::new(), Vec::<Moment>::new(), (0, 0));
     let mut times = Vec::new();
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
@@ -171,17 +153,16 @@ pub fn watch_all(
         };
         let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
-        let moment = Moment { reports, lasts: Vec::new() };
-        let changed = moments.last().is_some_and(|last| last.first().state != moment.first().state);
         size = (frame.width, frame.height);
-        let lasts = sights.iter().map(|sight| sight.bbox).collect();
-        moments.push(Moment { lasts, ..moment });
+        moments.push(Moment { reports, lasts: sights.iter().map(|sight| sight.bbox).collect() });
         let (colors, time) = colors.next(&frame);
         times.push(time.map(|time| time.seconds()));
         if let Some(pictures) = &mut pictures {
             pictures.offer(index, &colors, &sights)?;
         }
-        reel.offer(index, changed, || Still { index, frame, colors, sights });
+        if stills.contains(&index) {
+            kept.push(Still { index, frame, sights });
+        }
         progress();
     }
     let length = moments.len();
@@ -189,7 +170,6 @@ pub fn watch_all(
         let (number, end) = (last + first, length + first - 1);
         ensure!(last < length, "{name}: there is no frame {number}: expected {first} to {end}");
     }
-    let (stills, changes_left_out) = reel.into_stills();
     let padding = methods[0].configs.paper.padding;
     let truth = truth.filter(|_| targets.len() == 1);
     Ok(Film {
@@ -201,8 +181,7 @@ pub fn watch_all(
         padding,
         moments,
         times,
-        stills,
-        changes_left_out,
+        stills: kept,
         truth,
         pictures,
         files: Vec::new(),
@@ -243,10 +222,6 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    pub fn shown(&self) -> Vec<usize> {
-        self.stills.iter().map(|still| still.index + self.first).collect()
-    }
-
     /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
     pub fn pictures(&self) -> Option<Kept> {
         self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
@@ -335,7 +310,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Refusal::Fails, Choice::Spread, None, || ()).unwrap()
+        watch(open(), &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
     }
 
     #[test]
@@ -345,7 +320,7 @@ mod tests {
         let evaluated = smr_evaluation::evaluate(open(), &variants(&methods), &[], || ()).unwrap();
         assert_eq!(film.evaluation().unwrap().unwrap().scores, evaluated.scores);
         assert_eq!(film.moments.len(), synthetic::LENGTH);
-        let states: Vec<State> = film.stills.iter().map(|still| film.moments[still.index].first().state).collect();
+        let states: Vec<State> = film.moments.iter().map(|moment| moment.reports[0].state).collect();
         for state in [State::Tracking, State::Leaving, State::Lost] {
             assert!(states.contains(&state), "{state:?}");
         }
@@ -355,15 +330,8 @@ mod tests {
     #[test]
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
-        let film = watch(
-            street,
-            &variants(&[MethodKind::Robust, MethodKind::Smr]),
-            Refusal::Fails,
-            Choice::Spread,
-            None,
-            || (),
-        )
-        .unwrap();
+        let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
+        let film = watch(street, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
         assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
@@ -381,27 +349,29 @@ mod tests {
         use clap::ValueEnum;
         for &kind in MethodKind::value_variants() {
             let film = film(&[kind]);
-            assert!(film.moments.iter().all(|moment| kind.states().contains(&moment.first().state)), "{}", kind.name());
-            assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
+            assert!(
+                film.moments.iter().all(|moment| kind.states().contains(&moment.reports[0].state)),
+                "{}",
+                kind.name()
+            );
         }
-        assert!(watch(open(), &[], Refusal::Fails, Choice::Spread, None, || ()).is_err());
+        assert!(watch(open(), &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
     }
 
     #[test]
     fn what_counts_adds_up_to_the_ratio() {
-        let film = film(&[MethodKind::Smr]);
+        let stills = (0..synthetic::LENGTH).step_by(9).collect();
+        let film = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.sights[0].search else { continue };
-            let evidence = film.moments[still.index].first().evidence.unwrap();
+            let evidence = film.moments[still.index].reports[0].evidence.unwrap();
             let alpha = search.alpha.unwrap();
             let counting = search.difference.pixels.iter().filter(|&&d| u16::from(d) < alpha);
             let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
             let ratio = score / search.difference.pixels.len() as f64;
             assert_eq!(evidence.alpha, search.alpha);
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
-            let bbox = film.moments[still.index].reports[0].bbox;
-            assert!(bbox.is_none_or(|bbox| search.window.unwrap().contains(bbox)), "frame {}", still.index);
             searched += 1;
         }
         assert!(searched > 10);
@@ -409,8 +379,8 @@ mod tests {
 
     #[test]
     fn a_frame_that_there_is_not_is_named() {
-        let choice = Choice::Listed([0, 240].into());
-        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, choice, None, || ()).err().unwrap();
+        let stills = BTreeSet::from([0, 240]);
+        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
@@ -418,7 +388,8 @@ mod tests {
     fn ground_truth_of_another_length_is_an_error() {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
         let sequence = Sequence { truth, ..open() };
-        let film = watch(sequence, &variants(&[MethodKind::Smr]), Refusal::Fails, Choice::Spread, None, || ()).unwrap();
+        let methods = variants(&[MethodKind::Smr]);
+        let film = watch(sequence, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }
@@ -430,8 +401,9 @@ mod tests {
             let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
             Sequence { frames: Box::new(frames), init, truth: None, ..open() }
         };
-        let watch =
-            |methods: &[MethodKind], refusal| watch(large(), &variants(methods), refusal, Choice::Spread, None, || ());
+        let watch = |methods: &[MethodKind], refusal| {
+            watch(large(), &variants(methods), refusal, &BTreeSet::new(), None, || ())
+        };
         let methods = [MethodKind::Robust, MethodKind::Smr];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
         assert_eq!(film.methods.iter().map(|method| method.kind).collect::<Vec<_>>(), [MethodKind::Robust]);
@@ -449,7 +421,7 @@ mod tests {
         let targets = || vec![target("a", vec![start(11), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
-        let film = watch_all(part(), targets(), &methods, Refusal::Fails, Choice::Spread, None, || ()).unwrap();
+        let film = watch_all(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
         assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
@@ -457,9 +429,8 @@ mod tests {
         assert_eq!([0, 2, 3].map(|method| film.begins(method)), [0, 9, 9]);
         assert_eq!((answers(2, 8), answers(2, 9)), (None, Some(start(20).1)));
         assert_eq!((answers(0, 0), answers(0, 19)), (Some(start(11).1), Some(start(30).1)));
-        assert!(crate::report::picture(&film).unwrap().starts_with(b"\x89PNG"));
         let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
-        let error = watch_all(part(), late, &methods, Refusal::Fails, Choice::Spread, None, || ()).err().unwrap();
+        let error = watch_all(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
     }
 }

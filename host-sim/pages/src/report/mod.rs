@@ -1,11 +1,8 @@
-//! What people look at: methods side by side on recordings, as one page, as one picture or as figures; how fast they are and what
-//! their confidence is worth, as diagrams.
+//! What people look at: methods side by side on recordings, as one page or as figures.
 
-pub mod axes;
-pub mod calibration;
-pub mod canvas;
-mod coinciding_boxes;
-pub mod diagram;
+mod axes;
+pub(crate) mod canvas;
+mod diagram;
 mod difference;
 pub mod figures;
 mod film;
@@ -13,17 +10,10 @@ mod image;
 mod page;
 mod page_data;
 mod palette;
-mod pick;
 mod player_frames;
 mod scores;
 mod search;
-mod strip_frames;
-mod strip_png;
-mod strip_tile;
 mod trackers;
 
 pub use film::{Film, Refusal, watch, watch_all};
 pub use page::{About, page};
-pub use pick::{Choosing, Picked, SIDE, Shots, pick};
-pub use strip_frames::Choice;
-pub use strip_png::picture;

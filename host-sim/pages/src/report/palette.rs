@@ -67,10 +67,6 @@ pub(super) const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }
 
-pub(super) const fn color_of_file(index: usize) -> Color {
-    FILES[index % FILES.len()]
-}
-
 /// `color`, as little nearer to `end` as makes it stand out from `panel`.
 fn seen(color: Color, end: Color, panel: Color) -> Color {
     let nearer = |percent: u32| {

@@ -1,9 +1,8 @@
-//! What a method looked at in a frame, for pictures: its window, its box whether believed or not, and what it compared.
+//! What a method looked at in a frame, for pictures: its box, whether believed or not, and what it compared.
 
 use super::difference::Difference;
 use anyhow::{Context, Result};
 use smr_core::paper::RunnerUp;
-use smr_core::search::Window;
 use smr_core::unstable::followed;
 use smr_core::{Frame, Rect, Robust, State, Target, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
@@ -18,9 +17,6 @@ pub struct Sight {
 }
 
 pub struct Search {
-    /// All that smr's search window covers, of the padding too; of the robust tracker all that it may read where it follows. `None`
-    /// from the baselines, whose window is smr's.
-    pub window: Option<Rect>,
     /// Of smr's peak, believed or not, to its template; of the robust tracker's box to its early template; of a baseline's box to its
     /// template.
     pub difference: Difference,
@@ -104,25 +100,19 @@ pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
 }
 
 fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sight)> {
-    let offsets = tracker.target().offsets().context("there is no target yet")?;
     // What is compared with, before this frame takes its place.
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
     let work = tracker.work();
     let found = tracker.workspace().found().context("the update is finished")?;
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
-    let search = Search {
-        window: Some(covered(&offsets, answer.bbox)),
-        difference: Difference::new(frame, peak, template.image()),
-        alpha: answer.alpha,
-    };
+    let search = Search { difference: Difference::new(frame, peak, template.image()), alpha: answer.alpha };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
 /// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Sight)> {
-    let window = tracker.window();
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;
     let (columns, rows) = (grid.columns.into(), grid.rows.into());
@@ -154,7 +144,7 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
         pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
         template: lit.pixels.iter().copied().map(byte).collect(),
     };
-    let search = Search { window, difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
+    let search = Search { difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: target, search: Some(search) }))
 }
@@ -164,12 +154,5 @@ fn baseline(tracker: &mut Box<dyn Method>, frame: &GrayFrame) -> Result<(Report,
     let report = tracker.update(&frame.frame())?;
     let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
     let difference = Difference::new(frame, at, template.image());
-    Ok((report, Sight { bbox, search: Some(Search { window: None, difference, alpha: None }) }))
-}
-
-/// Every pixel that a box of the size of `target` covers at one offset or another.
-fn covered(offsets: &Window, target: Rect) -> Rect {
-    let (columns, rows) = offsets.size();
-    let extent = |offsets: usize, size: u16| u16::try_from(offsets - 1 + usize::from(size)).unwrap_or(u16::MAX);
-    Rect::new(*offsets.xs().start(), *offsets.ys().start(), extent(columns, target.width), extent(rows, target.height))
+    Ok((report, Sight { bbox, search: Some(Search { difference, alpha: None }) }))
 }

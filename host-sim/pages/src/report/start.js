@@ -75,7 +75,7 @@ byId("on").addEventListener("click", () => { play(false); step(1); });
 byId("speed").addEventListener("change", () => play(timer !== null));
 byId("recording").addEventListener("change", (event) => open(Number(event.target.value), 0));
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select, button, a, summary, .strip, .scroll")) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("input, select, button, a, summary, .scroll")) return;
   const by = event.shiftKey ? 10 : 1;
   const moves = { "[": () => goToEvent(-1), "]": () => goToEvent(1), ArrowLeft: () => goTo(frame - by), ArrowRight: () => goTo(frame + by), Home: () => goTo(0), End: () => goTo(recording.frames - 1) };
   const zooms = { "+": () => zoomBy(0.5), "-": () => zoomBy(2), 0: showAll };
@@ -85,14 +85,6 @@ document.addEventListener("keydown", (event) => {
   else return;
   event.preventDefault();
 });
-for (const link of document.querySelectorAll("a.still")) {
-  const index = data.recordings.findIndex((one) => one.name === link.closest(".strip").dataset.recording);
-  link.addEventListener("click", (event) => {
-    event.preventDefault();
-    open(index, Number(link.dataset.frame) - data.recordings[index].first);
-    byId("player").scrollIntoView();
-  });
-}
 let resized = null;
 addEventListener("resize", () => { clearTimeout(resized); resized = setTimeout(() => { panels.forEach(({ plot }) => plot.setSize({ width: width(), height: plot.height })); fit(); show(); }, 100); });
 addEventListener("scroll", shrink, { passive: true });

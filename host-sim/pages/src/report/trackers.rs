@@ -22,7 +22,8 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),
         title: film.title(index),
-        look: look_of(film, index),
+        // Of several targets each method has its own.
+        look: if film.targets.len() == 1 { look_of_method(method.kind) } else { look_of_file(index) },
         answers: film.trajectory(index),
         method: Some(index),
     });
@@ -34,12 +35,6 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
         method: None,
     });
     methods.chain(files).collect()
-}
-
-/// The place of a method's look. Of several targets each has its own.
-pub(super) fn look_of(film: &Film, method: usize) -> usize {
-    let alone = film.targets.len() == 1;
-    if alone { look_of_method(film.methods[method].kind) } else { look_of_file(method) }
 }
 
 /// A tracker has one look on the whole page: its place is that of the first file of its name, in any film.

@@ -3,7 +3,7 @@
 use crate::colors::{Color, SAD, SHADE, SMR, TRUTH, color_of_method};
 use crate::report::axes::Axes;
 use crate::report::canvas::width_of;
-use crate::report::diagram::{Form, Mark, Stroke};
+use crate::report::diagram::{self, Mark, Stroke};
 use crate::report::difference::Difference;
 use crate::report::film::{Film, Still};
 use crate::report::image::Pixels;
@@ -32,9 +32,12 @@ impl Sheet {
         sheet
     }
 
-    /// The file's bytes.
-    pub fn file(&self, form: Form) -> Result<Vec<u8>> {
-        form.draw_sized(self.size, &self.marks)
+    pub fn svg(&self) -> Result<String> {
+        diagram::svg(self.size, &self.marks)
+    }
+
+    pub fn png(&self) -> Result<Vec<u8>> {
+        diagram::png(self.size, &self.marks)
     }
 
     pub(super) fn words(&mut self, x: f64, y: f64, place: f64, words: &str, color: Option<Color>) {

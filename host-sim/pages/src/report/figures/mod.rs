@@ -14,7 +14,6 @@ use anyhow::{Context, Result, bail, ensure};
 use smr_evaluation::MethodKind;
 use smr_recordings::FrameRange;
 use std::fmt;
-use std::str::FromStr;
 
 pub use drawing::Sheet;
 
@@ -53,16 +52,6 @@ impl Figure {
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}", self.number(), self.name())
-    }
-}
-
-impl FromStr for Figure {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let found = Self::ALL.into_iter().find(|one| one.name() == text || one.number().to_string() == text);
-        let expected = Self::ALL.map(|one| format!("{} ({})", one.number(), one.name())).join(", ");
-        found.with_context(|| format!("expected {expected}"))
     }
 }
 
@@ -148,8 +137,7 @@ fn clearest(film: &Film) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::report::canvas::Canvas;
-    use crate::report::diagram::Form;
-    use crate::report::{Choice, Refusal, watch};
+    use crate::report::{Refusal, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{Configs, Variant};
     use smr_recordings::{OpenOptions, Sequence, synthetic};
@@ -163,8 +151,7 @@ mod tests {
     fn watched(sequence: Sequence, frames: &[usize]) -> Film {
         let configs = Configs::from(Config::paper());
         let methods = METHODS.map(|kind| Variant::new(kind, &configs));
-        watch(sequence, &methods, Refusal::Fails, Choice::Listed(frames.iter().copied().collect()), None, || ())
-            .unwrap()
+        watch(sequence, &methods, Refusal::Fails, &frames.iter().copied().collect(), None, || ()).unwrap()
     }
 
     /// What happens in the built-in recording, without pictures.
@@ -177,8 +164,8 @@ mod tests {
     fn drawn(name: &str, film: &Film, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
         let plan = Plan::new(figure, film, wish).unwrap();
         let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
-        let svg = String::from_utf8(sheet.file(Form::Svg).unwrap()).unwrap();
-        let png = Canvas::decoded(&sheet.file(Form::Png).unwrap());
+        let svg = sheet.svg().unwrap();
+        let png = Canvas::decoded(&sheet.png().unwrap());
         assert_eq!((png.width, png.height), sheet.size);
         (plan, svg, png)
     }
@@ -248,14 +235,5 @@ mod tests {
         let plan = |wish: &Wish| Plan::new(Figure::Occlusion, synthetic(), wish).unwrap();
         assert_eq!(plan(&Wish::default()).hidden, Some((173, 199)));
         assert_eq!(plan(&Wish { hidden: Some("82..130".parse().unwrap()), frame: None }).hidden, Some((81, 129)));
-    }
-
-    #[test]
-    fn figures_have_numbers_and_names() {
-        for figure in Figure::ALL {
-            assert_eq!(figure.name().parse::<Figure>().unwrap(), figure);
-            assert_eq!(figure.number().to_string().parse::<Figure>().unwrap(), figure);
-        }
-        assert!("6".parse::<Figure>().unwrap_err().to_string().starts_with("expected 1 (boxes), "));
     }
 }
