@@ -8,32 +8,6 @@ use std::fs;
 use std::process::Command;
 
 #[test]
-fn bad_usage_is_exit_code_2() {
-    for arguments in
-        [&["no-such-command"][..], &["eval"], &["track", "synthetic", "--k", "1:4"], &["check", "--frames", "0"]]
-    {
-        assert_eq!(host_sim(arguments).code, Some(2), "{arguments:?}");
-    }
-    assert_eq!(host_sim(&["--help"]).code, Some(0));
-    host_sim(&["track", "synthetic", "--method", "smr", "--k", "1/0"]).refuses(&["denominator"]);
-    host_sim(&["track", "synthetic", "--k", "1/4"])
-        .refuses(&["--k is an option of smr, not of robust", "--method smr"]);
-    host_sim(&["track", "synthetic", "--method", "smr", "--scale", "0"]).refuses(&["--scale 0", "1 to 4096"]);
-    host_sim(&["check", "synthetic", "--config", "camera", "--window", "90x50"]).refuses(&["limit"]);
-}
-
-#[test]
-fn what_is_not_there_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let empty = utf8(folder.path());
-    for command in ["track", "check", "eval"] {
-        host_sim(&[command, "no/such/recording"]).refuses(&["no/such/recording"]);
-        host_sim(&[command, empty]).refuses(&[empty, "no recording"]);
-    }
-    host_sim(&["convert", "synthetic", "-o", "/dev/null/folder"]).refuses(&["/dev/null/folder"]);
-}
-
-#[test]
 fn check_reports_as_json() {
     let reports = host_sim(&["check", "periodic", "--config", "camera", "--json"]).json();
     let report = &reports[0];
@@ -117,23 +91,6 @@ fn eval_from_many_starts_reports_as_json() {
     assert!(recording["answered_hidden"].as_u64() <= recording["hidden"].as_u64());
     assert_eq!((&report["means"][0]["recordings"], &report["means"][0]["folder"]), (&Value::from(1), &Value::Null));
     assert_eq!(report["means"][0]["mean_correct"], recording["mean_correct"]);
-}
-
-#[test]
-fn eval_from_many_starts_says_what_it_cannot_do() {
-    for arguments in [
-        &["--starts-every", "9"][..],
-        &["--robustness", "--starts-every", "0"],
-        &["--robustness", "--compare"],
-        &["--robustness", "--starts-every", "9", "--init", "1,2,3,4"],
-    ] {
-        assert_eq!(host_sim(&[&["eval", "synthetic"], arguments].concat()).code, Some(2), "{arguments:?}");
-    }
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("bare.pgm"), b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();
-    let bare = folder.path().join("bare.pgm");
-    host_sim(&["eval", utf8(&bare), "--robustness", "--init", "0,0,1,1"]).refuses(&["bare", "no ground truth"]);
-    host_sim(&["eval", "synthetic", "--robustness", "--init", "500,0,9,9"]).refuses(&["synthetic", "inside the frame"]);
 }
 
 /// On the five generated recordings.
@@ -266,72 +223,6 @@ fn steps_change_no_answer() {
         assert_eq!(whole, stepped, "{method}");
         assert_eq!(host_sim(&["check", "periodic", "--method", method, "--step", "1"]).code, Some(0));
     }
-}
-
-#[test]
-fn options_of_another_method_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join("page.html");
-    let commands = [
-        &["track", "synthetic"][..],
-        &["eval", "synthetic"],
-        &["report", "synthetic", "--out", utf8(&page)],
-        &["check", "periodic"],
-    ];
-    for command in commands {
-        let refused = |arguments: &[&str], words: &[&str]| host_sim(&[command, arguments].concat()).refuses(words);
-        refused(&["--method", "robust", "--window", "9x9"], &["--window", "not of robust"]);
-        refused(&["--method", "robust", "--config", "camera"], &["--config camera is a preset of smr, not of robust"]);
-        refused(&["--method", "robust", "--least-alpha", "3"], &["--least-alpha is an option of smr"]);
-        refused(&["--method", "smr", "--without", "size"], &["--without is an option of robust, not of smr"]);
-        refused(
-            &["--method", "smr", "--config", "robust"],
-            &["--config robust is a preset of robust, not of smr", "use --method robust"],
-        );
-        if command[0] != "check" {
-            refused(&["--method", "lk", "--k", "1/2"], &["--k", "not of lk"]);
-            refused(&["--method", "sad", "--step", "9"], &["--step is an option of smr, robust, not of sad"]);
-        }
-    }
-    assert!(!page.exists());
-    // If several trackers run, it is enough that one of them takes the option.
-    assert_eq!(host_sim(&["eval", "synthetic", "--method", "robust,smr", "--k", "1/2"]).code, Some(0));
-    host_sim(&["check", "synthetic", "--method", "sad"]).refuses(&["--method", "smr, robust"]);
-}
-
-#[test]
-fn a_truncated_recording_loses_nothing_before_the_damage() {
-    let folder = tempfile::tempdir().unwrap();
-    let written = folder.path().join("recording");
-    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&written), "--format", "y4m"]).code, Some(0));
-    let file = written.join("synthetic.y4m");
-    let bytes = fs::read(&file).unwrap();
-    fs::write(&file, &bytes[..bytes.len() / 240 * 10]).unwrap();
-    let whole = host_sim(&["track", "synthetic"]);
-    let said = host_sim(&["track", utf8(&written)]);
-    said.refuses(&["synthetic.y4m", "frame 10"]);
-    assert_eq!(said.out.lines().count(), 9);
-    assert!(whole.out.starts_with(&said.out));
-    host_sim(&["check", utf8(&written)]).refuses(&["synthetic.y4m", "frame 10"]);
-}
-
-#[test]
-fn one_pixel_is_a_recording() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("dots.raw");
-    fs::write(&file, [9, 9, 9]).unwrap();
-    let file = utf8(&file);
-    host_sim(&["track", file]).refuses(&["dots.raw", "--size"]);
-    host_sim(&["track", file, "--size", "1x1"]).refuses(&["dots", "--init"]);
-    host_sim(&["track", file, "--size", "2x2", "--init", "0,0,1,1"]).refuses(&["dots.raw", "frame 1"]);
-    host_sim(&["track", file, "--size", "1x1", "--init", "0,0,2,1"]).refuses(&["frame 1", "inside the frame"]);
-    let said = host_sim(&["track", file, "--size", "1x1", "--init", "0,0,1,1"]);
-    assert_eq!(
-        (said.code, said.out.as_str()),
-        (Some(0), "0,0,1,1\n0,0,1,1\nNaN,NaN,NaN,NaN\n"),
-        "it cannot be told from anything"
-    );
-    assert_eq!(host_sim(&["check", file, "--size", "1x1", "--init", "0,0,1,1"]).code, Some(0));
 }
 
 #[test]

@@ -5,6 +5,8 @@ mod browser;
 mod missing;
 mod program;
 
+#[cfg(unix)]
+mod cases;
 mod command_line;
 mod command_line_input;
 #[cfg(unix)]

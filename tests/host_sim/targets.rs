@@ -42,23 +42,6 @@ fn each_of_several_targets_is_followed_as_if_it_were_alone() {
 }
 
 #[test]
-fn boxes_that_cannot_be_are_refused() {
-    let track = |arguments: &[&str]| host_sim(&[&["track", "synthetic"], arguments].concat());
-    track(&["--init", "1,2,30,40", "--init", "5,6,30,40"]).refuses(&["two boxes of one target in frame 1"]);
-    track(&["--init", "a=1,2,30,40", "--init", "5,6,30,40"]).refuses(&["each needs a name"]);
-    track(&["--init", "a=1,2,30,40", "--init", "b=5,6,30,40", "--format", "tld"])
-        .refuses(&["expected csv, json, mot, coco or cvat"]);
-    track(&["--init", "1,2,30,40@5", "--frames", "6.."]).refuses(&["frame 5 is not read", "6 or later"]);
-    track(&["--init", "a/b=1,2,30,40"]).refuses(&["--init", "letters, digits"]);
-    track(&["--init", "1,2,30,40@x"]).refuses(&["--init", "the number of a frame"]);
-    let beyond = track(&["--init", "car=36,24,24,28", "--init", "car@999=36,24,24,28", "--out", "/dev/null"]);
-    beyond.refuses(&["synthetic: there is no frame 999 for car (--init)", "expected 1 to 240"]);
-    for command in ["check", "eval"] {
-        host_sim(&[command, "synthetic", "--init", "1,2,30,40@5"]).refuses(&["--init", "for `track`"]);
-    }
-}
-
-#[test]
 fn frames_keep_the_numbers_of_the_recording() {
     let lines = host_sim(&["track", "synthetic", "--frames", "11..13", "--json"]).json_lines();
     assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [11, 12, 13]);

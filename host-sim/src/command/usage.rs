@@ -200,7 +200,9 @@ impl Line<'_> {
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
                 // One word without blanks once, for brackets and capitals.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
-                if !is_tried {
+                let is_in_name =
+                    *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));
+                if !is_tried || is_in_name {
                     continue;
                 }
                 // `142, 125, 90, 39`
