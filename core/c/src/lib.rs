@@ -13,7 +13,7 @@
 //! | `capacity` | how much a tracker holds, fixed at build time |
 //! | `status` | all statuses: number, name, text |
 //! | `pointer` | the checks of every pointer |
-//! | `frame`, `answer`, `table` | the inputs and the result of an update |
+//! | `frame`, `answer` | the inputs and the result of an update |
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
@@ -51,7 +51,6 @@ mod method;
 mod panic;
 mod pointer;
 mod status;
-mod table;
 mod tracker;
 mod version;
 
@@ -84,7 +83,6 @@ pub use preset::*;
 pub use readout::*;
 pub use saved::*;
 pub use status::*;
-pub use table::*;
 pub use tracker::*;
 pub use update::*;
 pub use version::*;
