@@ -47,8 +47,6 @@ mod capacity;
 mod config;
 mod frame;
 mod method;
-#[cfg(any(target_os = "none", target_family = "wasm"))]
-mod panic;
 mod pointer;
 mod status;
 mod tracker;
@@ -86,3 +84,15 @@ pub use status::*;
 pub use tracker::*;
 pub use update::*;
 pub use version::*;
+
+/// The linker needs one, but no call can reach it: `.ci/c` fails if it is in a linked program.
+#[cfg(any(target_os = "none", target_family = "wasm"))]
+#[panic_handler]
+fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
+    #[cfg(target_family = "wasm")]
+    core::arch::wasm32::unreachable();
+    #[cfg(not(target_family = "wasm"))]
+    loop {
+        core::hint::spin_loop();
+    }
+}

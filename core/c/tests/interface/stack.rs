@@ -48,7 +48,7 @@ fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
 }
 
 #[repr(align(16))]
-struct Storage<const SIZE: usize>([u8; SIZE]);
+pub(crate) struct Storage<const SIZE: usize>(pub(crate) [u8; SIZE]);
 
 #[test]
 fn the_measurement_is_right() {
