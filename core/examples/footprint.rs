@@ -1,4 +1,5 @@
-//! The paper's tracker alone, to measure its flash. The program is linked, but never run.
+//! One tracker alone, to measure its flash: the paper's, with the feature `robust` or `refiner` the robust one. The program is linked, but
+//! never run.
 //!
 //! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
 //! inputs from the compiler, so that the compiler drops no code that a camera would need.
@@ -8,17 +9,29 @@
 #[cfg(target_os = "none")]
 mod firmware {
     use core::hint::black_box;
-    use smr_core::paper::Config;
-    use smr_core::{Frame, Image, Paper, Rect, Tracker};
+    use smr_core::{Frame, Image, Rect, Tracker};
 
-    /// The tracker that is measured: a template of 64x64 pixels, a window of +-16.
-    type Weighed = Tracker<Paper<4096, 33>>;
+    #[cfg(not(feature = "robust"))]
+    use smr_core::paper::Config;
+    #[cfg(feature = "robust")]
+    use smr_core::{Robust as Weighed, robust::Config};
+    /// A template of 64x64 pixels, a window of +-16.
+    #[cfg(not(feature = "robust"))]
+    type Weighed = smr_core::Paper<4096, 33>;
+
+    const _: () = assert!(size_of::<Tracker<Weighed>>() <= 64 * 1024);
 
     /// The smallest start-up code: that of cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
-        let tracker = Weighed::new(black_box(Config::paper()));
+        #[cfg(not(feature = "robust"))]
+        let config = Config::paper();
+        #[cfg(all(feature = "robust", not(feature = "refiner")))]
+        let config = Config::robust();
+        #[cfg(feature = "refiner")]
+        let config = Config::refined();
+        let tracker = Tracker::<Weighed>::new(black_box(config));
         if let Ok(mut tracker) = tracker {
             follow(&mut tracker);
         }
@@ -27,15 +40,19 @@ mod firmware {
         }
     }
 
-    fn follow(tracker: &mut Weighed) {
+    fn follow(tracker: &mut Tracker<Weighed>) {
         loop {
             let image = Image::with_stride(black_box(&[]), black_box(0), black_box(0), black_box(0));
             let Ok(image) = image else { continue };
             let Ok(frame) = Frame::part(image, black_box(0), black_box(0), black_box(0), black_box(0)) else {
                 continue;
             };
+            #[cfg(feature = "robust")]
+            let _ = black_box(tracker.lock_window(frame.bounds(), black_box(Rect::default())));
             let _ = black_box(tracker.lock(&frame, black_box(Rect::default())));
             let _ = black_box(tracker.window());
+            #[cfg(feature = "robust")]
+            let _ = black_box(tracker.sweep_window());
             let _ = black_box(tracker.update(&frame));
         }
     }

@@ -122,7 +122,6 @@ pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 #[doc(hidden)]
 pub use track::calls;
-pub use track::copies;
 pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};

@@ -3,15 +3,11 @@
 import { object } from "./errors.js";
 import { array, flag, struct, u16, u32, u8 } from "./layout.js";
 
-/** The scale of the table that is built in. */
-export const PAPER_SCALE = 255;
-
 const pair = array(u16, 2);
 
 // The names are those of smr.h in camel case. The name of the gate precedes those of its fields, except for
 // `leastRatio`.
 const PAPER = {
-  table: u32,
   k: pair,
   firstThreshold: u8,
   leastThreshold: u8,
@@ -42,8 +38,6 @@ const ROBUST = {
 };
 const METHODS = { paper: struct(PAPER), robust: struct(ROBUST) };
 export const CONFIG = struct({ method: u32, plainLoop: flag, ...METHODS });
-/** The place of the address of the paper's table. */
-export const TABLE = CONFIG.places.paper + METHODS.paper.places.table;
 
 /** Checks `options`: an object, or nothing. */
 export function checkOptions(options = {}) {
@@ -73,5 +67,5 @@ function optionsOf(method) {
   const { plainLoop, [method]: start } = CONFIG.places;
   const { fields, places } = METHODS[method];
   const own = Object.entries(fields).map(([name, type]) => [name, { type, place: start + places[name] }]);
-  return Object.fromEntries([["plainLoop", { type: flag, place: plainLoop }], ...own.filter(([name]) => name !== "table")]);
+  return Object.fromEntries([["plainLoop", { type: flag, place: plainLoop }], ...own]);
 }

@@ -67,8 +67,6 @@ export type Pair = [number, number];
 /** The options of smr_paper_config in smr.h. */
 export interface PaperOptions {
   preset?: "camera" | "paper";
-  /** Similarity is exp(-difference / scale): 1 to 4096. Default: 255. */
-  scale?: number;
   k?: Pair;
   firstThreshold?: number;
   leastThreshold?: number;
@@ -183,8 +181,6 @@ export declare class Smr {
   paper(options?: PaperOptions): Tracker<PaperOptions>;
   /** A robust tracker. */
   robust(options?: RobustOptions): Tracker<RobustOptions>;
-  /** The similarities of two pixels by their difference, in units of 1/65535. */
-  table(scale?: number): Uint16Array;
 }
 
 /** A target with a lower quality can hardly be told from its surroundings. */

@@ -1,7 +1,7 @@
 // The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly.
 // README.md describes them.
 
-import { CONFIG, PAPER_SCALE, TABLE, checkOptions, readOptions, writeOptions } from "./config.js";
+import { CONFIG, checkOptions, readOptions, writeOptions } from "./config.js";
 import { SmrError, bytesOf, kindOf, named, object, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
 import { array, flag, i32, struct, u16, u32, u8 } from "./layout.js";
@@ -158,19 +158,14 @@ export class Smr {
 
   /** Makes a tracker of the paper. */
   paper(options) {
-    const { preset = "camera", scale, ...numbers } = checkOptions(options);
-    return new Tracker(this.#library, "paper", preset, scale, numbers);
+    const { preset = "camera", ...numbers } = checkOptions(options);
+    return new Tracker(this.#library, "paper", preset, numbers);
   }
 
   /** Makes a robust tracker. */
   robust(options) {
     const { preset = "refined", ...numbers } = checkOptions(options);
-    return new Tracker(this.#library, "robust", preset, undefined, numbers);
-  }
-
-  /** The similarities of two pixels by their difference, in units of 1/65535. */
-  table(scale = PAPER_SCALE) {
-    return this.#library.similarities(scale);
+    return new Tracker(this.#library, "robust", preset, numbers);
   }
 }
 
@@ -197,27 +192,6 @@ class Library {
     if (status !== 0) {
       throw new SmrError(this.memory.text(this.exports.smr_status_name(status)));
     }
-  }
-
-  /** The address of a block with the table of `scale`. */
-  table(scale) {
-    whole(scale, 0, 65535, "scale");
-    const at = this.memory.take(2 * TABLE_ENTRIES);
-    try {
-      this.call("smr_table_init", at, scale);
-    } catch (error) {
-      this.memory.give(at);
-      throw error;
-    }
-    return at;
-  }
-
-  /** The entries of the table of `scale`. */
-  similarities(scale) {
-    const at = this.table(scale);
-    const { buffer } = this.memory.copy(at, 2 * TABLE_ENTRIES);
-    this.memory.give(at);
-    return new Uint16Array(buffer);
   }
 
   /** The workspace that all trackers of a method share. */
@@ -270,11 +244,10 @@ export class Tracker {
   answer = null;
   #library;
   #storage = 0;
-  #table = 0;
   #at = 0;
   #observers = new Set();
 
-  constructor(library, method, preset, scale, options) {
+  constructor(library, method, preset, options) {
     if (!(library instanceof Library)) {
       throw new TypeError("make a tracker with paper() or robust() of what load() returns");
     }
@@ -282,14 +255,14 @@ export class Tracker {
     this.method = method;
     this.preset = preset;
     try {
-      this.#make(scale, options);
+      this.#make(options);
     } catch (error) {
       this.free();
       throw error;
     }
   }
 
-  #make(scale, options) {
+  #make(options) {
     const { memory, exports } = this.#library;
     const config = this.#library.at("config");
     if (!Object.hasOwn(CONFIGS[this.method], this.preset)) {
@@ -299,13 +272,6 @@ export class Tracker {
     this.#library.call(CONFIGS[this.method][this.preset], config);
     writeOptions(memory.view, config, this.method, options);
     this.options = readOptions(memory.view, config, this.method);
-    if (this.method === "paper") {
-      this.options.scale = scale ?? PAPER_SCALE;
-    }
-    if (scale !== undefined && scale !== PAPER_SCALE) {
-      this.#table = this.#library.table(scale);
-      memory.view.setUint32(config + TABLE, this.#table, true);
-    }
     const size = exports.smr_target_size(config);
     const workspace = this.#library.workspace(this.method, exports.smr_workspace_size(config));
     this.#storage = memory.take(size);
@@ -457,14 +423,14 @@ export class Tracker {
   /** The similarities of two pixels by their difference, in units of 1/65535. */
   get table() {
     this.#live();
-    return this.#library.similarities(this.options.scale ?? PAPER_SCALE);
+    const { memory, exports } = this.#library;
+    return new Uint16Array(memory.copy(exports.smr_similarities(), 2 * TABLE_ENTRIES).buffer);
   }
 
   /** Gives the tracker's memory back. Later calls throw. */
   free() {
     this.#library.memory.give(this.#storage);
-    this.#library.memory.give(this.#table);
-    this.#storage = this.#table = this.#at = 0;
+    this.#storage = this.#at = 0;
     this.#observers.clear();
   }
 

@@ -1,8 +1,7 @@
-// The texts of Rust's errors, by the name of the status. core/c/tests/errors.rs writes them.
+// The texts of Rust's errors, by the name of the status. core/c/tests/interface/errors.rs writes them.
 
 export const WORDS = {
   SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",
-  SMR_ERROR_SCALE_OUT_OF_RANGE: "the scale of the table must be 1 to 4096",
   SMR_ERROR_ZERO_DENOMINATOR: "a fraction of the configuration has a denominator of 0",
   SMR_ERROR_NOTHING_COUNTS: "k and the first threshold must be more than 0, or no pixel counts",
   SMR_ERROR_LIMIT_BELOW_WINDOW: "the window's limit is smaller than the window",

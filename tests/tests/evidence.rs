@@ -79,7 +79,7 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
         if let Some(target) = target.and_then(|target| target.split("\n[").next()) {
             let path = target.split("path = \"").nth(1).and_then(|path| path.split('"').next()).unwrap_or_default();
             tests = vec![folder.join(path).parent().unwrap().to_owned()];
-        } else if !folder.join("tests").join(format!("{test}.rs")).is_file() {
+        } else if !folder.join("tests").join(test).join("main.rs").is_file() {
             return Err(format!("{package} has no test {test}"));
         }
     }

@@ -1,4 +1,4 @@
-//! Every language has the settings of both trackers, the states and the answer of smr-core. `core/c/tests/errors.rs` has
+//! Every language has the settings of both trackers, the states and the answer of smr-core. `core/c/tests/interface/errors.rs` has
 //! its errors.
 //!
 //! What is in `smr-core.txt` and not in the files of a language fails here by name, unless [`OTHERWISE`] has the reason.
@@ -55,9 +55,6 @@ const OTHERWISE: &[(&str, &[&str], &str, &str)] = &[
     ("host-sim", &["pruning"], "exhaustive", "it shows what pruning saves"),
     ("", &["pruning"], "", "it changes only the time, and off it is for measurements"),
     ("", &["robust.table"], "", "the other numbers were chosen with the paper's table"),
-    ("C", &["paper.table"], "table", "the caller keeps the table"),
-    ("core/web/config.js", &["paper.table"], "table", "smr.js puts the table of `scale` there"),
-    ("JavaScript", &["paper.table"], "scale", "the module makes the table"),
     ("host-sim", &["paper.table"], "scale", "it makes the table"),
     ("", &["paper.table"], "", "a table is memory that must stay where it is"),
     ("MicroPython", &["k", "update_zone"], "", "each option takes flash, and the presets have values"),

@@ -105,19 +105,14 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
     const smr_paper_config *paper = &config->paper;
     const smr_robust_config *robust = &config->robust;
     int is_robust = paper->k.denominator == 0; /* smr_config_robust sets the paper's numbers to 0 */
-    smr_table made;
-    const smr_table *table = is_robust ? NULL : paper->table;
+    const uint16_t *similarities = smr_similarities();
     int at;
-    if (table == NULL) {
-        smr_table_init(&made, 255);
-        table = &made;
-    }
     to->entries = 0;
     smr_record_head(to, "SMRB", 4 + 2 * (uint32_t)(is_robust ? 268 + (robust->refiner != 0) : 282));
     smr_record_u16(to, 1);
     smr_record_u16(to, is_robust ? 'R' : 'P');
     for (at = 0; at < 256; at++) {
-        smr_record_u16(to, table->entries[at]);
+        smr_record_u16(to, similarities[at]);
     }
     if (is_robust) {
         const uint32_t numbers[12] = {

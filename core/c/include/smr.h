@@ -86,9 +86,6 @@
 /** The most bytes that #smr_save writes for a robust tracker. */
 #define SMR_ROBUST_SAVED_SIZE 12350
 
-/** Bytes that #smr_save_copy writes in addition to those of #smr_save. */
-#define SMR_COPY_AROUND 8
-
 /** A target with a lower quality can hardly be told from its surroundings: see #smr_quality. */
 #define SMR_POOR_QUALITY 1023
 
@@ -165,7 +162,7 @@ enum smr_status
   SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
   /**
    * One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
-   * configuration was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
+   * configuration was not filled by one of the calls smr_config_...
    */
   SMR_ERROR_NOT_INITIALISED = 6,
   /**
@@ -173,144 +170,140 @@ enum smr_status
    */
   SMR_ERROR_OTHER_METHOD = 7,
   /**
-   * The scale of a table is not in 1 to 4096.
-   */
-  SMR_ERROR_SCALE_OUT_OF_RANGE = 8,
-  /**
    * A fraction of the configuration has a denominator of 0.
    */
-  SMR_ERROR_ZERO_DENOMINATOR = 9,
+  SMR_ERROR_ZERO_DENOMINATOR = 8,
   /**
    * `k` or `first_threshold` is 0, so no pixel would ever count.
    */
-  SMR_ERROR_NOTHING_COUNTS = 10,
+  SMR_ERROR_NOTHING_COUNTS = 9,
   /**
    * `window_limit` is smaller than `window`.
    */
-  SMR_ERROR_LIMIT_BELOW_WINDOW = 11,
+  SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
   /**
    * A number of the configuration lies outside its documented range.
    */
-  SMR_ERROR_CONFIG_OUT_OF_RANGE = 12,
+  SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
   /**
    * Width or height of a part of the frame is 0.
    */
-  SMR_ERROR_FRAME_EMPTY = 13,
+  SMR_ERROR_FRAME_EMPTY = 12,
   /**
    * The stride is smaller than the width.
    */
-  SMR_ERROR_STRIDE_TOO_SMALL = 14,
+  SMR_ERROR_STRIDE_TOO_SMALL = 13,
   /**
    * `size` ends before the last pixel of the last row.
    */
-  SMR_ERROR_FRAME_TOO_SHORT = 15,
+  SMR_ERROR_FRAME_TOO_SHORT = 14,
   /**
    * `size` is larger than any object can be (PTRDIFF_MAX).
    */
-  SMR_ERROR_MEMORY_TOO_LARGE = 16,
+  SMR_ERROR_MEMORY_TOO_LARGE = 15,
   /**
    * The pixels or the bytes lie in the tracker's own storage or workspace.
    */
-  SMR_ERROR_OVERLAPS_TRACKER = 17,
+  SMR_ERROR_OVERLAPS_TRACKER = 16,
   /**
    * A part of the frame reaches beyond the frame's edge.
    */
-  SMR_ERROR_OUTSIDE_FRAME = 18,
+  SMR_ERROR_OUTSIDE_FRAME = 17,
   /**
    * The box has no pixels.
    */
-  SMR_ERROR_BOX_EMPTY = 19,
+  SMR_ERROR_BOX_EMPTY = 18,
   /**
    * The box reaches beyond the frame's edge.
    */
-  SMR_ERROR_BOX_OUTSIDE_FRAME = 20,
+  SMR_ERROR_BOX_OUTSIDE_FRAME = 19,
   /**
    * The box has more than #SMR_PIXELS pixels. The robust tracker takes a box of any size.
    */
-  SMR_ERROR_BOX_TOO_LARGE = 21,
+  SMR_ERROR_BOX_TOO_LARGE = 20,
   /**
    * The search window could grow to more than #SMR_SPAN offsets on an axis. Never from the robust tracker.
    */
-  SMR_ERROR_WINDOW_TOO_LARGE = 22,
+  SMR_ERROR_WINDOW_TOO_LARGE = 21,
   /**
    * The parts in memory do not cover #smr_lock_window.
    */
-  SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 23,
+  SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 22,
   /**
    * There is no target yet: call #smr_lock first.
    */
-  SMR_ERROR_NOT_LOCKED = 24,
+  SMR_ERROR_NOT_LOCKED = 23,
   /**
    * The frame has another size than the one of #smr_lock or #smr_begin_lock.
    */
-  SMR_ERROR_FRAME_SIZE_CHANGED = 25,
+  SMR_ERROR_FRAME_SIZE_CHANGED = 24,
   /**
    * The parts in memory do not cover #smr_window and #smr_sweep_window.
    */
-  SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
+  SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
   /**
    * No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
    * changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
    */
-  SMR_ERROR_NOT_BEGUN = 27,
+  SMR_ERROR_NOT_BEGUN = 26,
   /**
    * The memory for the result is too small.
    */
-  SMR_ERROR_BUFFER_TOO_SMALL = 28,
+  SMR_ERROR_BUFFER_TOO_SMALL = 27,
   /**
    * These are not the bytes of a saved target.
    */
-  SMR_ERROR_NOT_SAVED = 29,
+  SMR_ERROR_NOT_SAVED = 28,
   /**
    * The target was saved by another version of the library.
    */
-  SMR_ERROR_OTHER_VERSION = 30,
+  SMR_ERROR_OTHER_VERSION = 29,
   /**
    * The saved target ends too early.
    */
-  SMR_ERROR_TRUNCATED = 31,
+  SMR_ERROR_TRUNCATED = 30,
   /**
    * The bytes have changed since they were saved: the checksum is wrong.
    */
-  SMR_ERROR_DAMAGED = 32,
+  SMR_ERROR_DAMAGED = 31,
   /**
    * The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
    * the setting.
    */
-  SMR_ERROR_OTHER_CONFIG = 33,
+  SMR_ERROR_OTHER_CONFIG = 32,
   /**
    * The saved target is too large for this tracker.
    */
-  SMR_ERROR_SAVED_TOO_LARGE = 34,
+  SMR_ERROR_SAVED_TOO_LARGE = 33,
   /**
    * A reason for which this interface has no number yet.
    */
-  SMR_ERROR_UNKNOWN = 35,
+  SMR_ERROR_UNKNOWN = 34,
   /**
    * The pixel format is none of #smr_format.
    */
-  SMR_ERROR_FORMAT_UNKNOWN = 36,
+  SMR_ERROR_FORMAT_UNKNOWN = 35,
   /**
    * The line came before, or after a later one.
    */
-  SMR_ERROR_LINE_OUT_OF_ORDER = 37,
+  SMR_ERROR_LINE_OUT_OF_ORDER = 36,
   /**
    * The line has fewer bytes than its format needs.
    */
-  SMR_ERROR_LINE_TOO_SHORT = 38,
+  SMR_ERROR_LINE_TOO_SHORT = 37,
   /**
    * The sensor has no such line.
    */
-  SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
+  SMR_ERROR_LINE_OUTSIDE_FRAME = 38,
   /**
    * A line of the window did not come.
    */
-  SMR_ERROR_LINE_MISSING = 40,
+  SMR_ERROR_LINE_MISSING = 39,
   /**
    * The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
    * the feature `refiner` (core/c/install.sh --refiner).
    */
-  SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
+  SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -437,18 +430,6 @@ typedef struct smr_method smr_method;
 typedef struct smr_tracker smr_tracker;
 
 /**
- * A table of similarities: entry d is exp(-d / scale) in units of 1/65535. 512 bytes, filled by #smr_table_init.
- *
- * You need one only for another scale than the paper's, 255, which is built in.
- */
-typedef struct smr_table {
-  /**
-   * The similarity of two pixels, by their difference in gray levels.
-   */
-  uint16_t entries[256];
-} smr_table;
-
-/**
  * numerator / denominator; the denominator is at least 1.
  */
 typedef struct smr_fraction {
@@ -541,11 +522,6 @@ typedef struct smr_gate {
  * The numbers of the paper's tracker.
  */
 typedef struct smr_paper_config {
-  /**
-   * The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied:
-   * see #smr_table_init.
-   */
-  const struct smr_table *table;
   /**
    * k in alpha = k * (largest change of a template pixel); more than 0.
    */
@@ -837,28 +813,6 @@ typedef struct smr_image {
 } smr_image;
 
 /**
- * One of two saved copies.
- */
-typedef struct smr_saved_copy {
-  /**
-   * 0: the first place, 1: the second.
-   */
-  uint32_t place;
-  /**
-   * The number that it was written with.
-   */
-  uint32_t number;
-  /**
-   * The saved target, for #smr_restore.
-   */
-  const uint8_t *bytes;
-  /**
-   * Bytes there.
-   */
-  size_t size;
-} smr_saved_copy;
-
-/**
  * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
  *
  * Lines may come in an interrupt while the main loop asks for the frame. Then:
@@ -915,21 +869,19 @@ typedef struct smr_readout {
 #endif
 #define SMR_SIZE(type, on_32_bits, on_64_bits) \
     SMR_UNPACKED(type, sizeof(type) == (sizeof(void *) == 8 ? on_64_bits : on_32_bits))
-SMR_SIZE(smr_table, 512, 512);
 SMR_SIZE(smr_fraction, 4, 4);
 SMR_SIZE(smr_radius, 4, 4);
 SMR_SIZE(smr_margins, 8, 8);
 SMR_SIZE(smr_gate, 20, 20);
-SMR_SIZE(smr_paper_config, 56, 64);
+SMR_SIZE(smr_paper_config, 50, 50);
 SMR_SIZE(smr_robust_config, 14, 14);
-SMR_SIZE(smr_config, 80, 96);
+SMR_SIZE(smr_config, 72, 80);
 SMR_SIZE(smr_rect, 12, 12);
 SMR_SIZE(smr_part, 20, 32);
 SMR_SIZE(smr_frame, 44, 72);
 SMR_SIZE(smr_fine_rect, 16, 16);
 SMR_SIZE(smr_answer, 48, 48);
 SMR_SIZE(smr_image, 8, 16);
-SMR_SIZE(smr_saved_copy, 16, 24);
 SMR_SIZE(smr_readout, 52, 72);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
 struct smr_storage {
@@ -952,17 +904,6 @@ extern "C" {
  * @return        A static string, never NULL; "SMR_ERROR_UNKNOWN" for a number that is no status.
  */
 const char *smr_status_name(int32_t status);
-
-/**
- * Fills a table for #smr_config.
- *
- * @param table  Memory for the table. Trackers configured with it read it in every update: it must stay where it is, unchanged,
- *               as long as any of them is used.
- * @param scale  In gray levels, from 1 (almost only equal pixels are similar) to 4096 (almost all pixels are). The
- * paper's is 255. @return       #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_SCALE_OUT_OF_RANGE.
- */
-smr_status smr_table_init(struct smr_table *table,
-                          uint16_t scale);
 
 /**
  * The version of the linked library, as "major.minor.patch".
@@ -1046,11 +987,11 @@ size_t smr_workspace_size(const struct smr_config *config);
  *                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
  *                        cancels an update that another tracker has begun in it.
  * @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
- * @param config          Which tracker, and its numbers. It is copied, except for its table: see #smr_paper_config.
+ * @param config          Which tracker, and its numbers. It is copied.
  * @param tracker         Is set to the tracker, or to NULL after an error.
  * @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
  *                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
- *                        configuration or its table) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
+ *                        configuration) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
  *                        #SMR_ERROR_CONFIG_OUT_OF_RANGE).
  */
 smr_status smr_init(void *storage,
@@ -1260,15 +1201,6 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * The alpha of the paper's tracker for the next #smr_update.
- *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param alpha    Is set to alpha in gray levels, rounded up (1 to 256); unchanged after an error.
- * @return         As #smr_template.
- */
-smr_status smr_alpha(const struct smr_tracker *tracker, uint16_t *alpha);
-
-/**
  * The early template of the robust tracker, with which it verifies the target.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
@@ -1281,6 +1213,13 @@ smr_status smr_early_template(const struct smr_tracker *tracker,
                               uint8_t *pixels,
                               size_t size,
                               struct smr_image *image);
+
+/**
+ * The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.
+ *
+ * @return  256 numbers, never NULL. A flight record holds them.
+ */
+const uint16_t *smr_similarities(void);
 
 /**
  * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
@@ -1308,40 +1247,6 @@ smr_status smr_save(const struct smr_tracker *tracker,
                     uint8_t *bytes,
                     size_t size,
                     size_t *written);
-
-/**
- * Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one
- * is written, the other one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
- *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param number   The number after that of the newest copy; 1 if there is none. After the largest comes 0.
- * @param bytes    Memory outside the tracker's own; unchanged after an error.
- * @param size     Bytes there.
- * @param written  Is set to the number of bytes written; unchanged after an error.
- * @return         As #smr_save.
- */
-smr_status smr_save_copy(const struct smr_tracker *tracker,
-                         uint32_t number,
-                         uint8_t *bytes,
-                         size_t size,
-                         size_t *written);
-
-/**
- * Finds the newer one of two copies. Write the next one in the other place, with the next number.
- *
- * @param first        The bytes of the first place; there may be more than were written.
- * @param first_size   Bytes there.
- * @param second       The bytes of the second place.
- * @param second_size  Bytes there.
- * @param copy         Is set to the newer copy that is whole; unchanged after an error. It points into `first` or `second`.
- * @return             #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, or #SMR_ERROR_NOT_SAVED if neither
- *                     is whole.
- */
-smr_status smr_newest_copy(const uint8_t *first,
-                           size_t first_size,
-                           const uint8_t *second,
-                           size_t second_size,
-                           struct smr_saved_copy *copy);
 
 /**
  * Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.

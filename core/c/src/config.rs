@@ -2,16 +2,14 @@
 
 use crate::frame::same;
 use crate::status::smr_status;
-use crate::table::{self, smr_table};
 use core::ffi::c_void;
-use core::ptr;
 use smr_core::paper::{self, Fraction, Gate, Margins, Radius, RunnerUp};
 use smr_core::robust;
 use smr_core::similarity::Backend;
 
 /// numerator / denominator; the denominator is at least 1.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct smr_fraction {
     /// The numerator.
     pub numerator: u16,
@@ -21,7 +19,7 @@ pub struct smr_fraction {
 
 /// The radius of the search window around the last position, in pixels: offsets -x to x and -y to y.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct smr_radius {
     /// To the left and to the right.
     pub x: u16,
@@ -31,7 +29,7 @@ pub struct smr_radius {
 
 /// Distances of a box from the edges of the frame, in pixels.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct smr_margins {
     /// To the left edge.
     pub left: u16,
@@ -48,7 +46,7 @@ pub struct smr_margins {
 /// The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak
 /// with a score above 0 is accepted.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct smr_gate {
     /// The limit while the target stays inside the frame.
     pub tracking: smr_fraction,
@@ -72,11 +70,8 @@ pub struct smr_gate {
 
 /// The numbers of the paper's tracker.
 #[repr(C)]
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct smr_paper_config {
-    /// The similarity of two pixels by their difference; NULL for the paper's, exp(-d / 255). The table is not copied:
-    /// see #smr_table_init.
-    pub table: *const smr_table,
     /// k in alpha = k * (largest change of a template pixel); more than 0.
     pub k: smr_fraction,
     /// alpha before the first update, in gray levels; at least 1. A pixel counts if its difference is below alpha.
@@ -157,13 +152,11 @@ pub struct smr_method {
     /// Makes a tracker and its workspace. Writes nothing if it fails.
     ///
     /// # Safety
-    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`. The third fulfils
-    /// [`smr_config::paper`].
+    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`.
     pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
 }
 
 impl smr_config {
-    /// With the built-in table, whatever the table of `config`.
     pub(crate) fn of_paper(method: *const smr_method, config: &paper::Config) -> Self {
         let plain_loop = (config.backend == Some(Backend::Scalar)).into();
         Self { method, plain_loop, paper: config.into(), robust: smr_robust_config::default() }
@@ -171,8 +164,7 @@ impl smr_config {
 
     pub(crate) fn of_robust(method: *const smr_method, config: &robust::Config) -> Self {
         let plain_loop = (config.backend == Some(Backend::Scalar)).into();
-        // SAFETY: numbers and a pointer, which may all be 0.
-        Self { method, plain_loop, paper: unsafe { core::mem::zeroed() }, robust: config.into() }
+        Self { method, plain_loop, paper: smr_paper_config::default(), robust: config.into() }
     }
 
     fn backend(&self) -> Option<Backend> {
@@ -180,19 +172,14 @@ impl smr_config {
     }
 
     /// The numbers of the paper's tracker.
-    ///
-    /// # Safety
-    /// As for [`table::given`], with `self.paper.table`.
-    pub(crate) unsafe fn paper(&self) -> Result<paper::Config, smr_status> {
+    pub(crate) fn paper(&self) -> paper::Config {
         let mut config = paper::Config::paper();
-        // SAFETY: as the caller ensures.
-        config.table = unsafe { table::given(self.paper.table)? };
         self.paper.put(&mut config);
         config.backend = self.backend();
         if self.paper.runner_up_always != 0 {
             config.runner_up = RunnerUp::Always;
         }
-        Ok(config)
+        config
     }
 
     /// The numbers of the robust tracker.
@@ -233,7 +220,7 @@ macro_rules! numbers {
 
 numbers! { of: paper::Config, smr_paper_config {
     k, first_threshold, least_threshold, padding, window, growth, window_limit, neighbourhood, update_zone, gate;;
-    table: ptr::null(), runner_up_always: (of.runner_up == RunnerUp::Always).into()
+    runner_up_always: (of.runner_up == RunnerUp::Always).into()
 }}
 
 numbers! { of: robust::Config, smr_robust_config {
@@ -243,14 +230,14 @@ numbers! { of: robust::Config, smr_robust_config {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::ptr;
 
     #[test]
     fn a_configuration_comes_back_as_it_was() {
         let mut slow = paper::Config::camera();
         (slow.runner_up, slow.backend) = (RunnerUp::Always, Some(Backend::Scalar));
         for config in [paper::Config::paper(), paper::Config::camera(), slow] {
-            // SAFETY: no table is given.
-            assert_eq!(unsafe { smr_config::of_paper(ptr::null(), &config).paper() }, Ok(config));
+            assert_eq!(smr_config::of_paper(ptr::null(), &config).paper(), config);
         }
         let mut other = robust::Config::robust();
         (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, false, true, 1);

@@ -43,11 +43,11 @@ pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize 
 ///                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
 ///                        cancels an update that another tracker has begun in it.
 /// @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
-/// @param config          Which tracker, and its numbers. It is copied, except for its table: see #smr_paper_config.
+/// @param config          Which tracker, and its numbers. It is copied.
 /// @param tracker         Is set to the tracker, or to NULL after an error.
 /// @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
 ///                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
-///                        configuration or its table) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
+///                        configuration) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
 ///                        #SMR_ERROR_CONFIG_OUT_OF_RANGE).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_init(
@@ -96,7 +96,7 @@ unsafe fn init(
     if pointer::overlap(&storage_range, &workspace_range) {
         return Err(SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE);
     }
-    // SAFETY: sizes and alignment are checked; the caller ensures the rest, for the table.
+    // SAFETY: sizes and alignment are checked; the caller ensures the rest.
     unsafe { (method.make)(storage, workspace, config) }
 }
 

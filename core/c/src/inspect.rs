@@ -5,6 +5,7 @@ use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of};
 use crate::tracker::{Known, ask, each, smr_tracker};
+use smr_core::similarity::Table;
 use smr_core::{Image, Robust, Target};
 
 /// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
@@ -70,22 +71,6 @@ pub unsafe extern "C" fn smr_template(tracker: *const smr_tracker, image: *mut s
     })
 }
 
-/// The alpha of the paper's tracker for the next #smr_update.
-///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param alpha    Is set to alpha in gray levels, rounded up (1 to 256); unchanged after an error.
-/// @return         As #smr_template.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_alpha(tracker: *const smr_tracker, alpha: *mut u16) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        ask(tracker, alpha, |tracker| {
-            let Known::Paper(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
-            target.state().map(|_| target.alpha()).ok_or(SMR_ERROR_NOT_LOCKED)
-        })
-    })
-}
-
 /// The early template of the robust tracker, with which it verifies the target.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
@@ -124,4 +109,12 @@ unsafe fn early_template(target: &Robust, pixels: *mut u8, size: usize) -> Resul
         unsafe { pixels.add(at).write(pixel) }
     }
     Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
+}
+
+/// The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.
+///
+/// @return  256 numbers, never NULL. A flight record holds them.
+#[unsafe(no_mangle)]
+pub extern "C" fn smr_similarities() -> *const u16 {
+    Table::PAPER.entries().as_ptr()
 }

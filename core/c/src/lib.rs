@@ -13,7 +13,7 @@
 //! | `capacity` | how much a tracker holds, fixed at build time |
 //! | `status` | all statuses: number, name, text |
 //! | `pointer` | the checks of every pointer |
-//! | `frame`, `answer`, `table` | the inputs and the result of an update |
+//! | `frame`, `answer` | the inputs and the result of an update |
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
@@ -47,11 +47,8 @@ mod capacity;
 mod config;
 mod frame;
 mod method;
-#[cfg(any(target_os = "none", target_family = "wasm"))]
-mod panic;
 mod pointer;
 mod status;
-mod table;
 mod tracker;
 mod version;
 
@@ -84,7 +81,18 @@ pub use preset::*;
 pub use readout::*;
 pub use saved::*;
 pub use status::*;
-pub use table::*;
 pub use tracker::*;
 pub use update::*;
 pub use version::*;
+
+/// The linker needs one, but no call can reach it: `.ci/c` fails if it is in a linked program.
+#[cfg(any(target_os = "none", target_family = "wasm"))]
+#[panic_handler]
+fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
+    #[cfg(target_family = "wasm")]
+    core::arch::wasm32::unreachable();
+    #[cfg(not(target_family = "wasm"))]
+    loop {
+        core::hint::spin_loop();
+    }
+}

@@ -30,10 +30,7 @@ pub(crate) trait Method: Target + 'static {
     const EMPTY: Self::Workspace;
 
     /// This tracker's part of `config`.
-    ///
-    /// # Safety
-    /// As for `table::given`, with the table of the paper's configuration.
-    unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status>;
+    fn configuration(config: &smr_config) -> Self::Config;
 
     fn known(&mut self) -> Known<'_>;
 
@@ -53,9 +50,8 @@ impl Method for PaperTarget {
         smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
     const EMPTY: Self::Workspace = smr_core::paper::Workspace::new();
 
-    unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
-        // SAFETY: as the caller ensures.
-        unsafe { config.paper() }
+    fn configuration(config: &smr_config) -> Self::Config {
+        config.paper()
     }
 
     fn known(&mut self) -> Known<'_> {
@@ -68,8 +64,8 @@ impl Method for Robust {
         smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
     const EMPTY: Self::Workspace = smr_core::robust::Workspace::new();
 
-    unsafe fn configuration(config: &smr_config) -> Result<Self::Config, smr_status> {
-        Ok(config.robust())
+    fn configuration(config: &smr_config) -> Self::Config {
+        config.robust()
     }
 
     fn known(&mut self) -> Known<'_> {
@@ -131,8 +127,7 @@ const fn fits<T>(size: usize, optional: usize) -> bool {
 /// As `smr_method::make` demands.
 unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: &smr_config) -> Result<(), smr_status> {
     let (storage, workspace) = (storage.cast::<Stored<T>>(), workspace.cast::<Scratch<T>>());
-    // SAFETY: as the caller ensures.
-    let config = unsafe { T::configuration(config)? };
+    let config = T::configuration(config);
     T::check_config(&config)?;
     // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
     unsafe {

@@ -1,12 +1,12 @@
 //! Saves a target as bytes, and restores it.
 
 use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
-use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_SAVED, smr_status, status_of};
+use crate::pointer;
+use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, smr_status, status_of};
 use crate::tracker::{Known, ask, borrow, each, smr_tracker};
 use core::ffi::c_char;
 use core::ptr;
-use smr_core::{RestoreError, Target, copies};
+use smr_core::{RestoreError, Target};
 
 impl Known<'_> {
     #[inline(never)] // one copy in flash
@@ -17,35 +17,6 @@ impl Known<'_> {
     #[inline(never)] // keeps its stack out of that of the calls before
     fn restore(&mut self, bytes: &[u8]) -> Result<(), smr_status> {
         Ok(each!(self, target => target.restore(bytes))?)
-    }
-}
-
-/// Writes the target, as a copy with a number if there is one.
-///
-/// # Safety
-/// As for [`ask`]; nobody else uses the `size` bytes.
-unsafe fn save(
-    tracker: *const smr_tracker,
-    copy: Option<u32>,
-    bytes: *mut u8,
-    size: usize,
-    written: *mut usize,
-) -> Result<(), smr_status> {
-    // SAFETY: as the caller ensures.
-    unsafe {
-        ask(tracker, written, |tracker| {
-            pointer::check_bytes(bytes, size, &tracker.memory())?;
-            let target = tracker.known();
-            let saved = each!(&target, target => target.saved_size())?;
-            let needed = if copy.is_some() { copies::size(saved) } else { saved };
-            if size < needed {
-                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
-            }
-            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
-            let bytes = core::slice::from_raw_parts_mut(bytes, needed);
-            let saved = target.save(bytes)?;
-            Ok(copy.map_or(Ok(saved), |number| copies::seal(number, saved, bytes))?)
-        })
     }
 }
 
@@ -82,83 +53,19 @@ pub unsafe extern "C" fn smr_save(
     size: usize,
     written: *mut usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe { save(tracker, None, bytes, size, written) })
-}
-
-/// One of two saved copies.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct smr_saved_copy {
-    /// 0: the first place, 1: the second.
-    pub place: u32,
-    /// The number that it was written with.
-    pub number: u32,
-    /// The saved target, for #smr_restore.
-    pub bytes: *const u8,
-    /// Bytes there.
-    pub size: usize,
-}
-
-/// Writes the target as one of two copies. Write them in turn, each with the next number: if the power fails while one
-/// is written, the other one is whole. It takes #SMR_COPY_AROUND bytes more than #smr_save.
-///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param number   The number after that of the newest copy; 1 if there is none. After the largest comes 0.
-/// @param bytes    Memory outside the tracker's own; unchanged after an error.
-/// @param size     Bytes there.
-/// @param written  Is set to the number of bytes written; unchanged after an error.
-/// @return         As #smr_save.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_save_copy(
-    tracker: *const smr_tracker,
-    number: u32,
-    bytes: *mut u8,
-    size: usize,
-    written: *mut usize,
-) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe { save(tracker, Some(number), bytes, size, written) })
-}
-
-/// Finds the newer one of two copies. Write the next one in the other place, with the next number.
-///
-/// @param first        The bytes of the first place; there may be more than were written.
-/// @param first_size   Bytes there.
-/// @param second       The bytes of the second place.
-/// @param second_size  Bytes there.
-/// @param copy         Is set to the newer copy that is whole; unchanged after an error. It points into `first` or `second`.
-/// @return             #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, or #SMR_ERROR_NOT_SAVED if neither
-///                     is whole.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_newest_copy(
-    first: *const u8,
-    first_size: usize,
-    second: *const u8,
-    second_size: usize,
-    copy: *mut smr_saved_copy,
-) -> smr_status {
-    let find = || {
-        // SAFETY: as the header demands of the caller.
-        let copy = unsafe { Out::new(copy)? };
-        let places = [(first, first_size), (second, second_size)];
-        for (bytes, size) in places {
-            pointer::check_bytes(bytes, size, &[0..0, 0..0])?;
-        }
-        // SAFETY: not NULL, at most isize::MAX bytes, and bytes are always aligned; the rest as the header demands of
-        // the caller.
-        let [first, second] = places.map(|(bytes, size)| unsafe { core::slice::from_raw_parts(bytes, size) });
-        let found = copies::newest(first, second).ok_or(SMR_ERROR_NOT_SAVED)?;
-        let place = u32::from(found.place != 0);
-        copy.write(smr_saved_copy {
-            place,
-            number: found.number,
-            bytes: ptr::from_ref(found.saved).cast(),
-            size: found.saved.len(),
-        });
-        Ok(())
-    };
-    status_of(find())
+    // SAFETY: as the header demands of the caller: nobody else uses the `size` bytes.
+    status_of(unsafe {
+        ask(tracker, written, |tracker| {
+            pointer::check_bytes(bytes, size, &tracker.memory())?;
+            let target = tracker.known();
+            let needed = each!(&target, target => target.saved_size())?;
+            if size < needed {
+                return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+            }
+            bytes.write_bytes(0, needed); // the bytes of a slice must be initialised
+            target.save(core::slice::from_raw_parts_mut(bytes, needed))
+        })
+    })
 }
 
 /// Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.

@@ -2,7 +2,6 @@
 
 use core::ffi::c_char;
 use smr_core::readout::ReadoutError;
-use smr_core::similarity::TableError;
 use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, UpdateError};
 
 /// Defines the enum and the table of names and texts.
@@ -41,81 +40,79 @@ statuses! {
     /// Storage and workspace overlap.
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
     /// One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
-    /// configuration was not filled by one of the calls smr_config_...; the table was not filled by #smr_table_init.
+    /// configuration was not filled by one of the calls smr_config_...
     SMR_ERROR_NOT_INITIALISED = 6,
     /// The call is for the other kind of tracker, or the target was saved by the other kind.
     SMR_ERROR_OTHER_METHOD = 7,
-    /// The scale of a table is not in 1 to 4096.
-    SMR_ERROR_SCALE_OUT_OF_RANGE = 8,
     /// A fraction of the configuration has a denominator of 0.
-    SMR_ERROR_ZERO_DENOMINATOR = 9,
+    SMR_ERROR_ZERO_DENOMINATOR = 8,
     /// `k` or `first_threshold` is 0, so no pixel would ever count.
-    SMR_ERROR_NOTHING_COUNTS = 10,
+    SMR_ERROR_NOTHING_COUNTS = 9,
     /// `window_limit` is smaller than `window`.
-    SMR_ERROR_LIMIT_BELOW_WINDOW = 11,
+    SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
     /// A number of the configuration lies outside its documented range.
-    SMR_ERROR_CONFIG_OUT_OF_RANGE = 12,
+    SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
     /// Width or height of a part of the frame is 0.
-    SMR_ERROR_FRAME_EMPTY = 13,
+    SMR_ERROR_FRAME_EMPTY = 12,
     /// The stride is smaller than the width.
-    SMR_ERROR_STRIDE_TOO_SMALL = 14,
+    SMR_ERROR_STRIDE_TOO_SMALL = 13,
     /// `size` ends before the last pixel of the last row.
-    SMR_ERROR_FRAME_TOO_SHORT = 15,
+    SMR_ERROR_FRAME_TOO_SHORT = 14,
     /// `size` is larger than any object can be (PTRDIFF_MAX).
-    SMR_ERROR_MEMORY_TOO_LARGE = 16,
+    SMR_ERROR_MEMORY_TOO_LARGE = 15,
     /// The pixels or the bytes lie in the tracker's own storage or workspace.
-    SMR_ERROR_OVERLAPS_TRACKER = 17,
+    SMR_ERROR_OVERLAPS_TRACKER = 16,
     /// A part of the frame reaches beyond the frame's edge.
-    SMR_ERROR_OUTSIDE_FRAME = 18,
+    SMR_ERROR_OUTSIDE_FRAME = 17,
     /// The box has no pixels.
-    SMR_ERROR_BOX_EMPTY = 19,
+    SMR_ERROR_BOX_EMPTY = 18,
     /// The box reaches beyond the frame's edge.
-    SMR_ERROR_BOX_OUTSIDE_FRAME = 20,
+    SMR_ERROR_BOX_OUTSIDE_FRAME = 19,
     /// The box has more than #SMR_PIXELS pixels. The robust tracker takes a box of any size.
-    SMR_ERROR_BOX_TOO_LARGE = 21,
+    SMR_ERROR_BOX_TOO_LARGE = 20,
     /// The search window could grow to more than #SMR_SPAN offsets on an axis. Never from the robust tracker.
-    SMR_ERROR_WINDOW_TOO_LARGE = 22,
+    SMR_ERROR_WINDOW_TOO_LARGE = 21,
     /// The parts in memory do not cover #smr_lock_window.
-    SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 23,
+    SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 22,
     /// There is no target yet: call #smr_lock first.
-    SMR_ERROR_NOT_LOCKED = 24,
+    SMR_ERROR_NOT_LOCKED = 23,
     /// The frame has another size than the one of #smr_lock or #smr_begin_lock.
-    SMR_ERROR_FRAME_SIZE_CHANGED = 25,
+    SMR_ERROR_FRAME_SIZE_CHANGED = 24,
     /// The parts in memory do not cover #smr_window and #smr_sweep_window.
-    SMR_ERROR_WINDOW_NOT_IN_MEMORY = 26,
+    SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
     /// No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
     /// changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
-    SMR_ERROR_NOT_BEGUN = 27,
+    SMR_ERROR_NOT_BEGUN = 26,
     /// The memory for the result is too small.
-    SMR_ERROR_BUFFER_TOO_SMALL = 28,
+    SMR_ERROR_BUFFER_TOO_SMALL = 27,
     /// These are not the bytes of a saved target.
-    SMR_ERROR_NOT_SAVED = 29,
+    SMR_ERROR_NOT_SAVED = 28,
     /// The target was saved by another version of the library.
-    SMR_ERROR_OTHER_VERSION = 30,
+    SMR_ERROR_OTHER_VERSION = 29,
     /// The saved target ends too early.
-    SMR_ERROR_TRUNCATED = 31,
+    SMR_ERROR_TRUNCATED = 30,
     /// The bytes have changed since they were saved: the checksum is wrong.
-    SMR_ERROR_DAMAGED = 32,
+    SMR_ERROR_DAMAGED = 31,
     /// The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
     /// the setting.
-    SMR_ERROR_OTHER_CONFIG = 33,
+    SMR_ERROR_OTHER_CONFIG = 32,
     /// The saved target is too large for this tracker.
-    SMR_ERROR_SAVED_TOO_LARGE = 34,
+    SMR_ERROR_SAVED_TOO_LARGE = 33,
     /// A reason for which this interface has no number yet.
-    SMR_ERROR_UNKNOWN = 35,
+    SMR_ERROR_UNKNOWN = 34,
     /// The pixel format is none of #smr_format.
-    SMR_ERROR_FORMAT_UNKNOWN = 36,
+    SMR_ERROR_FORMAT_UNKNOWN = 35,
     /// The line came before, or after a later one.
-    SMR_ERROR_LINE_OUT_OF_ORDER = 37,
+    SMR_ERROR_LINE_OUT_OF_ORDER = 36,
     /// The line has fewer bytes than its format needs.
-    SMR_ERROR_LINE_TOO_SHORT = 38,
+    SMR_ERROR_LINE_TOO_SHORT = 37,
     /// The sensor has no such line.
-    SMR_ERROR_LINE_OUTSIDE_FRAME = 39,
+    SMR_ERROR_LINE_OUTSIDE_FRAME = 38,
     /// A line of the window did not come.
-    SMR_ERROR_LINE_MISSING = 40,
+    SMR_ERROR_LINE_MISSING = 39,
     /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
     /// the feature `refiner` (core/c/install.sh --refiner).
-    SMR_ERROR_REFINER_NOT_BUILT_IN = 41,
+    SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
 }
 
 /// The name of a status, for logs: "SMR_OK" and so on.
@@ -149,7 +146,6 @@ macro_rules! called {
 }
 
 called! {
-    TableError { ScaleOutOfRange => SMR_ERROR_SCALE_OUT_OF_RANGE }
     ImageError {
         Empty => SMR_ERROR_FRAME_EMPTY,
         StrideTooSmall => SMR_ERROR_STRIDE_TOO_SMALL,
@@ -214,7 +210,7 @@ mod tests {
             let said = unsafe { CStr::from_ptr(smr_status_name(number)) };
             assert_eq!(said.to_bytes_with_nul(), name.as_bytes());
         }
-        for unknown in [-1, 42, i32::MIN, i32::MAX] {
+        for unknown in [-1, 41, i32::MIN, i32::MAX] {
             // SAFETY: it returns a static string.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

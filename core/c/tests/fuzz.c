@@ -125,7 +125,7 @@ static void spoil(smr_frame *frame)
     }
 }
 
-static void configure(smr_config *config, smr_table *table)
+static void configure(smr_config *config)
 {
     switch (below(5)) {
     case 0:
@@ -145,36 +145,26 @@ static void configure(smr_config *config, smr_table *table)
     config->paper.window_limit.y = (uint16_t)(config->paper.window.y + below(9));
     config->plain_loop = (uint8_t)below(2);
     if (below(4) == 0) {
-        /* Changes a random byte, but not in the pointers. */
+        /* Changes a random byte, but not in the pointer. */
         unsigned char *numbers = (unsigned char *)config;
-        size_t at = offsetof(smr_config, paper) + sizeof config->paper.table +
-                    below((uint32_t)(sizeof *config - offsetof(smr_config, paper) - sizeof config->paper.table));
+        size_t at = offsetof(smr_config, paper) + below((uint32_t)(sizeof *config - offsetof(smr_config, paper)));
         numbers[at] = (unsigned char)any();
-    }
-    config->paper.table = NULL;
-    if (below(3) == 0 && (smr_table_init(table, mostly(4097)) == SMR_OK || below(2))) {
-        config->paper.table = table;
     }
 }
 
 static void one(uint32_t start)
 {
-    /* The library must refuse a table of zeroes: smr_table_init has not filled it. */
-    smr_table *table = (smr_table *)calloc(1, sizeof *table);
     smr_config config;
     smr_tracker *tracker = NULL;
     size_t storage_size, workspace_size, size = 0, written = 0;
     void *storage, *workspace;
     uint8_t *saved;
-    uint16_t width = (uint16_t)(16 + below(40)), height = (uint16_t)(16 + below(30)), alpha, quality;
+    uint16_t width = (uint16_t)(16 + below(40)), height = (uint16_t)(16 + below(30)), quality;
     unsigned call;
 
     seed = start ? start : 1;
     any();
-    if (!table) {
-        exit(2);
-    }
-    configure(&config, table);
+    configure(&config);
     storage_size = smr_target_size(&config);
     workspace_size = smr_workspace_size(&config);
     storage_size -= rarely() && storage_size ? 1 : 0;
@@ -235,9 +225,6 @@ static void one(uint32_t start)
         case 4:
             status = smr_template(tracker, rarely() ? NULL : &image);
             break;
-        case 5:
-            status = smr_alpha(tracker, rarely() ? NULL : &alpha);
-            break;
         case 6:
             status = smr_early_template(tracker, saved, below((uint32_t)size + 1), &image);
             break;
@@ -282,7 +269,6 @@ static void one(uint32_t start)
     free(saved);
     free(workspace);
     free(storage);
-    free(table);
 }
 
 int main(int count, char **words)

@@ -155,20 +155,6 @@ static void version(void)
     HOLD(strcmp(stated, smr_version()) == 0);
 }
 
-static void tables(void)
-{
-    static smr_table table[2];
-    HOLD(sizeof(smr_table) == 512);
-    EXPECT(smr_table_init(NULL, 40), SMR_ERROR_NULL);
-    EXPECT(smr_table_init((smr_table *)askew(table), 40), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_table_init(table, 0), SMR_ERROR_SCALE_OUT_OF_RANGE);
-    EXPECT(smr_table_init(table, 4097), SMR_ERROR_SCALE_OUT_OF_RANGE);
-    HOLD(table[0].entries[0] == 0 && table[0].entries[255] == 0);
-    EXPECT(smr_table_init(table, 40), SMR_OK);
-    HOLD(table[0].entries[0] == 65535 && table[0].entries[40] == 24109); /* 65535 / e */
-    HOLD(table[1].entries[0] == 0);
-}
-
 static void fillings(void)
 {
     static smr_config several[2];
@@ -201,7 +187,6 @@ static void sizes(void)
 
 static void configurations(void)
 {
-    static smr_table empty;
     smr_config config;
     smr_tracker *tracker = NULL;
 #define REFUSED(change, wanted) \
@@ -230,8 +215,6 @@ static void configurations(void)
     REFUSED(config.paper.first_threshold = 0, SMR_ERROR_NOTHING_COUNTS);
     REFUSED(config.paper.window_limit.x = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
     REFUSED(config.paper.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
-    REFUSED(config.paper.table = &empty, SMR_ERROR_NOT_INITIALISED);
-    REFUSED(config.paper.table = (smr_table *)askew(&empty), SMR_ERROR_MISALIGNED);
 }
 
 static int is_zero(const void *memory, size_t size)
@@ -300,7 +283,6 @@ static void no_tracker(smr_tracker *tracker, smr_status wanted)
     smr_fine_rect fine;
     smr_state state;
     smr_image image;
-    uint16_t alpha;
     size_t size;
     no_updates(tracker, wanted);
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted);
@@ -312,7 +294,6 @@ static void no_tracker(smr_tracker *tracker, smr_status wanted)
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &size), wanted);
     EXPECT(smr_restore(tracker, bytes, sizeof bytes), wanted);
     EXPECT(smr_template(tracker, &image), wanted);
-    EXPECT(smr_alpha(tracker, &alpha), wanted);
     EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), wanted);
 }
 
@@ -367,16 +348,14 @@ static void other_methods(void)
     smr_tracker *tracker = locked_tracker();
     smr_config config;
     smr_image image;
-    uint16_t alpha = 777;
     size_t written;
     memset(&image, 0x5A, sizeof image);
     if (robust) {
         EXPECT(smr_template(tracker, &image), SMR_ERROR_OTHER_METHOD);
-        EXPECT(smr_alpha(tracker, &alpha), SMR_ERROR_OTHER_METHOD);
     } else {
         EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_OTHER_METHOD);
     }
-    HOLD(image.width == 0x5A5A && alpha == 777);
+    HOLD(image.width == 0x5A5A);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     robust = !robust;
     config = good_config();
@@ -393,7 +372,6 @@ static void pointers(void)
     smr_state states[2];
     smr_answer answers[2];
     smr_image images[2];
-    uint16_t alphas[2];
     uint8_t done;
     frames[0] = good_frame();
     rects[0] = rect(26, 22, 8, 8);
@@ -434,8 +412,6 @@ static void pointers(void)
     } else {
         EXPECT(smr_template(tracker, NULL), SMR_ERROR_NULL);
         EXPECT(smr_template(tracker, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-        EXPECT(smr_alpha(tracker, NULL), SMR_ERROR_NULL);
-        EXPECT(smr_alpha(tracker, (uint16_t *)askew(alphas)), SMR_ERROR_MISALIGNED);
     }
 }
 
@@ -796,50 +772,10 @@ static void power(void)
 }
 
 /* smr_template gives a pointer into the storage. smr_early_template copies, if the memory is large enough, and writes no more. */
-/* Two copies in turn: the newer one is found, a torn one is not. */
-static void copies(void)
-{
-    static uint8_t places[2][SMR_PAPER_SAVED_SIZE + SMR_ROBUST_SAVED_SIZE + SMR_COPY_AROUND];
-    const size_t size = sizeof places[0];
-    smr_tracker *tracker = good_tracker();
-    smr_saved_copy copy;
-    size_t written = 77, needed;
-    uint32_t number;
-    memset(places, 0xFF, sizeof places);
-    memset(&copy, 0x5A, sizeof copy);
-    EXPECT(smr_save_copy(tracker, 1, places[0], size, &written), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_ERROR_NOT_SAVED);
-    HOLD(copy.number == 0x5A5A5A5A && written == 77);
-    tracker = locked_tracker();
-    for (number = 1; number <= 3; number++) {
-        EXPECT(smr_save_copy(tracker, number, places[(number + 1) % 2], size, &written), SMR_OK);
-        EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_OK);
-        HOLD(copy.number == number && copy.place == (number + 1) % 2 && copy.bytes == places[copy.place]);
-        HOLD(copy.size + SMR_COPY_AROUND == written);
-        EXPECT(smr_restore(tracker, copy.bytes, copy.size), SMR_OK);
-    }
-    places[0][written - 1] ^= 1;
-    EXPECT(smr_newest_copy(places[0], size, places[1], size, &copy), SMR_OK);
-    HOLD(copy.number == 2 && copy.place == 1);
-    needed = written;
-    EXPECT(smr_save_copy(tracker, 4, places[0], needed - 1, &written), SMR_ERROR_BUFFER_TOO_SMALL);
-    EXPECT(smr_save_copy(NULL, 4, places[0], size, &written), SMR_ERROR_NULL);
-    EXPECT(smr_save_copy(tracker, 4, NULL, size, &written), SMR_ERROR_NULL);
-    EXPECT(smr_save_copy(tracker, 4, places[0], size, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_save_copy(tracker, 4, storage.bytes, sizeof storage, &written), SMR_ERROR_OVERLAPS_TRACKER);
-    EXPECT(smr_save_copy(tracker, 4, places[0], needed, &written), SMR_OK);
-    EXPECT(smr_newest_copy(NULL, size, places[1], size, &copy), SMR_ERROR_NULL);
-    EXPECT(smr_newest_copy(places[0], size, NULL, size, &copy), SMR_ERROR_NULL);
-    EXPECT(smr_newest_copy(places[0], size, places[1], size, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_newest_copy(places[0], SIZE_MAX, places[1], size, &copy), SMR_ERROR_MEMORY_TOO_LARGE);
-    EXPECT(smr_newest_copy(places[0], 0, places[1], 3, &copy), SMR_ERROR_NOT_SAVED);
-}
-
 static void templates(void)
 {
     smr_tracker *tracker = good_tracker();
     smr_image image;
-    uint16_t alpha = 777;
     memset(bytes, 0x5A, sizeof bytes);
     memset(&image, 0x5A, sizeof image);
     if (robust) {
@@ -853,13 +789,10 @@ static void templates(void)
         return;
     }
     EXPECT(smr_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_alpha(tracker, &alpha), SMR_ERROR_NOT_LOCKED);
-    HOLD(image.width == 0x5A5A && alpha == 777);
+    HOLD(image.width == 0x5A5A);
     tracker = locked_tracker();
     EXPECT(smr_template(tracker, &image), SMR_OK);
     HOLD(image.width == 8 && image.height == 8 && image.pixels[8] == pixels[23 * WIDTH + 26]);
-    EXPECT(smr_alpha(tracker, &alpha), SMR_OK);
-    HOLD(alpha == 13);
 }
 
 int main(void)
@@ -870,7 +803,6 @@ int main(void)
     }
     names();
     version();
-    tables();
     fillings();
     for (robust = 0; robust < 2; robust++) {
         sizes();
@@ -888,7 +820,6 @@ int main(void)
         locks_in_steps();
         saved();
         power();
-        copies();
         templates();
     }
     robust = 0;

@@ -1,4 +1,4 @@
-// The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/errors.rs writes them.
+// The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/interface/errors.rs writes them.
 static mp_rom_error_text_t words(smr_status status) {
     switch (status) {
         case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by the other tracker");

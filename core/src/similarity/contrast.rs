@@ -29,7 +29,8 @@ impl Contrast {
         let count = u32::from(pixels.width()) * u32::from(pixels.height());
         let [sum, _] = from(0);
         let mean = (sum + count / 2) / count.max(1);
-        let [deviation, cut_off] = from(u8::try_from(mean).unwrap_or(u8::MAX));
+        let [level, ..] = mean.to_le_bytes(); // a mean of bytes is a byte
+        let [deviation, cut_off] = from(level);
         Self { pixels: count, mean, deviation, cut_off }
     }
 

@@ -72,26 +72,6 @@ impl Table {
         &self.entries
     }
 
-    /// Turns this into the table of another scale, in place: [`Table::new`] for little stack.
-    ///
-    /// # Errors
-    /// [`TableError::ScaleOutOfRange`] outside [`Table::SCALES`]. The table is then unchanged.
-    ///
-    /// ```
-    /// use smr_core::similarity::Table;
-    /// let mut table = Table::PAPER;
-    /// table.set(40)?;
-    /// assert_eq!(table, Table::new(40)?);
-    /// # Ok::<(), smr_core::similarity::TableError>(())
-    /// ```
-    pub const fn set(&mut self, scale: u16) -> Result<(), TableError> {
-        if scale < *Self::SCALES.start() || scale > *Self::SCALES.end() {
-            return Err(TableError::ScaleOutOfRange);
-        }
-        self.fill(scale);
-        Ok(())
-    }
-
     const fn exponential(scale: u16) -> Self {
         let mut table = Self { entries: [Self::ONE; 256] };
         table.fill(scale);

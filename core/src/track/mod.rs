@@ -8,7 +8,6 @@
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
-//! | `copies.rs` | two saved copies, one of which survives a loss of power |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
@@ -26,7 +25,6 @@ mod answer;
 mod bound;
 mod budget;
 mod checksum;
-pub mod copies;
 mod error;
 pub mod paper;
 mod quality;

@@ -114,18 +114,6 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The length of the saved target at the beginning of `bytes`, of either tracker and any configuration; `None` if it is
-/// not whole.
-pub(super) fn whole_length(bytes: &[u8]) -> Option<usize> {
-    let mut head = Reader { bytes };
-    let (magic, _tracker, version) = (head.take::<3>()?, head.u8()?, head.u16()?);
-    let (_table, length) = (head.u32()?, head.u32()?);
-    let length = usize::try_from(length).ok()?;
-    let body = bytes.get(..length.checked_sub(4)?)?;
-    let sum = Reader { bytes: bytes.get(length - 4..)? }.u32()?;
-    (magic == MAGIC && version == VERSION && length >= around(0) && sum == Crc::of(body)).then_some(length)
-}
-
 /// Reads a saved target, number by number. Each read gives `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],

@@ -447,6 +447,7 @@ fn a_saved_target_goes_on_with_identical_answers<T: Target>(config: T::Config) {
 
 fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
     let mut tracker = locked::<T>(config);
+    let older = saved(tracker.target());
     tracker.update(&whole(&frames()[0])).unwrap();
     let bytes = saved(tracker.target());
     let mut other = locked::<T>(config);
@@ -454,6 +455,13 @@ fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
     for length in 0..bytes.len() {
         let error = other.restore(&bytes[..length]).unwrap_err();
         assert!(matches!(error, RestoreError::Truncated | RestoreError::NotSaved), "{length}: {error:?}");
+        // The power failed while it was written over an older one, or from the end on.
+        for torn in
+            [[&bytes[..length], &older[length..]], [&older[..length], &bytes[length..]]].map(|torn| torn.concat())
+        {
+            let is_whole = torn == bytes || torn == older;
+            assert!(is_whole || other.restore(&torn).is_err(), "the first {length} bytes are of another target");
+        }
     }
     for at in 0..bytes.len() {
         let mut damaged = bytes.clone();

@@ -81,7 +81,7 @@ function replayed(bytes, name) {
 
 for (const method of ["paper", "robust"]) {
   test(`${method}: host-sim replays a flight record`, { skip }, () => {
-    const options = method === "paper" ? { scale: 60, updateZone: [1, 2, 3, 4], k: [1, 3], leastRatio: 9, gateLead: 50, runnerUpAlways: true } : { reach: 6, patience: 100 };
+    const options = method === "paper" ? { updateZone: [1, 2, 3, 4], k: [1, 3], leastRatio: 9, gateLead: 50, runnerUpAlways: true } : { reach: 6, patience: 100 };
     const tracker = smr[method](options);
     const recorder = new Recorder(tracker);
     tracker.lock(shown[0], shown[0].box);

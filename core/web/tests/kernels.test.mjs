@@ -22,7 +22,7 @@ function* cases() {
     const down = Math.max(1, Math.min(numbers.below(80) + 1, Math.floor(PIXELS / side)));
     const most = numbers.of([0, 3, 20, 120]);
     const options = {
-      paper: { window: [numbers.below(12), numbers.below(12)], leastThreshold: numbers.of([0, 10, 30, 60, 120, 255]), scale: numbers.of([255, 40]) },
+      paper: { window: [numbers.below(12), numbers.below(12)], leastThreshold: numbers.of([0, 10, 30, 60, 120, 255]) },
       robust: { reach: 4 + numbers.below(5) },
     };
     const shown = [...frames({ width: 200, height: 180, side, down, speed: [1, 1], count: FRAMES, seed: side })];

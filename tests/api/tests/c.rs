@@ -4,8 +4,7 @@
 
 use smr::{
     STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins,
-    smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_saved_copy, smr_state,
-    smr_status, smr_table,
+    smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_state, smr_status,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -100,8 +99,6 @@ fn sizes(types: &str) -> String {
         smr_readout,
         smr_rect,
         smr_robust_config,
-        smr_saved_copy,
-        smr_table,
     );
     assert_eq!([size_of::<smr_state>(), size_of::<smr_status>()], [4; 2], "both are int32_t in C");
     for (name, [on_32_bits, on_64_bits]) in layouts(types) {

@@ -8,7 +8,6 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../embassy-qemu/src/camera.rs"]
 mod camera;
 
 use camera::{HEIGHT, PIXELS, WIDTH};

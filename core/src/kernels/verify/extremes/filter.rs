@@ -1,7 +1,7 @@
 //! The kernels of a filter at extreme values and in all shapes (feature `verify`): sums of products, weights, bilinear
 //! sampling.
 //!
-//! The unit tests of the crate do not run on a microcontroller. There `examples/conformance_robust` calls this.
+//! The unit tests of the crate do not run on a microcontroller. There `examples/conformance` calls this.
 
 use super::noise::Noise;
 use crate::kernels::backend::Backend;

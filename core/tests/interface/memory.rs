@@ -4,7 +4,7 @@ use smr_core::{Paper, Robust, paper, robust};
 
 /// The bytes of target and workspace in the row of the README that begins with `beginning`.
 fn row(beginning: &str) -> (usize, usize) {
-    let readme = include_str!("../README.md");
+    let readme = include_str!("../../README.md");
     let row = readme.lines().find(|line| line.starts_with(beginning)).unwrap_or_else(|| panic!("no row {beginning}"));
     let mut cells = row.split('|').skip(2).map(|cell| cell.trim().replace(',', "").parse().expect("a number"));
     (cells.next().expect("the target"), cells.next().expect("the workspace"))

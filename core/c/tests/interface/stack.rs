@@ -4,7 +4,7 @@
 
 use smr::{
     PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera,
-    smr_config_robust, smr_init, smr_status, smr_table, smr_table_init,
+    smr_config_robust, smr_init, smr_status,
 };
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -48,7 +48,7 @@ fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
 }
 
 #[repr(align(16))]
-struct Storage<const SIZE: usize>([u8; SIZE]);
+pub(crate) struct Storage<const SIZE: usize>(pub(crate) [u8; SIZE]);
 
 #[test]
 fn the_measurement_is_right() {
@@ -83,16 +83,4 @@ fn trackers_are_made_in_their_memory() {
     let robust = stack_of_init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust);
     println!("smr_init: {paper}, robust {robust}");
     assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
-}
-
-#[test]
-fn a_table_is_made_in_its_memory() {
-    let taken = stack_of(|| {
-        static mut TABLE: MaybeUninit<smr_table> = MaybeUninit::uninit();
-        // SAFETY: only this call uses the table.
-        let status = unsafe { smr_table_init((&raw mut TABLE).cast(), 40) };
-        assert_eq!(status, smr_status::SMR_OK);
-    });
-    println!("smr_table_init: {taken}");
-    assert!(taken < 4096, "smr_table_init takes {taken} bytes of stack");
 }

@@ -5,7 +5,6 @@
 
 use smr::{STATUSES, smr_status};
 use smr_core::readout::ReadoutError;
-use smr_core::similarity::TableError;
 use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, Setting, UpdateError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
@@ -30,7 +29,6 @@ fn errors() -> Vec<Error> {
         };
     }
     each! {
-        TableError { ScaleOutOfRange }
         ImageError { Empty, StrideTooSmall, SliceTooShort }
         FrameError { OutsideFrame }
         ReadoutError {
@@ -52,7 +50,6 @@ const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", READOUT, "a browser gives frames, not lines"),
     ("JavaScript", &["ReadoutError::WindowOutsideFrame", "ReadoutError::LineTooShort"], "the same"),
     ("MicroPython", READOUT, "the module gives all lines in their order, and makes the memory"),
-    ("MicroPython", &["TableError::ScaleOutOfRange"], "no option is a table"),
     ("MicroPython", &["ConfigError::ZeroDenominator"], "no option is a fraction"),
     ("", &["FrameError::OutsideFrame", "LockError::LockWindowNotInMemory"], "the module cuts the windows"),
     ("", &["UpdateError::WindowNotInMemory"], "the module cuts the windows"),
@@ -66,7 +63,7 @@ const READOUT: &[&str] = &[
     "ReadoutError::LineMissing",
 ];
 
-/// The errors in the list of smr-core's interface, but for those of `pursuit`, which is for Rust alone.
+/// The errors in the list of smr-core's interface, but for those of `pursuit` and tables, which are for Rust alone.
 fn listed(core: &str) -> BTreeSet<String> {
     let paths = core.lines().filter_map(|line| line.strip_prefix("pub smr_core::")?.split(['(', ' ']).next());
     let named = |path: &str| {
@@ -74,7 +71,7 @@ fn listed(core: &str) -> BTreeSet<String> {
         let (reason, kind) = (parts.next()?, parts.next()?);
         kind.ends_with("Error").then(|| format!("{kind}::{reason}"))
     };
-    paths.filter(|path| !path.starts_with("pursuit::")).filter_map(named).collect()
+    paths.filter(|path| !path.starts_with("pursuit::") && !path.starts_with("similarity::")).filter_map(named).collect()
 }
 
 /// The texts of the errors that a language can cause, by the number of their status, with its name.
@@ -106,7 +103,7 @@ fn is_recorded(file: &str, now: &str) -> bool {
 fn every_error_of_smr_core_has_a_status() {
     let errors = errors();
     let known = errors.iter().map(|(name, ..)| (*name).to_owned()).collect();
-    assert_eq!(listed(include_str!("../../../tests/api/smr-core.txt")), known);
+    assert_eq!(listed(include_str!("../../../../tests/api/smr-core.txt")), known);
     let unknown = errors.iter().filter(|(_, status, _)| *status == smr_status::SMR_ERROR_UNKNOWN);
     assert_eq!(unknown.map(|(name, ..)| *name).collect::<Vec<_>>(), [""; 0]);
     assert_eq!(listed("pub smr_core::new::NewError::Found(u16)"), ["NewError::Found".to_owned()].into());
@@ -117,7 +114,7 @@ fn javascript_has_the_words() {
     let words = words("JavaScript").into_values();
     let lines: String = words.map(|(status, text)| format!("  {status}: {},\n", quoted(&text, "{}", "{}"))).collect();
     let now = format!(
-        "// The texts of Rust's errors, by the name of the status. core/c/tests/errors.rs writes them.\n\n\
+        "// The texts of Rust's errors, by the name of the status. core/c/tests/interface/errors.rs writes them.\n\n\
          export const WORDS = {{\n{lines}}};\n"
     );
     assert!(is_recorded("core/web/words.js", &now), "core/web/words.js: SMR_RECORD=1 cargo test -p smr-c");
@@ -133,7 +130,7 @@ fn micropython_has_the_words() {
         format!("        case {status}: return MP_ERROR_TEXT({});\n", quoted(&text, "%s", "%d"))
     };
     let now = format!(
-        "// The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/errors.rs writes them.\n\
+        "// The texts of Rust's errors; NULL for a status that no call of the module can cause. core/c/tests/interface/errors.rs writes them.\n\
          static mp_rom_error_text_t words(smr_status status) {{\n    switch (status) {{\n{}        default: return NULL;\n    }}\n}}\n",
         words.into_values().map(case).collect::<String>()
     );

@@ -2,14 +2,12 @@
 
 #![allow(unsafe_code)] // calls the C interface
 
+use crate::stack::Storage;
 use smr::{
     ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_refined, smr_config_robust, smr_init, smr_status,
 };
 use std::mem::MaybeUninit;
 use std::ptr;
-
-#[repr(align(16))]
-struct Storage<const SIZE: usize>([u8; SIZE]);
 
 /// A filled configuration.
 fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_config {

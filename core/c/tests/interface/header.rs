@@ -1,8 +1,6 @@
 //! The types of `include/smr.h` have the same layout as the library's. `tests/api` shows that the header is current.
 
-#[path = "../../../tests/missing.rs"]
-mod missing;
-
+use crate::missing;
 use smr::{
     ALIGNMENT, PAPER_SAVED_SIZE, PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, PIXELS, ROBUST_SAVED_SIZE,
     ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, SPAN,
@@ -80,7 +78,7 @@ fn a_packing_does_not_compile() {
 
 /// What a size of the header is on 32 bits, with other capacities than those of this library.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
-    let header = include_str!("../include/smr.h");
+    let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;
     let words = definition.split_once(" * sizeof(size_t)").expect("it counts words").0.split(' ').next_back();
     let words: usize = words.unwrap().trim_start_matches('(').parse().expect("a number of words");
@@ -98,7 +96,7 @@ fn the_readmes_state_the_sizes_of_the_header() {
     let scratch = on_32_bits(ROBUST_WORKSPACE_SIZE, "SMR_ROBUST_WORKSPACE_SIZE", 0, 0);
     let (usual, room) = (target(4096), workspace(4096, 161));
     let row = |pixels, span| format!("| {} bytes | {} bytes |\n", target(pixels), workspace(pixels, span));
-    let readme = include_str!("../README.md");
+    let readme = include_str!("../../README.md");
     for words in [
         format!("from frame to frame: {usual} bytes"),
         format!("any number of these trackers: {room} bytes"),
@@ -119,8 +117,11 @@ fn the_readmes_state_the_sizes_of_the_header() {
         kb(room),
         kb(scratch)
     );
-    assert!(include_str!("../../micropython/README.md").contains(&heap), "core/micropython/README.md: expected {heap}");
+    assert!(
+        include_str!("../../../micropython/README.md").contains(&heap),
+        "core/micropython/README.md: expected {heap}"
+    );
     let largest =
         format!("{} KB for a robust tracker, {} KB for the paper's", kb(robust), target(65536).div_ceil(1000));
-    assert!(include_str!("../../web/README.md").contains(&largest), "core/web/README.md: expected {largest}");
+    assert!(include_str!("../../../web/README.md").contains(&largest), "core/web/README.md: expected {largest}");
 }
