@@ -2,9 +2,6 @@
 //! right, and the instructions and bytes of stack that they took. With the feature `refiner` the vectors are those with
 //! the refiner.
 //!
-//! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every
-//! call.
-//!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance_robust
 //! ```
@@ -35,8 +32,6 @@ mod firmware {
     #[entry]
     fn main() -> ! {
         static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
-        #[cfg(feature = "verify")]
-        smr_core::similarity::verify_filter();
         exit(i32::from(!answers::<Robust>("robust", TEXT, BUFFER)))
     }
 

@@ -3,8 +3,6 @@
 
 use super::backend::native;
 use super::plain::bilinear::{MixedRow, PLACES};
-#[cfg(any(test, feature = "verify"))]
-use super::verify;
 use heapless::Vec;
 
 /// The places of up to `N` columns in a row.
@@ -49,8 +47,6 @@ impl<const N: usize> Interpolation<N> {
         unsafe {
             native::bilinear::mix(from, parts, row, out);
         }
-        #[cfg(any(test, feature = "verify"))]
-        verify::bilinear::mix(out, from, parts, row);
     }
 }
 

@@ -2,14 +2,13 @@
 //! of their own.
 
 use super::backend::native;
-#[cfg(any(test, feature = "verify"))]
-use super::verify;
 
 /// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
 /// down.
 ///
 /// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
 #[derive(Clone, Copy)]
+#[cfg_attr(any(test, feature = "unstable"), derive(Debug))]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],
     pub(crate) factor: i64,
@@ -27,10 +26,7 @@ impl<'a> ScaledSums<'a> {
     #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;
-        let largest = native::weights::largest(weights, factor, sums, left);
-        #[cfg(any(test, feature = "verify"))]
-        verify::weights::largest(largest, weights, factor, sums, left);
-        largest
+        native::weights::largest(weights, factor, sums, left)
     }
 
     /// Codes all numbers: divides them by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
@@ -38,8 +34,6 @@ impl<'a> ScaledSums<'a> {
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
         native::weights::code(weights, factor, sums, left, shift, out);
-        #[cfg(any(test, feature = "verify"))]
-        verify::weights::code(out, weights, factor, sums, left, shift);
     }
 }
 
@@ -56,11 +50,8 @@ impl GradientStep {
     #[inline(never)]
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;
-        #[cfg(any(test, feature = "verify"))]
-        let mut before = verify::copy(weights);
+        debug_assert!(back <= 62);
         native::weights::step(weights, slopes, length, back);
-        #[cfg(any(test, feature = "verify"))]
-        verify::weights::step(weights, &mut before, slopes, length, back);
     }
 }
 
@@ -68,12 +59,9 @@ impl GradientStep {
 /// of the products of old and new numbers, which is below 2^31.
 #[inline(always)]
 pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
-    #[cfg(any(test, feature = "verify"))]
-    let mut before = verify::copy(numbers);
-    let sum = native::weights::scale_by(numbers, part);
-    #[cfg(any(test, feature = "verify"))]
-    verify::weights::scale_by(sum, numbers, &mut before, part);
-    sum
+    debug_assert!(numbers.len() <= 16 && numbers.iter().all(|number| number.unsigned_abs() <= 8191));
+    debug_assert!((0..=1 << 14).contains(&part));
+    native::weights::scale_by(numbers, part)
 }
 
 #[cfg(test)]

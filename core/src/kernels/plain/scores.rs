@@ -5,11 +5,11 @@ use super::super::blocks::Blocks;
 use super::super::cut_table::CutTable;
 use super::super::one::ONE;
 use super::super::scores::Scores;
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(any(smr_swar, test, feature = "unstable"))]
 use super::super::unrolling::rolled;
 use super::super::unrolling::rolled_if_spare;
 use crate::image::Image;
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(any(smr_swar, test, feature = "unstable"))]
 use crate::image::Rect;
 
 /// The plain loops as a backend.
@@ -56,7 +56,7 @@ impl Scores for Plain<'_> {
 ///
 /// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
 /// [`MAX_PIXELS`](super::super::one::MAX_PIXELS) pixels.
-#[cfg(any(test, feature = "verify"))]
+#[cfg(any(test, feature = "unstable"))]
 #[must_use]
 pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
     patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
@@ -170,7 +170,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 ///
 /// `seen` is the rectangle that lies on the frame, in coordinates of the template. It is empty if the whole template
 /// lies on the padding.
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(any(smr_swar, test, feature = "unstable"))]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
@@ -190,7 +190,7 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
     sum
 }
 
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(any(smr_swar, test, feature = "unstable"))]
 #[inline(never)]
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
     rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
@@ -199,9 +199,17 @@ fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::tests::table::{cut, similarity};
+    use crate::kernels::check;
     use proptest::prelude::*;
     use std::{vec, vec::Vec};
+
+    fn cut(threshold: u16) -> CutTable {
+        check::cut(2, threshold)
+    }
+
+    fn similarity(difference: u8) -> u16 {
+        cut(256).similarity(difference)
+    }
 
     #[test]
     fn the_largest_template_has_the_largest_sum() {
