@@ -145,6 +145,16 @@ fn picture(memory: &[u8], last: bool, (width, height): (u16, u16), stride: usize
     Image::with_stride(part(memory, last, bytes), width, height, stride).unwrap()
 }
 
+/// The sum of what `of` gives for each pair of pixels.
+fn sum(patch: Image<'_>, template: Image<'_>, of: impl Fn(u8, u8) -> u32) -> u32 {
+    let of_row = |y| patch.row(y).iter().zip(template.row(y)).map(|(&f, &g)| of(f, g)).sum::<u32>();
+    (0..template.height()).map(of_row).sum()
+}
+
+fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
+    sum(patch, template, |f, g| table.similarity(f.abs_diff(g)).into())
+}
+
 #[track_caller]
 fn check(right: bool, what: &str, backend: Backend, case: impl Debug) {
     assert!(right, "{backend:?}: {what}: {case:?}");
@@ -194,7 +204,7 @@ fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     let table = cut(patch.height() % 3 + threshold, threshold);
     let scorer = Scorer::new(backend, &table);
     let case = (patch.width(), patch.height(), threshold);
-    let score = plain::scores::score(patch, template, &table);
+    let score = score(patch, template, &table);
     let most = plain::scores::most(patch, template);
     check(scorer.score(patch, template) == Some(score), "score", backend, case);
     for floor in
@@ -203,7 +213,7 @@ fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
         let expected = Some(score).filter(|&score| score >= floor);
         check(scorer.score_at_least(patch, template, floor) == expected, "score and floor", backend, (case, floor));
     }
-    let exact = plain::scores::distance(patch, template, u32::MAX);
+    let exact = sum(patch, template, |f, g| f.abs_diff(g).into());
     for enough in [0, exact / 3, exact.saturating_sub(1), exact, exact + 1, u32::MAX] {
         let answer = scorer.distance(patch, template, enough).unwrap();
         let right = if exact <= enough { answer == exact } else { answer > enough && answer <= exact };
@@ -219,9 +229,11 @@ fn padding(backend: Backend, areas: &Areas<'_>) {
         for (x, y) in (0..=width).step_by(7).flat_map(|x| (0..=height).map(move |y| (x, y))) {
             let seen = Rect::new(x.into(), y.into(), (width - x) / 2, (height - y).div_ceil(2));
             let seen = seen.intersection(Rect::new(0, 0, width, height));
-            let expected = plain::scores::score_on_padding(template, seen, &table);
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let outside = pixels.filter(|&(x, y)| !seen.contains(Rect::new(x.into(), y.into(), 1, 1)));
+            let of_black = |(x, y): (u16, u16)| u32::from(table.similarity(template.row(y)[usize::from(x)]));
             let score = Scorer::new(backend, &table).score_on_padding(template, seen);
-            check(score == expected, "score on the padding", backend, (width, height, seen));
+            check(score == outside.map(of_black).sum(), "score on the padding", backend, (width, height, seen));
         }
     }
 }
@@ -239,7 +251,7 @@ fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>
         }
         let table = cut(2, 256);
         let scorer = Scorer::new(backend, &table);
-        let least = plain::scores::score(white, black, &table);
+        let least = score(white, black, &table);
         let most = u32::from(size.0) * u32::from(size.1) * 65_535;
         let same = scorer.score_between_at_least(white, white, white, 0) == Some(most);
         let other = scorer.score_between_at_least(black, black, white, 0) >= Some(least);
@@ -247,8 +259,8 @@ fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>
     }
 }
 
-/// Compares bounds of patches between two pictures. They are at least those of the plain loop, and at most the score of
-/// equal pictures.
+/// Compares bounds of patches between two pictures. They are at least the score of the nearest patch, and at most that
+/// of equal pictures.
 #[inline(never)]
 pub(super) fn scores_between(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -265,7 +277,9 @@ pub(super) fn scores_between(backend: Backend, areas: &mut Areas<'_>) {
         let scorer = Scorer::new(backend, &table);
         let most = plain::scores::most(low, template);
         for (low, high) in [(low, high), (high, high)] {
-            let exact = plain::scores::score_between_at_least(low, high, template, &table, 0).unwrap_or(0);
+            let rows = (0..height).map(|y| low.row(y).iter().zip(high.row(y)).zip(template.row(y)));
+            let p = |low, high, g: u8| u32::from(table.similarity(g.abs_diff(g.clamp(low, high))));
+            let exact = rows.flatten().map(|((&low, &high), &g)| p(low, high, g)).sum::<u32>();
             for floor in [0, 1, exact / 2, exact, exact + 1, exact.midpoint(most), most] {
                 let right = match scorer.score_between_at_least(low, high, template, floor) {
                     Some(answer) => answer >= exact.max(floor) && answer <= most,
@@ -303,7 +317,7 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
             let part = Rect::new(near % 4, 0, width, height);
             let from = if near < 4 { patch } else { picture(areas.start, last, (width, height), width.into()) };
             let template = copy_near(from, part, areas.other_end, last, &mut noise);
-            let score = |x| plain::scores::score(patch.crop(Rect { x, ..part }).unwrap(), template, &table);
+            let score = |x| score(patch.crop(Rect { x, ..part }).unwrap(), template, &table);
             let scores = [0, 1, 2, 3].map(score);
             let most = plain::scores::most(template, template);
             let answer = |floor| Scorer::new(backend, &table).candidates(patch, template, floor, ALL_FOUR);
@@ -321,30 +335,41 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the ranges of blocks. Rows have different alignments, one may be shorter, and one touches an edge of the
-/// memory; so does the output.
+/// Compares the ranges of blocks. Rows have different alignments, and one touches an edge of the memory.
 #[inline(never)]
 pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
-    let table = cut(2, 13);
-    let scorer = Scorer::new(backend, &table);
-    for (columns, at_edge) in (0..=200).step_by(STEP).flat_map(|columns| (0..4).map(move |row| (columns, row))) {
-        let Areas { end, other_end, start } = &mut *areas;
-        let mut rows: [&[u8]; 4] = core::array::from_fn(|row| {
-            let missing = usize::from(row == columns % 8).min(columns);
-            &other_end[row * 301..][..columns + 3 - missing]
-        });
+    let Areas { end, other_end, start } = &mut *areas;
+    for (columns, at_edge) in (4..=200).step_by(STEP).flat_map(|columns| (0..4).map(move |row| (columns, row))) {
+        let threshold = 1 + (columns * 7 + at_edge) as u16 % 256;
+        let table = cut(2, threshold);
+        let mut rows: [&[u8]; 4] = core::array::from_fn(|row| &other_end[row * 301..][..columns + 3]);
         rows[at_edge] = part(end, columns % 3 > 0, columns + 3);
-        // The noise after the output must not change.
-        let (mut low, mut high) = ([0; 256], [0; 256]);
-        low.copy_from_slice(&start[..256]);
-        high.copy_from_slice(&start[ROOM - 256..]);
-        let (lows, highs) = start.split_at_mut(ROOM - 256);
-        plain::scores::spread(&rows, &mut low[..columns], &mut high[..columns]);
-        scorer.spread(&rows, &mut lows[..columns], &mut highs[..columns]);
-        check(lows.starts_with(&low) && *highs == high, "ranges", backend, columns);
+        let stride = columns.next_multiple_of(4);
+        // The bytes after the ranges must not change.
+        let (low, high) = start[..512].split_at_mut(256);
+        let after = [low[stride], high[stride]];
+        Scorer::new(backend, &table).ranges(&rows, &mut low[..stride], &mut high[..stride]);
+        let right = (0..columns).all(|at| {
+            let block = || rows.iter().flat_map(|row| row[at..at + 4].iter().copied());
+            let (lowest, highest) = block().fold((255, 0), |(low, high), pixel| (pixel.min(low), pixel.max(high)));
+            (low[at], high[at]) == stored(backend, threshold, lowest, highest)
+        });
+        check(right && after == [low[stride], high[stride]], "ranges", backend, (columns, threshold));
     }
     ranges_of_rows(backend, areas);
+}
+
+/// The form in which a backend stores a range.
+fn stored(backend: Backend, threshold: u16, lowest: u8, highest: u8) -> (u8, u8) {
+    let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
+    let (low, high) = (lowest.saturating_sub(last), highest.saturating_add(last));
+    match backend {
+        Backend::Scalar => (lowest, highest),
+        Backend::Swar => ((lowest / 2).saturating_sub(half), ((255 - highest) / 2).saturating_sub(half)),
+        Backend::Dsp | Backend::Helium => (low, high - low),
+        _ => (low ^ 128, (high - low) ^ 128),
+    }
 }
 
 /// Memory for ranges.
@@ -413,7 +438,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
                 Blocks { low: &low.0, high: &high.0, start: usize::from(top) * stride + usize::from(left), stride };
             let score = |at: u16| {
                 let patch = Rect { x: (left + at % 4).into(), y: (top + at / 4).into(), ..part };
-                plain::scores::score(frame.crop(patch).unwrap(), template, &table)
+                score(frame.crop(patch).unwrap(), template, &table)
             };
             let (best, most) = ((0..16).map(score).max().unwrap(), plain::scores::most(template, template));
             for floor in [0, 1, best / 2, best, best + 1, best.midpoint(most), most] {
@@ -603,21 +628,25 @@ fn weights() {
             core::array::from_fn(|at| if at % 3 == 0 { i16::MIN } else { noise.next(i16::MAX as u32) as i16 });
         for length in [0, 1, -1, (1 << 32) - 1, 1 << 40, (1 << 47) - 1, -(1 << 46), 0x1234_5678_9ABC] {
             for back in 0..48 {
-                let (mut given, mut expected) = ([5; 20], [5; 20]);
-                given[..weights.len()].copy_from_slice(weights);
-                expected[..weights.len()].copy_from_slice(weights);
-                GradientStep { length, back }.apply(&mut given[..weights.len()], &slopes[..weights.len()]);
-                plain::weights::step(&mut expected[..weights.len()], &slopes, length, back);
-                assert_eq!(given, expected, "step of {count} weights by {length} >> {back}");
+                let mut moved = [5; 20];
+                let moved = &mut moved[..weights.len()];
+                moved.copy_from_slice(weights);
+                GradientStep { length, back }.apply(moved, &slopes);
+                for ((&moved, &weight), &slope) in moved.iter().zip(&*weights).zip(&slopes) {
+                    let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
+                    let expected = i32::try_from(i64::from(weight) - change).unwrap_or(weight);
+                    assert_eq!(moved, expected, "{weight} less {slope} * {length} >> {back}");
+                }
             }
         }
         let mut numbers: [i16; 16] = core::array::from_fn(|_| noise.next(8191) as i16);
         let numbers = &mut numbers[..weights.len().min(16)];
         for part in [16_384, 16_383, 8192, 1, 0] {
-            let mut expected = [0; 16];
-            expected[..numbers.len()].copy_from_slice(numbers);
-            let sum = plain::weights::scale_by(&mut expected[..numbers.len()], part);
-            assert_eq!((scale_by(numbers, part), &*numbers), (sum, &expected[..numbers.len()]), "part {part}");
+            let less = |number: i16| (i32::from(number) * part + (1 << 13)) >> 14;
+            let before: heapless::Vec<i16, 16> = numbers.iter().copied().collect();
+            let sum = before.iter().map(|&number| i32::from(number) * less(number)).sum::<i32>();
+            assert_eq!(scale_by(numbers, part), sum, "the sum of {count} products, part {part}");
+            assert!(before.iter().zip(&*numbers).all(|(&old, &new)| less(old) == new.into()), "numbers, part {part}");
             numbers.iter_mut().for_each(|number| *number = if *number % 2 == 0 { 8191 } else { -8191 });
         }
     }
@@ -626,13 +655,25 @@ fn weights() {
 /// Compares the largest number, and the coded ones for each shift with which they fit.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
+    let number = |factor, (&weight, &sum): (&i32, &i32)| {
+        ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
+    };
+    // Of a negative number the sign is removed first, then the number is rounded down.
+    let size = |pair: (&i32, &i32)| match number(factor, pair) {
+        number @ 0.. => number,
+        _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),
+    };
     let largest = numbers.largest();
-    assert_eq!(largest, plain::weights::largest(weights, factor, sums, left), "the largest of {numbers:?}");
+    let expected = weights.iter().zip(sums).map(size).max().unwrap_or(0);
+    assert_eq!(i64::from(largest), expected, "the largest of {weights:?}, {sums:?} << {left}, factor {factor}");
     for shift in (0..32).skip_while(|shift| largest >> shift >= 8191) {
-        let (mut given, mut expected) = ([7; 21], [7; 21]);
-        numbers.code(shift, &mut given);
-        plain::weights::code(weights, factor, sums, left, shift, &mut expected);
-        assert_eq!(given, expected, "coded by {shift}: {numbers:?}");
+        let mut coded = [7; 21];
+        numbers.code(shift, &mut coded);
+        for (pair, &coded) in weights.iter().zip(sums).zip(&coded) {
+            let expected = (number(factor, pair) + (1 << shift >> 1)) >> shift;
+            assert_eq!(i64::from(coded), expected, "{pair:?} << {left}, factor {factor}, coded by {shift}");
+        }
+        assert!(coded[weights.len()..].iter().all(|&coded| coded == 7), "{} numbers are coded", weights.len());
     }
 }
 

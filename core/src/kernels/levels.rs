@@ -19,22 +19,3 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     debug_assert_eq!(old.len(), new.len());
     native::levels::replace(old, new, largest)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn rows_of_any_length(pixels in prop::collection::vec((any::<u8>(), any::<u8>()), 0..600), level: u8, least: u8) {
-            let (mut old, new): (std::vec::Vec<u8>, std::vec::Vec<u8>) = pixels.into_iter().unzip();
-            let sum = old.iter().map(|&pixel| u32::from(pixel.abs_diff(level))).sum::<u32>();
-            let clipped = old.iter().filter(|&&pixel| pixel == 0 || pixel == 255).count();
-            prop_assert_eq!(deviation(&old, level), [sum, u32::try_from(clipped).unwrap()]);
-            let largest = old.iter().zip(&new).map(|(old, &new)| old.abs_diff(new)).max().unwrap_or(0);
-            prop_assert_eq!(replace(&mut old, &new, least), largest.max(least));
-            prop_assert_eq!(old, new);
-        }
-    }
-}

@@ -154,14 +154,6 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
-    /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have
-    /// three more pixels than `low` and `high`.
-    #[cfg(any(test, feature = "unstable"))]
-    #[inline(always)]
-    pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        by_backend!(&self.ready, Ready(kernels) => kernels.spread(rows, low, high));
-    }
-
     /// Computes the ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at
     /// multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than there are
     /// blocks.

@@ -8,7 +8,6 @@ use super::backend::native;
 ///
 /// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
 #[derive(Clone, Copy)]
-#[cfg_attr(any(test, feature = "unstable"), derive(Debug))]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],
     pub(crate) factor: i64,
@@ -62,57 +61,4 @@ pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
     debug_assert!(numbers.len() <= 16 && numbers.iter().all(|number| number.unsigned_abs() <= 8191));
     debug_assert!((0..=1 << 14).contains(&part));
     native::weights::scale_by(numbers, part)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_rounded() {
-        for number in [i32::MIN, i32::MIN + 1, -70_000, -3, -2, -1, 0, 1, 2, 3, 70_000, i32::MAX - 1, i32::MAX] {
-            let numbers = ScaledSums::of(core::slice::from_ref(&number));
-            assert_eq!(numbers.largest(), number.unsigned_abs());
-            for shift in 0..32 {
-                let rounded = (i64::from(number) + (1 << shift >> 1)) >> shift;
-                let Ok(rounded) = i16::try_from(rounded) else { continue };
-                let mut out = [7];
-                numbers.code(shift, &mut out);
-                assert_eq!(out, [rounded], "{number} >> {shift}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_largest_is_rounded_down_without_its_sign() {
-        let largest = |weight, factor: i64, sum, left| {
-            ScaledSums { weights: &[weight], factor: factor << 16, sums: &[sum], left }.largest()
-        };
-        assert_eq!([largest(1, 1 << 15, 3, 1), largest(-1, 1 << 15, -3, 1), largest(-1, 1 << 16, -3, 1)], [6, 6, 7]);
-        assert_eq!(largest(-1, 1 << 15, 0, 0), 0);
-    }
-
-    #[test]
-    fn numbers_are_lessened() {
-        for part in [0, 1, 8191, 8192, 16_383, 16_384] {
-            let before = [-8191, -4097, -2, -1, 0, 1, 2, 3, 4097, 8191];
-            let mut numbers = before;
-            let sum = scale_by(&mut numbers, part);
-            let wanted = before.map(|number| (f64::from(number) * f64::from(part) / 16_384.0 + 0.5).floor());
-            assert_eq!(numbers.map(f64::from), wanted, "{part}");
-            assert_eq!(f64::from(sum), wanted.iter().zip(before).map(|(a, b)| a * f64::from(b)).sum::<f64>());
-        }
-    }
-
-    #[test]
-    fn weights_stay_where_there_is_no_room() {
-        let moved = |weight, slope, length, back| {
-            let mut weights = [weight];
-            GradientStep { length, back }.apply(&mut weights, &[slope]);
-            weights[0]
-        };
-        assert_eq!([moved(100, 3, 1 << 20, 20), moved(100, -3, 3 << 19, 20), moved(5, 1, -1, 1)], [97, 104, 5]);
-        assert_eq!([moved(i32::MIN, 1, 1 << 20, 20), moved(i32::MIN + 1, 1, 1 << 20, 20)], [i32::MIN; 2]);
-        assert_eq!([moved(7, 8191, (1 << 47) - 1, 7), moved(i32::MAX, -8191, 1 << 47, 44)], [7, i32::MAX]);
-    }
 }
