@@ -1,4 +1,4 @@
-//! Compares the loops of a backend with the plain ones, or with a formula: sizes, alignments, thresholds, extreme values,
+//! Compares the loops of a backend with formulas or the plain loops: sizes, alignments, thresholds, extreme values,
 //! missing memory. A difference panics.
 //!
 //! Unit tests do this for each backend of the host, beside forbidden pages; `examples/kernels` does it on emulated
@@ -350,33 +350,30 @@ pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
         let (low, high) = start[..512].split_at_mut(256);
         let after = [low[stride], high[stride]];
         Scorer::new(backend, &table).ranges(&rows, &mut low[..stride], &mut high[..stride]);
-        let right = (0..columns).all(|at| {
-            let block = || rows.iter().flat_map(|row| row[at..at + 4].iter().copied());
-            let (lowest, highest) = block().fold((255, 0), |(low, high), pixel| (pixel.min(low), pixel.max(high)));
-            (low[at], high[at]) == stored(backend, threshold, lowest, highest)
-        });
-        check(right && after == [low[stride], high[stride]], "ranges", backend, (columns, threshold));
+        check(after == [low[stride], high[stride]], "bytes after ranges", backend, (columns, threshold));
+        ranges_are_right(backend, threshold, &rows, &low[..columns], &high[..columns]);
     }
     ranges_of_rows(backend, areas);
 }
 
-/// The form in which a backend stores a range.
-fn stored(backend: Backend, threshold: u16, lowest: u8, highest: u8) -> (u8, u8) {
+/// Checks the ranges of a row in the form in which the backend stores them.
+fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
     let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
-    let (low, high) = (lowest.saturating_sub(last), highest.saturating_add(last));
-    match backend {
-        Backend::Scalar => (lowest, highest),
-        Backend::Swar => ((lowest / 2).saturating_sub(half), ((255 - highest) / 2).saturating_sub(half)),
-        Backend::Dsp | Backend::Helium => (low, high - low),
-        _ => (low ^ 128, (high - low) ^ 128),
+    for (at, given) in low.iter().copied().zip(high.iter().copied()).enumerate() {
+        let block = rows.iter().flat_map(|row| row[at..at + 4].iter().copied());
+        let (lowest, highest) = block.fold((255, 0), |(low, high), pixel| (pixel.min(low), pixel.max(high)));
+        let (from, to) = (lowest.saturating_sub(last), highest.saturating_add(last));
+        let expected = match backend {
+            Backend::Scalar => (lowest, highest),
+            Backend::Swar => ((lowest / 2).saturating_sub(half), ((255 - highest) / 2).saturating_sub(half)),
+            Backend::Dsp | Backend::Helium => (from, to - from),
+            _ => (from ^ 128, (to - from) ^ 128),
+        };
+        check(given == expected, "range", backend, (low.len(), at, threshold));
     }
 }
 
-/// Memory for ranges.
-#[repr(align(4))]
-struct Aligned([u8; 2048]);
-
-/// Checks that the ranges of several rows are those of each row.
+/// Compares the ranges of several rows.
 fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<'_>) {
     let table = cut(2, 16);
     let scorer = Scorer::new(backend, &table);
@@ -392,11 +389,8 @@ fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<
             continue;
         }
         for ((top, low), high) in tops.zip(low.chunks(stride)).zip(high.chunks(stride)) {
-            let (mut lowest, mut highest) = (Aligned([0; 2048]), Aligned([0; 2048]));
             let rows = [0, 1, 2, 3].map(|row| picture.row(top + row));
-            scorer.ranges(&rows, &mut lowest.0[..stride], &mut highest.0[..stride]);
-            let right = low[..columns] == lowest.0[..columns] && high[..columns] == highest.0[..columns];
-            check(right, "ranges of rows", backend, (width, step, top));
+            ranges_are_right(backend, 16, &rows, &low[..columns], &high[..columns]);
         }
     }
     let pixels = picture(other_end, true, (64, 8), 64);
@@ -405,6 +399,10 @@ fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<
     let to = RowsOfRanges { low: &mut end[..64 * 5], high: &mut start[..64 * 5], stride: 60 };
     check(!scorer.ranges_of_rows(pixels, 1, to), "ranges of rows in short rows", backend, ());
 }
+
+/// Memory for ranges.
+#[repr(align(4))]
+struct Aligned([u8; 2048]);
 
 /// Compares the bound of a group with the scores of its 16 offsets, for templates within its ranges and far from them.
 #[inline(never)]
@@ -545,17 +543,7 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
     // Patches, inputs and outputs: those of the refiner, and odd ones.
-    let known = [
-        (16, 20, 8),
-        (8, 72, 16),
-        (8, 144, 24),
-        (4, 216, 24),
-        (1, 384, 24),
-        (0, 16, 2),
-        (1, 4, 1),
-        (3, 6, 3),
-        (2, 17, 5),
-    ];
+    let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
     let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
     let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));
     fill(areas);
