@@ -12,10 +12,12 @@ fn main() {
         println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
     }
     if is("CARGO_CFG_TARGET_ARCH", "riscv32") && is("CARGO_CFG_TARGET_OS", "none") {
-        // Only this program runs on RISC-V. The footprints are linked without start-up code.
+        // Only these programs run on RISC-V. The footprints are linked without start-up code.
         let memory = concat!(env!("CARGO_MANIFEST_DIR"), "/replay/riscv.x");
         println!("cargo::rerun-if-changed=replay/riscv.x");
-        println!("cargo::rustc-link-arg-bin=replay=-T{memory}");
-        println!("cargo::rustc-link-arg-bin=replay=-Tlink.x");
+        for program in ["kernels", "replay"] {
+            println!("cargo::rustc-link-arg-bin={program}=-T{memory}");
+            println!("cargo::rustc-link-arg-bin={program}=-Tlink.x");
+        }
     }
 }

@@ -1,9 +1,6 @@
 //! Runs the conformance vectors of a tracker on the chip, at once and in steps. Logs whether all answers are right, and the instructions and
 //! bytes of stack that they took. The tracker is the paper's, with the feature `robust` or `refiner` the robust one.
 //!
-//! With the feature `verify` every fast kernel is compared with the plain loop: first at extreme values, then in every
-//! call.
-//!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin conformance --features robust
 //! ```
@@ -41,8 +38,6 @@ mod firmware {
     #[entry]
     fn main() -> ! {
         static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
-        #[cfg(feature = "verify")]
-        smr_core::similarity::verify_filter();
         let name = if cfg!(feature = "robust") { "robust" } else { "paper" };
         exit(i32::from(!answers::<Run>(name, TEXT, BUFFER)))
     }

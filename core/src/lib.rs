@@ -71,7 +71,6 @@
 //! # Features
 //!
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
-//! - `verify`: compares every call of a faster backend with the plain loops, and panics if they differ. For tests.
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
 //! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change
 //!   in any version.

@@ -43,9 +43,11 @@ pub extern "C" fn smr_simd() -> u8 {
     cfg!(target_feature = "simd128").into()
 }
 
-/// Compares the kernels of a filter with the plain loops at extreme values and in all shapes. Panics if they differ.
-#[cfg(feature = "verify")]
+/// Compares every kernel with the plain loop. Panics if one differs.
+#[cfg(feature = "check")]
 #[unsafe(no_mangle)]
-pub extern "C" fn smr_verify_filter() {
-    smr_core::similarity::verify_filter();
+pub extern "C" fn smr_check_kernels() {
+    use smr_core::{similarity::Backend, unstable::check};
+    let [mut end, mut other_end, mut start] = [[0; check::ROOM]; 3];
+    check::all(Backend::best(), &mut check::Areas { end: &mut end, other_end: &mut other_end, start: &mut start });
 }

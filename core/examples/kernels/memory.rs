@@ -3,60 +3,56 @@
 #![allow(unsafe_code)] // memory by its address
 
 use core::slice;
+#[cfg(target_arch = "arm")]
 use cortex_m::peripheral::MPU;
+use smr_core::unstable::check::{Areas, ROOM};
 
-/// Bytes of each area. The areas are far away from the firmware itself.
-pub const ROOM: usize = 32 * 1024;
-
-/// Three areas of `ROOM` bytes.
-pub struct Memory {
-    /// An area with no memory after it.
-    pub end: &'static mut [u8],
-    /// Another area with no memory after it.
-    pub other_end: &'static mut [u8],
-    /// An area with no memory before it.
-    pub start: &'static mut [u8],
+/// Takes the memory; to be called once. No memory is after the first two areas, and none before the third.
+pub fn take() -> Areas<'static> {
+    let [end, other_end, start] = edges();
+    // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The code memory ends in
+    // this range, but the firmware is much shorter.)
+    let room = |at: usize| unsafe { slice::from_raw_parts_mut(at as *mut u8, ROOM) };
+    Areas { end: room(end - ROOM), other_end: room(other_end - ROOM), start: room(start) }
 }
 
-/// The edges of a board's memory.
-struct Edges {
-    end: usize,
-    other_end: usize,
-    start: usize,
+/// Two ends of the board's memory and a start of it.
+#[cfg(target_arch = "arm")]
+fn edges() -> [usize; 3] {
+    let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
+    crate::alignment::require(&peripherals.SCB);
+    let edges = match processor() {
+        // M3: mps2-an385, M4: mps2-an386
+        0xC23 | 0xC24 => [0x2080_0000, 0x0080_0000, 0x2100_0000],
+        0xC27 => [0x2080_0000, 0x0080_0000, 0x6000_0000], // M7: mps2-an500
+        0xD22 => return [0x2008_0000, 0x0008_0000, 0x2100_0000], // M55: mps3-an547
+        _ => panic!("this board's memory is not known"),
+    };
+    // QEMU's MPS2, unlike its MPS3, reads zeroes where there is no memory.
+    forbid(&peripherals.MPU, [edges[0], edges[1], edges[2] - FORBIDDEN]);
+    edges
 }
 
-impl Memory {
-    /// Takes the memory; to be called once. `None` if the board is unknown.
-    pub fn take(mpu: &MPU) -> Option<Self> {
-        let edges = match processor() {
-            // M3: mps2-an385, M4: mps2-an386
-            0xC23 | 0xC24 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x2100_0000 },
-            0xC27 => Edges { end: 0x2080_0000, other_end: 0x0080_0000, start: 0x6000_0000 }, // M7: mps2-an500
-            0xD22 => Edges { end: 0x2008_0000, other_end: 0x0008_0000, start: 0x2100_0000 }, // M55: mps3-an547
-            _ => return None,
-        };
-        if processor() != 0xD22 {
-            // QEMU's MPS2, unlike its MPS3, reads zeroes where there is no memory.
-            forbid(mpu, &[edges.end, edges.other_end, edges.start - FORBIDDEN]);
-        }
-        // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The code memory ends
-        // in this range, but the firmware is much shorter.)
-        let room = |at: usize| unsafe { slice::from_raw_parts_mut(at as *mut u8, ROOM) };
-        Some(Self { end: room(edges.end - ROOM), other_end: room(edges.other_end - ROOM), start: room(edges.start) })
-    }
+/// virt has one memory of 128 MB: only the first area is at an edge.
+#[cfg(target_arch = "riscv32")]
+fn edges() -> [usize; 3] {
+    const END: usize = 0x8800_0000;
+    [END, END - ROOM, END - 3 * ROOM]
 }
 
+#[cfg(target_arch = "arm")]
 /// Bytes beyond an edge that the memory protection unit blocks.
 const FORBIDDEN: usize = 4096;
 
+#[cfg(target_arch = "arm")]
 /// Blocks the memory from each of the addresses on with the memory protection unit of Armv7-M.
-fn forbid(mpu: &MPU, addresses: &[usize]) {
+fn forbid(mpu: &MPU, addresses: [usize; 3]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
     /// No access to 2^(11 + 1) bytes, not even to read.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
     // RASR, the fifth register of the unit. The crate gives it another name when it is compiled for Armv8-M.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);
-    for (region, &address) in (0..).zip(addresses) {
+    for (region, address) in (0..).zip(addresses) {
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
         let address = address as u32;
         // SAFETY: no Rust object is at that address.
@@ -78,6 +74,7 @@ pub fn read_beyond(memory: &[u8]) {
     unsafe { memory.as_ptr_range().end.read_volatile() };
 }
 
+#[cfg(target_arch = "arm")]
 /// The part number of the Arm processor.
 fn processor() -> u32 {
     // SAFETY: every Armv7-M and Armv8-M processor has this register, and it can always be read.

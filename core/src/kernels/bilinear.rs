@@ -3,8 +3,6 @@
 
 use super::backend::native;
 use super::plain::bilinear::{MixedRow, PLACES};
-#[cfg(any(test, feature = "verify"))]
-use super::verify;
 use heapless::Vec;
 
 /// The places of up to `N` columns in a row.
@@ -49,27 +47,5 @@ impl<const N: usize> Interpolation<N> {
         unsafe {
             native::bilinear::mix(from, parts, row, out);
         }
-        #[cfg(any(test, feature = "verify"))]
-        verify::bilinear::mix(out, from, parts, row);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::plain::bilinear::BIAS;
-    use super::*;
-
-    #[test]
-    fn columns_are_rounded_means() {
-        let mut columns = Interpolation::<5>::new();
-        for (place, part) in [(0, 0), (0, 128), (1, 255), (511, 0), (511, 0), (0, 0)] {
-            columns.push(place, part);
-        }
-        let mut row: MixedRow = [0; PLACES as usize + 4];
-        (row[1], row[2], row[511]) = (1 << 8, 255 << 8, 255 << 8);
-        row.iter_mut().for_each(|level| *level = level.wrapping_sub(BIAS));
-        let mut out = [7; 7];
-        columns.mix(&row, &mut out);
-        assert_eq!(out, [0, 1, 254, 255, 255, 7, 7]);
     }
 }

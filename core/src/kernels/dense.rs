@@ -6,8 +6,6 @@
 use super::backend::{Backend, by_backend};
 use super::plain::dense as plain;
 use super::plain::dense::Layer;
-#[cfg(any(test, feature = "verify"))]
-use super::verify;
 
 /// Bytes of scratch memory with which every backend is fastest: the DSP extension unpacks two patches of up to 216
 /// inputs to words. With less memory it takes one patch at a time.
@@ -27,15 +25,11 @@ impl Dense {
     /// `spare` is scratch memory: see [`SPARE`].
     #[inline(never)]
     pub(crate) fn outputs(self, layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
-        #[cfg(any(test, feature = "verify"))]
-        let mut before = verify::copy(out);
         // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)] // most sets need no check
         unsafe {
             by_backend!(self.0, set => set::dense::outputs(layer, patches, spare, out));
         }
-        #[cfg(any(test, feature = "verify"))]
-        verify::dense::outputs(out, &mut before, layer, patches);
     }
 
     /// The sums of one patch, before the shift. It serves the last layer, which is small, and always uses the plain

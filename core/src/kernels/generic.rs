@@ -224,12 +224,6 @@ macro_rules! scores {
             }
 
             #[inline(always)]
-            fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-                // SAFETY: as above.
-                unsafe { spread(rows, low, high) }
-            }
-
-            #[inline(always)]
             fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
                 // SAFETY: as above.
                 unsafe { ranges(rows, self.last.unwrap_or(0), low, high) }

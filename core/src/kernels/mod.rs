@@ -1,6 +1,6 @@
 //! Fast sums over pixels and cells: the inner loops of both trackers. All `unsafe` code of the crate is here.
 //!
-//! The plain loops in `plain/` are the specification. Every other loop gives the same integers and is tested against
+//! The plain loops in `plain/` are the specification. Every other loop gives the same integers. `check.rs` tests all of
 //! them.
 //!
 //! | folder or file | instruction set | used when | tested |
@@ -12,7 +12,7 @@
 //! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
-//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly) | always; `examples/kernels` for Cortex-M0+ |
+//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
 //!
 //! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that
 //! chooses:
@@ -39,8 +39,7 @@
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
 //! calls those of scores, for both instruction sets there. `effort.rs` decides how often a bound is worth
 //! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
-//! loops small. `verify/` compares the other loops with the plain ones, in every call (unit tests, and
-//! feature `verify`).
+//! loops small.
 //!
 //! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
 //! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
@@ -65,6 +64,8 @@ mod backend;
 mod bilinear;
 mod blocks;
 mod cells;
+#[cfg(any(test, feature = "unstable"))]
+pub mod check;
 mod cut_table;
 #[cfg(feature = "refiner")]
 mod dense;
@@ -91,8 +92,6 @@ mod swar;
 #[cfg(not(target_arch = "wasm32"))]
 mod three_sums;
 mod unrolling;
-#[cfg(any(test, feature = "verify"))]
-mod verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm32;
 mod weights;
@@ -120,18 +119,7 @@ pub(crate) use products::Products;
 pub use scorer::Scorer;
 pub(crate) use scores::ALL_FOUR;
 pub(crate) use unrolling::rolled;
-#[cfg(any(test, feature = "verify"))]
-pub use verify::extremes::filter::verify_filter;
 pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 
 #[cfg(test)]
-mod tests {
-    mod backends;
-    #[cfg(feature = "refiner")]
-    mod dense;
-    mod guard;
-    mod noise;
-    mod products;
-    mod scores;
-    pub(super) mod table;
-}
+mod tests;

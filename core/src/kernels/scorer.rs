@@ -16,8 +16,6 @@ use super::plain::scores::{self as plain, Plain};
 use super::scores::Scores;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
-#[cfg(any(test, feature = "verify"))]
-use super::verify::scores as verify;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::wasm32::simd128::scores as simd128;
 #[cfg(target_arch = "x86_64")]
@@ -103,10 +101,7 @@ impl<'a> Scorer<'a> {
     #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
     pub fn score(&self, patch: Image<'_>, template: Image<'_>) -> Option<u32> {
         checked(patch, template)?;
-        let score = by_backend!(&self.ready, Ready(kernels) => kernels.score(patch, template));
-        #[cfg(any(test, feature = "verify"))]
-        verify::score(Some(score), (patch, template), self.plain.table, 0);
-        Some(score)
+        Some(by_backend!(&self.ready, Ready(kernels) => kernels.score(patch, template)))
     }
 
     /// The score if it is at least `floor`. `None` as soon as it is certain that it is less.
@@ -115,10 +110,7 @@ impl<'a> Scorer<'a> {
     #[cfg_attr(not(smr_small), inline(always))]
     pub fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         checked(patch, template)?;
-        let score = by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(patch, template, floor));
-        #[cfg(any(test, feature = "verify"))]
-        verify::score(score, (patch, template), self.plain.table, floor);
-        score
+        by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(patch, template, floor))
     }
 
     /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be left out. The result is then more
@@ -127,10 +119,7 @@ impl<'a> Scorer<'a> {
     #[inline(always)]
     pub fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> Option<u32> {
         checked(patch, template)?;
-        let distance = by_backend!(&self.ready, Ready(kernels) => kernels.distance(patch, template, enough));
-        #[cfg(any(test, feature = "verify"))]
-        verify::distance(distance, (patch, template), enough);
-        Some(distance)
+        Some(by_backend!(&self.ready, Ready(kernels) => kernels.distance(patch, template, enough)))
     }
 
     /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low`
@@ -146,11 +135,7 @@ impl<'a> Scorer<'a> {
         floor: u32,
     ) -> Option<u32> {
         checked(low, template)?;
-        let score =
-            by_backend!(&self.ready, Ready(kernels) => kernels.score_between_at_least(low, high, template, floor));
-        #[cfg(any(test, feature = "verify"))]
-        verify::score_between(score, (low, high, template), self.plain.table, floor);
-        score
+        by_backend!(&self.ready, Ready(kernels) => kernels.score_between_at_least(low, high, template, floor))
     }
 
     /// True if a backend of this target bounds four offsets at a time, and faster than it scores them.
@@ -166,34 +151,17 @@ impl<'a> Scorer<'a> {
         if !fits || checked(patch, template).is_none() {
             return wanted;
         }
-        let candidates = by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted));
-        #[cfg(any(test, feature = "verify"))]
-        verify::candidates(candidates | !wanted, (patch, template), self.plain.table, floor);
-        candidates
-    }
-
-    /// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have
-    /// three more pixels than `low` and `high`.
-    #[cfg(any(test, feature = "unstable"))]
-    #[inline(always)]
-    pub(crate) fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        by_backend!(&self.ready, Ready(kernels) => kernels.spread(rows, low, high));
-        #[cfg(any(test, feature = "verify"))]
-        verify::spread(rows, low, high);
+        by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
     /// Computes the ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at
     /// multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than there are
-    /// blocks. `examples/kernels` compares the ranges of DSP and Helium.
+    /// blocks.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
+        debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));
+        debug_assert!([low.as_ptr(), high.as_ptr()].iter().all(|at| at.addr().is_multiple_of(4)));
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges(rows, low, high));
-        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
-        match self.ready {
-            Ready::Scalar(_) => verify::spread(rows, low, high),
-            Ready::Swar(_) => verify::widened_ranges(rows, self.plain.table, low, high),
-            _ => verify::spans(rows, self.plain.table, low, high),
-        }
     }
 
     /// True if a backend of this target computes the ranges of several rows faster than row by row.
@@ -206,29 +174,14 @@ impl<'a> Scorer<'a> {
     /// Computes the ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
-        let done = by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to));
-        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
-        if done {
-            verify::rows_of_spans(pixels, step, self.plain.table, &to);
-        }
-        done
+        by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to))
     }
 
     /// An upper bound of the score of every patch between `blocks`, if it is at least `floor`.
     #[inline(always)]
     pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let bound = by_backend!(&self.ready, Ready(kernels) => kernels.bound(blocks, template, floor));
-        #[cfg(all(any(test, feature = "verify"), not(any(smr_dsp, smr_helium))))]
-        match self.ready {
-            Ready::Scalar(_) => {
-                if let Some((low, high)) = blocks.pictures(template) {
-                    verify::score_between(bound, (low, high, template), self.plain.table, floor);
-                }
-            }
-            Ready::Swar(_) => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_widened),
-            _ => verify::bound(bound, (blocks, template), self.plain.table, floor, verify::is_in_span),
-        }
-        bound
+        debug_assert!(blocks.stride.is_multiple_of(4));
+        by_backend!(&self.ready, Ready(kernels) => kernels.bound(blocks, template, floor))
     }
 
     /// The score of the pixels of `template` that lie on the padding, which is all zeroes. `seen` is the rectangle that
@@ -259,8 +212,6 @@ impl<'a> Scorer<'a> {
                 part.x += i32::from(part.width);
             }
         }
-        #[cfg(any(test, feature = "verify"))]
-        assert_eq!(sum, plain::score_on_padding(template, seen, self.plain.table), "{template:?} without {seen:?}");
         sum
     }
     /// The same score by the plain loop. Words are not faster here.

@@ -29,10 +29,7 @@ pub(crate) trait Scores {
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
 
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
-
-    /// Computes the ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in another form than
-    /// [`Scores::spread`].
+    /// Computes the ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in a form of its own.
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
     /// Computes the ranges for all blocks of `pixels`, every `step`th row. Returns false, and does nothing, if this

@@ -7,8 +7,6 @@
 mod contrast;
 mod table;
 
-#[cfg(any(test, feature = "verify"))]
-pub use crate::kernels::verify_filter;
 pub use crate::kernels::{Backend, CutTable, Scorer};
 pub(crate) use contrast::{Contrast, SHOWN};
 pub use table::{Table, TableError};

@@ -125,15 +125,6 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         unsafe { (L::DISTANCE)(&pair, enough) }
     }
 
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        let blocks = blocks(rows, low, high);
-        if !Self::can_take(blocks) {
-            return plain::spread(rows, low, high);
-        }
-        (L::RANGES)(rows, 0, low, high);
-        low.iter().zip(high).take(blocks).for_each(|(low, high)| *high = high.wrapping_add(*low));
-    }
-
     /// Computes the ranges in the form that [`Loops::MISSES`] reads: widened by the largest difference that counts.
     #[inline(never)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {

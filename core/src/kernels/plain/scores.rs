@@ -5,11 +5,11 @@ use super::super::blocks::Blocks;
 use super::super::cut_table::CutTable;
 use super::super::one::ONE;
 use super::super::scores::Scores;
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(smr_swar)]
 use super::super::unrolling::rolled;
 use super::super::unrolling::rolled_if_spare;
 use crate::image::Image;
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(smr_swar)]
 use crate::image::Rect;
 
 /// The plain loops as a backend.
@@ -35,14 +35,9 @@ impl Scores for Plain<'_> {
         distance(patch, template, enough)
     }
 
-    #[inline]
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        spread(rows, low, high);
-    }
-
     #[inline(always)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        self.spread(rows, low, high);
+        spread(rows, low, high);
     }
 
     #[inline(always)]
@@ -52,17 +47,11 @@ impl Scores for Plain<'_> {
     }
 }
 
-/// The sum of the similarities of all pairs of pixels.
+/// The score, the sum of the similarities of all pairs of pixels, if it is at least `floor`. `None` as soon as the
+/// remaining pixels cannot reach that.
 ///
 /// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
 /// [`MAX_PIXELS`](super::super::one::MAX_PIXELS) pixels.
-#[cfg(any(test, feature = "verify"))]
-#[must_use]
-pub(crate) fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
-    patch.rows().zip(template.rows()).map(|(f, g)| row_score(f, g, table)).sum()
-}
-
-/// The score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach that.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
@@ -170,7 +159,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 ///
 /// `seen` is the rectangle that lies on the frame, in coordinates of the template. It is empty if the whole template
 /// lies on the padding.
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
@@ -190,106 +179,8 @@ pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable
     sum
 }
 
-#[cfg(any(smr_swar, test, feature = "verify"))]
+#[cfg(smr_swar)]
 #[inline(never)]
 fn row_on_padding(row: &[u8], table: &CutTable) -> u32 {
     rolled(row.iter()).map(|&g| u32::from(table.of_pixels(0, g))).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::kernels::tests::table::{cut, similarity};
-    use proptest::prelude::*;
-    use std::{vec, vec::Vec};
-
-    #[test]
-    fn the_largest_template_has_the_largest_sum() {
-        // 65537 = MAX_PIXELS is prime: as one row it would be wider than a u16, so 65536 pixels are summed.
-        let pixels = vec![7; 256 * 256];
-        let image = Image::new(&pixels, 256, 256).unwrap();
-        assert_eq!(score(image, image, &cut(1)), 65536 * 65535);
-        assert_eq!(score(image, image, &cut(256)), 65536 * 65535);
-    }
-
-    fn image(pixels: &[u8], width: u16) -> Image<'_> {
-        Image::new(pixels, width, u16::try_from(pixels.len()).unwrap() / width).unwrap()
-    }
-
-    #[test]
-    fn pixels_count_below_the_threshold() {
-        let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
-        let table = cut(13);
-        let p = |d| u32::from(similarity(d));
-        assert_eq!(score(image(&patch, 4), image(&template, 4), &table), p(0) + p(1) + p(12));
-    }
-
-    #[test]
-    fn a_distance_ends_once_it_is_enough() {
-        let (patch, template) = ([10, 20, 30, 40], [13, 20, 20, 90]);
-        let (patch, template) = (image(&patch, 2), image(&template, 2));
-        assert_eq!(distance(patch, template, u32::MAX), 3 + 10 + 50);
-        assert_eq!(distance(patch, template, 2), 3);
-    }
-
-    #[test]
-    fn what_lies_between_two_pictures_differs_by_as_much_as_it_is_outside_them() {
-        let (low, high, template) = ([10, 10, 10], [20, 20, 20], [9, 15, 40]);
-        let table = cut(13);
-        let most = score_between_at_least(image(&low, 3), image(&high, 3), image(&template, 3), &table, 0);
-        let p = |d| u32::from(similarity(d));
-        assert_eq!(most, Some(p(1) + p(0))); // 40 is 20 above the highest
-    }
-
-    #[test]
-    fn ranges_are_those_of_blocks() {
-        let rows = [[1, 5, 5, 5, 7], [5, 5, 5, 5, 5], [5, 5, 5, 5, 5], [5, 5, 9, 5, 5]];
-        let (mut low, mut high) = ([0; 2], [0; 2]);
-        spread(&rows.each_ref().map(|row| &row[..]), &mut low, &mut high);
-        assert_eq!((low, high), ([1, 5], [9, 9]));
-    }
-
-    #[test]
-    fn a_threshold_of_zero_lets_nothing_count() {
-        let pixels = [0; 9];
-        let image = Image::new(&pixels, 3, 3).unwrap();
-        assert_eq!(score(image, image, &cut(0)), 0);
-    }
-
-    proptest! {
-        #[test]
-        fn padding_is_a_patch_of_zeroes(
-            (width, height) in (1u16..9, 1u16..9),
-            pixels in prop::collection::vec(any::<u8>(), 64),
-            (x, y, w, h) in (0i32..9, 0i32..9, 0u16..9, 0u16..9),
-            threshold in 0u16..=256,
-        ) {
-            let template = Image::new(&pixels, width, height).unwrap();
-            let seen = Rect::new(0, 0, width, height).intersection(Rect::new(x, y, w, h));
-            // The part on the frame matches nothing, so only the padding counts.
-            let mut expected = 0u32;
-            for (j, row) in (0..).zip(template.rows()) {
-                for (i, &g) in (0..).zip(row) {
-                    let on_padding = seen.is_empty() || !seen.contains(Rect::new(i, j, 1, 1));
-                    if on_padding && u16::from(g) < threshold {
-                        expected += u32::from(similarity(g));
-                    }
-                }
-            }
-            prop_assert_eq!(score_on_padding(template, seen, &cut(threshold)), expected);
-        }
-
-        #[test]
-        fn the_stride_does_not_matter(pixels in prop::collection::vec(any::<u8>(), 60), threshold in 0u16..=256) {
-            let strided = Image::with_stride(&pixels, 7, 6, 10).unwrap();
-            let packed: Vec<u8> = strided.rows().flatten().copied().collect();
-            let template: Vec<u8> = pixels.iter().rev().take(42).copied().collect();
-            let template = Image::new(&template, 7, 6).unwrap();
-            let packed = Image::new(&packed, 7, 6).unwrap();
-            prop_assert_eq!(
-                score(strided, template, &cut(threshold)),
-                score(packed, template, &cut(threshold))
-            );
-        }
-    }
 }

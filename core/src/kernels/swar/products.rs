@@ -44,7 +44,8 @@ pub(crate) fn responses<const N: usize>(
     let has_room = STEP * width <= PACKED / 2 && pairs.both() * N <= PACKED / 4;
     let fits = down > 0 && span <= N && has_room;
     let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
-    let (true, Some(factors)) = (fits, numbers_in(spare).get_mut(..totals.len() * row)) else {
+    let factors = numbers_in(spare).get_mut(..totals.len() * row);
+    let (true, Some(factors)) = (fits && !totals.is_empty(), factors) else {
         return plain::responses(layout.whole(parts), room, &mut [], cells, layout, weights, out);
     };
     if parts.start == 0 {

@@ -123,11 +123,6 @@ impl Scores for Swar<'_> {
     }
 
     #[inline(always)]
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        plain::spread(rows, low, high);
-    }
-
-    #[inline(always)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         widened_ranges(rows, self.threshold, low, high);
     }

@@ -105,14 +105,9 @@ impl Scores for Bound<'_> {
     }
 
     #[inline(always)]
-    fn spread(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        // SAFETY: a `Bound` exists only if SSE2 does.
-        unsafe { spread(rows, low, high) }
-    }
-
-    #[inline(always)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-        self.spread(rows, low, high);
+        // SAFETY: a `Bound` exists only if SSE2 does.
+        unsafe { spread(rows, low, high) };
         generic::widen_all(low, high, self.last);
     }
 

@@ -1,0 +1,739 @@
+//! Compares the loops of a backend with formulas or the plain loops: sizes, alignments, thresholds, extreme values,
+//! missing memory. A difference panics.
+//!
+//! Unit tests do this for each backend of the host, beside forbidden pages; `examples/kernels` does it on emulated
+//! chips, at the edges of their memory.
+
+#![allow(clippy::indexing_slicing, clippy::unwrap_used)] // a panic is a result
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of noise
+
+use super::backend::Backend;
+use super::bilinear::Interpolation;
+use super::blocks::{Blocks, RowsOfRanges};
+use super::cells::{CELL, CHANNELS, SIDE};
+use super::cut_table::CutTable;
+#[cfg(feature = "refiner")]
+use super::dense::{Dense, SPARE};
+use super::layout::{Layout, Packed};
+use super::one::ONE;
+use super::plain;
+use super::plain::bilinear::{BIAS, MixedRow};
+#[cfg(feature = "refiner")]
+use super::plain::dense::Layer;
+use super::products::Products;
+use super::scorer::Scorer;
+use super::scores::ALL_FOUR;
+use super::weights::{GradientStep, ScaledSums, scale_by};
+use super::{gradients, levels, scale};
+use crate::image::{Image, Rect};
+use core::fmt::Debug;
+
+/// Bytes of each of the [`Areas`].
+pub const ROOM: usize = 64 * 1024;
+
+/// Miri is thousands of times slower: there only one of so many cases is compared.
+const STEP: usize = if cfg!(miri) { 29 } else { 1 };
+
+/// Memory of [`ROOM`] bytes each for pictures. Where an access beyond the named edge faults, a loop that reads outside a
+/// picture is noticed.
+#[derive(Debug)]
+pub struct Areas<'a> {
+    /// Memory ends after this.
+    pub end: &'a mut [u8],
+    /// Memory ends after this, too.
+    pub other_end: &'a mut [u8],
+    /// Memory begins here.
+    pub start: &'a mut [u8],
+}
+
+/// Compares all kernels of `backend`, and those of the instruction set that the program is compiled for.
+///
+/// # Panics
+/// If one of them differs from the plain loop.
+#[cfg(feature = "unstable")]
+pub fn all(backend: Backend, areas: &mut Areas<'_>) {
+    scores(backend, areas);
+    scores_between(backend, areas);
+    candidates(backend, areas);
+    ranges(backend, areas);
+    groups(backend, areas);
+    products(backend, areas);
+    #[cfg(feature = "refiner")]
+    dense(backend, areas);
+    native(areas);
+}
+
+/// Compares the kernels that no backend chooses.
+#[inline(never)]
+pub(super) fn native(areas: &mut Areas<'_>) {
+    weights();
+    columns();
+    cells();
+    gray_levels(areas);
+}
+
+/// Numbers that look random, the same in every run.
+struct Noise(u32);
+
+impl Noise {
+    fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 17;
+        self.0 ^= self.0 << 5;
+        self.0
+    }
+
+    /// A number from `-most` to `most`.
+    fn next(&mut self, most: u32) -> i32 {
+        ((self.bits() >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
+    }
+
+    /// A level at most `most` above `level`.
+    fn near(&mut self, level: u8, most: u8) -> u8 {
+        level.wrapping_add((self.bits() >> 9) as u8 % most)
+    }
+}
+
+/// Fills the areas with noise. Bytes at the same place are close to each other, so that differences lie on both sides of
+/// any threshold.
+fn fill(areas: &mut Areas<'_>) {
+    let mut noise = Noise(1);
+    for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
+        let [base, offset, other, sign] = noise.bits().to_le_bytes();
+        // Most differences are small, some are large.
+        let [near, far] =
+            [offset % (2 + other % 64), other].map(|by| if sign & 1 == 0 { by } else { by.wrapping_neg() });
+        *first = base;
+        *second = base.wrapping_add(near);
+        *third = if sign > 200 { base.wrapping_add(far) } else { base.wrapping_sub(near) };
+    }
+}
+
+/// One of three tables, steep to flat, cut off at a threshold.
+pub(super) fn cut(which: u16, threshold: u16) -> CutTable {
+    // exp(-1), exp(-1 / 40), exp(-1 / 255) in units of 1/65536
+    let factor = [24_109, 63_918, 65_280][usize::from(which % 3)];
+    let mut entry = u32::from(ONE);
+    let entries = core::array::from_fn(|_| {
+        let this = entry as u16;
+        entry = (entry * factor + (1 << 15)) >> 16;
+        this
+    });
+    let mut cut = CutTable::EMPTY;
+    cut.cut(&entries, threshold);
+    cut
+}
+
+/// `length` bytes at the end of the memory if `last`, else at its start.
+fn part(memory: &[u8], last: bool, length: usize) -> &[u8] {
+    if last { &memory[memory.len() - length..] } else { &memory[..length] }
+}
+
+fn part_mut(memory: &mut [u8], last: bool, length: usize) -> &mut [u8] {
+    let from = if last { memory.len() - length } else { 0 };
+    &mut memory[from..][..length]
+}
+
+/// The same for numbers with a sign.
+fn signed(bytes: &[u8]) -> &[i8] {
+    // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
+    unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
+}
+
+fn picture(memory: &[u8], last: bool, (width, height): (u16, u16), stride: usize) -> Image<'_> {
+    let bytes = usize::from(height - 1) * stride + usize::from(width);
+    Image::with_stride(part(memory, last, bytes), width, height, stride).unwrap()
+}
+
+/// The sum of what `of` gives for each pair of pixels.
+fn sum(patch: Image<'_>, template: Image<'_>, of: impl Fn(u8, u8) -> u32) -> u32 {
+    let of_row = |y| patch.row(y).iter().zip(template.row(y)).map(|(&f, &g)| of(f, g)).sum::<u32>();
+    (0..template.height()).map(of_row).sum()
+}
+
+fn score(patch: Image<'_>, template: Image<'_>, table: &CutTable) -> u32 {
+    sum(patch, template, |f, g| table.similarity(f.abs_diff(g)).into())
+}
+
+#[track_caller]
+fn check(right: bool, what: &str, backend: Backend, case: impl Debug) {
+    assert!(right, "{backend:?}: {what}: {case:?}");
+}
+
+/// Compares scores and distances.
+#[inline(never)]
+pub(super) fn scores(backend: Backend, areas: &mut Areas<'_>) {
+    fill(areas);
+    let Areas { end, other_end, start } = &*areas;
+    let small = (1..=70).flat_map(|width| [1, 2, 3, 8, 13, 70 - width / 2].map(|height| (width, height)));
+    let wide = [127, 128, 129, 255, 256, 257, 1000, 1021, 1024, 4099].map(|width| (width, 3));
+    for ((width, height), gap) in small.chain(wide).step_by(STEP).flat_map(|size| [0, 1, 2].map(|gap| (size, gap))) {
+        let pair = |patch, template, last| {
+            let patch = picture(patch, last, (width, height), usize::from(width) + gap);
+            let template = picture(template, last, (width, height), usize::from(width) + 2 * gap);
+            pair(backend, patch, template, 1 + (width * 7 + height * 13) % 255);
+        };
+        pair(end, other_end, true);
+        pair(start, end, false);
+        pair(end, start, false);
+    }
+    for threshold in (0..=256).step_by(STEP) {
+        let size = (21 + threshold % 53, 3);
+        for (from, other) in (0..4).flat_map(|from| (0..4).map(move |other| (from, other))) {
+            let patch = picture(&end[from..], false, size, 77);
+            pair(backend, patch, picture(&other_end[other..], false, size, 78), threshold);
+            pair(backend, patch, patch, threshold);
+        }
+    }
+    for difference in (0..=255).step_by(STEP) {
+        let (row, black) = ([difference; 33], [0; 33]);
+        let [row, black] = [&row, &black].map(|row| Image::new(row, 33, 1).unwrap());
+        for threshold in u16::from(difference).saturating_sub(1)..=u16::from(difference) + 1 {
+            pair(backend, row, black, threshold);
+            pair(backend, black, row, threshold);
+        }
+    }
+    padding(backend, areas);
+    if !cfg!(miri) {
+        largest_scores(backend, areas);
+    }
+}
+
+/// Compares scores with floors around the score, and distances with limits around the distance.
+fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
+    let table = cut(patch.height() % 3 + threshold, threshold);
+    let scorer = Scorer::new(backend, &table);
+    let case = (patch.width(), patch.height(), threshold);
+    let score = score(patch, template, &table);
+    let most = plain::scores::most(patch, template);
+    check(scorer.score(patch, template) == Some(score), "score", backend, case);
+    for floor in
+        [0, 1, score / 2, score.saturating_sub(1), score, score.saturating_add(1), score.midpoint(most), u32::MAX]
+    {
+        let expected = Some(score).filter(|&score| score >= floor);
+        check(scorer.score_at_least(patch, template, floor) == expected, "score and floor", backend, (case, floor));
+    }
+    let exact = sum(patch, template, |f, g| f.abs_diff(g).into());
+    for enough in [0, exact / 3, exact.saturating_sub(1), exact, exact + 1, u32::MAX] {
+        let answer = scorer.distance(patch, template, enough).unwrap();
+        let right = if exact <= enough { answer == exact } else { answer > enough && answer <= exact };
+        check(right, "distance", backend, (case, enough));
+    }
+}
+
+/// Compares scores of what lies on the padding.
+fn padding(backend: Backend, areas: &Areas<'_>) {
+    for (width, height) in [(1, 1), (3, 5), (40, 9), (64, 2), (65, 3), (150, 4)] {
+        let template = picture(areas.end, true, (width, height), usize::from(width) + 1);
+        let table = cut(height, 40 + width);
+        for (x, y) in (0..=width).step_by(7).flat_map(|x| (0..=height).map(move |y| (x, y))) {
+            let seen = Rect::new(x.into(), y.into(), (width - x) / 2, (height - y).div_ceil(2));
+            let seen = seen.intersection(Rect::new(0, 0, width, height));
+            let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let outside = pixels.filter(|&(x, y)| !seen.contains(Rect::new(x.into(), y.into(), 1, 1)));
+            let of_black = |(x, y): (u16, u16)| u32::from(table.similarity(template.row(y)[usize::from(x)]));
+            let score = Scorer::new(backend, &table).score_on_padding(template, seen);
+            check(score == outside.map(of_black).sum(), "score on the padding", backend, (width, height, seen));
+        }
+    }
+}
+
+/// Compares pictures with as many pixels as a sum can hold: equal ones, and black with white. 65537 is prime and a side
+/// is a `u16`, so the largest has 65536 pixels.
+fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>) {
+    end.fill(255);
+    other_end.fill(0);
+    for size in [(256, 256), (65_535, 1), (1, 65_535), (4369, 15), (16_384, 4)] {
+        let [white, black] = [&*end, &*other_end].map(|memory| picture(memory, true, size, size.0.into()));
+        for threshold in [1, 128, 256] {
+            pair(backend, white, white, threshold);
+            pair(backend, white, black, threshold);
+        }
+        let table = cut(2, 256);
+        let scorer = Scorer::new(backend, &table);
+        let least = score(white, black, &table);
+        let most = u32::from(size.0) * u32::from(size.1) * 65_535;
+        let same = scorer.score_between_at_least(white, white, white, 0) == Some(most);
+        let other = scorer.score_between_at_least(black, black, white, 0) >= Some(least);
+        check(same && other, "the largest bounds", backend, size);
+    }
+}
+
+/// Compares bounds of patches between two pictures. They are at least the score of the nearest patch, and at most that
+/// of equal pictures.
+#[inline(never)]
+pub(super) fn scores_between(backend: Backend, areas: &mut Areas<'_>) {
+    fill(areas);
+    let Areas { end, other_end, start } = areas;
+    for (low, high) in end.iter_mut().zip(&mut **start) {
+        (*low, *high) = ((*low).min(*high), (*low).max(*high));
+    }
+    let sizes = (1..=150).flat_map(|width| [1, 2, 5].map(|height| (width, height))).step_by(STEP);
+    for ((width, height), gap) in sizes.flat_map(|size| [0, 1, 2].map(|gap| (size, gap))) {
+        let (threshold, last) = ((width * 7 + height * 13) % 257, (width + height) % 3 > 0);
+        let view = |memory, stride| picture(memory, last, (width, height), usize::from(width) + stride);
+        let (low, high, template) = (view(end, gap), view(start, gap), view(other_end, 2 * gap));
+        let table = cut(height + threshold, threshold);
+        let scorer = Scorer::new(backend, &table);
+        let most = plain::scores::most(low, template);
+        for (low, high) in [(low, high), (high, high)] {
+            let rows = (0..height).map(|y| low.row(y).iter().zip(high.row(y)).zip(template.row(y)));
+            let p = |low, high, g: u8| u32::from(table.similarity(g.abs_diff(g.clamp(low, high))));
+            let exact = rows.flatten().map(|((&low, &high), &g)| p(low, high, g)).sum::<u32>();
+            for floor in [0, 1, exact / 2, exact, exact + 1, exact.midpoint(most), most] {
+                let right = match scorer.score_between_at_least(low, high, template, floor) {
+                    Some(answer) => answer >= exact.max(floor) && answer <= most,
+                    None => exact < floor,
+                };
+                check(right, "score between", backend, (width, height, threshold, floor));
+            }
+        }
+    }
+}
+
+/// Copies a part of a picture, changed a little. Returns the copy, which lies at an edge of the memory.
+fn copy_near<'a>(from: Image<'_>, part: Rect, to: &'a mut [u8], last: bool, noise: &mut Noise) -> Image<'a> {
+    let from = from.crop(part).unwrap();
+    let (width, height) = (usize::from(part.width), usize::from(part.height));
+    for (y, row) in part_mut(to, last, width * height).chunks_mut(width).enumerate() {
+        row.iter_mut().zip(from.row(y as u16)).for_each(|(to, &from)| *to = noise.near(from, 16));
+    }
+    picture(to, last, (part.width, part.height), width)
+}
+
+/// Checks that no offset is excluded that reaches the floor, and that some are that come nowhere near it.
+#[inline(never)]
+pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
+    fill(areas);
+    let mut noise = Noise(3);
+    let sizes = (1..=70).flat_map(|width| [1, 2, 6, 1 + width * 5 % 23].map(|height| (width, height)));
+    for ((width, height), threshold) in
+        sizes.step_by(STEP).flat_map(|size| [0, 1, 13, 40, 255, 256].map(|threshold| (size, threshold)))
+    {
+        let last = (width + height + threshold) % 4 > 0;
+        let patch = picture(areas.end, last, (width + 3, height), usize::from(width) + 3);
+        let table = cut(width + height, threshold);
+        for near in 0..5 {
+            let part = Rect::new(near % 4, 0, width, height);
+            let from = if near < 4 { patch } else { picture(areas.start, last, (width, height), width.into()) };
+            let template = copy_near(from, part, areas.other_end, last, &mut noise);
+            let score = |x| score(patch.crop(Rect { x, ..part }).unwrap(), template, &table);
+            let scores = [0, 1, 2, 3].map(score);
+            let most = plain::scores::most(template, template);
+            let answer = |floor| Scorer::new(backend, &table).candidates(patch, template, floor, ALL_FOUR);
+            for floor in scores.into_iter().chain([0, 1, scores[near as usize % 4] + 1, most]) {
+                let answer = answer(floor);
+                let right = (0..4).all(|offset| answer >> offset & 1 != 0 || scores[offset] < floor);
+                check(right, "candidates", backend, (width, height, threshold, near, floor));
+            }
+            // Other backends let all four through.
+            let excludes = matches!(backend, Backend::Dsp | Backend::Helium);
+            if excludes && near == 4 && width >= 16 && (1..=13).contains(&threshold) {
+                check(answer(most) != ALL_FOUR, "no candidate is excluded", backend, (width, height, threshold));
+            }
+        }
+    }
+}
+
+/// Compares the ranges of blocks. Rows have different alignments, and one touches an edge of the memory.
+#[inline(never)]
+pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
+    fill(areas);
+    let Areas { end, other_end, start } = &mut *areas;
+    for (columns, at_edge) in (4..=200).step_by(STEP).flat_map(|columns| (0..4).map(move |row| (columns, row))) {
+        let threshold = 1 + (columns * 7 + at_edge) as u16 % 256;
+        let table = cut(2, threshold);
+        let mut rows: [&[u8]; 4] = core::array::from_fn(|row| &other_end[row * 301..][..columns + 3]);
+        rows[at_edge] = part(end, columns % 3 > 0, columns + 3);
+        let stride = columns.next_multiple_of(4);
+        // The bytes after the ranges must not change.
+        let (low, high) = start[..512].split_at_mut(256);
+        let after = [low[stride], high[stride]];
+        Scorer::new(backend, &table).ranges(&rows, &mut low[..stride], &mut high[..stride]);
+        check(after == [low[stride], high[stride]], "bytes after ranges", backend, (columns, threshold));
+        ranges_are_right(backend, threshold, &rows, &low[..columns], &high[..columns]);
+    }
+    ranges_of_rows(backend, areas);
+}
+
+/// Checks the ranges of a row in the form in which the backend stores them.
+fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
+    let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
+    for (at, given) in low.iter().copied().zip(high.iter().copied()).enumerate() {
+        let block = rows.iter().flat_map(|row| row[at..at + 4].iter().copied());
+        let (lowest, highest) = block.fold((255, 0), |(low, high), pixel| (pixel.min(low), pixel.max(high)));
+        let (from, to) = (lowest.saturating_sub(last), highest.saturating_add(last));
+        let expected = match backend {
+            Backend::Scalar => (lowest, highest),
+            Backend::Swar => ((lowest / 2).saturating_sub(half), ((255 - highest) / 2).saturating_sub(half)),
+            Backend::Dsp | Backend::Helium => (from, to - from),
+            _ => (from ^ 128, (to - from) ^ 128),
+        };
+        check(given == expected, "range", backend, (low.len(), at, threshold));
+    }
+}
+
+/// Compares the ranges of several rows.
+fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<'_>) {
+    let table = cut(2, 16);
+    let scorer = Scorer::new(backend, &table);
+    for width in 4..=150 {
+        let (height, step, last) = (4 + width % 7, 1 << (width % 3), width % 2 > 0);
+        let columns = usize::from(width) - 3;
+        let stride = columns.next_multiple_of(4);
+        let tops = (0..height - 3).step_by(step);
+        let picture = picture(other_end, last, (width, height), width.into());
+        let length = stride * (tops.len() - 1) + columns;
+        let (low, high) = (part_mut(end, last, length), part_mut(start, last, length));
+        if !scorer.ranges_of_rows(picture, step, RowsOfRanges { low: &mut *low, high: &mut *high, stride }) {
+            continue;
+        }
+        for ((top, low), high) in tops.zip(low.chunks(stride)).zip(high.chunks(stride)) {
+            let rows = [0, 1, 2, 3].map(|row| picture.row(top + row));
+            ranges_are_right(backend, 16, &rows, &low[..columns], &high[..columns]);
+        }
+    }
+    let pixels = picture(other_end, true, (64, 8), 64);
+    let to = RowsOfRanges { low: &mut end[..64 * 5], high: &mut start[..64 * 4 + 60], stride: 64 };
+    check(!scorer.ranges_of_rows(pixels, 1, to), "ranges of rows without room", backend, ());
+    let to = RowsOfRanges { low: &mut end[..64 * 5], high: &mut start[..64 * 5], stride: 60 };
+    check(!scorer.ranges_of_rows(pixels, 1, to), "ranges of rows in short rows", backend, ());
+}
+
+/// Memory for ranges.
+#[repr(align(4))]
+struct Aligned([u8; 2048]);
+
+/// Compares the bound of a group with the scores of its 16 offsets, for templates within its ranges and far from them.
+#[inline(never)]
+pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
+    let mut noise = Noise(5);
+    let (mut low, mut high) = (Aligned([0; 2048]), Aligned([0; 2048]));
+    for (width, which) in (1..=70).step_by(STEP).flat_map(|width| (0..6).map(move |which| (width, which))) {
+        let (height, threshold) =
+            [(1 + width % 11, width % 40), (1, 0), (2, 13), (6, 1), (2, 255), (3, 256)][usize::from(which)];
+        let (left, last) = (width * 3 % 13, (width + which) % 3 > 0);
+        let size = (left + width + 6, height + 5);
+        let across = usize::from(size.0);
+        // Neighbours are close to each other.
+        for row in part_mut(areas.end, last, across * usize::from(size.1)).chunks_mut(across) {
+            row.iter_mut().fold(100, |level, pixel| {
+                *pixel = noise.near(level, 15).wrapping_sub(7);
+                *pixel
+            });
+        }
+        let frame = picture(areas.end, last, size, across);
+        let part = Rect::new(i32::from(left) + 2, 1, width, height);
+        let template = copy_near(frame, part, areas.other_end, last, &mut noise);
+        let table = cut(2, threshold);
+        let scorer = Scorer::new(backend, &table);
+        let stride = usize::from(left + width).next_multiple_of(4);
+        for (y, (low, high)) in (0..height + 2).zip(low.0.chunks_mut(stride).zip(high.0.chunks_mut(stride))) {
+            scorer.ranges(&[0, 1, 2, 3].map(|row| &frame.row(y + row)[..usize::from(left + width) + 3]), low, high);
+        }
+        for top in 0..3 {
+            let blocks =
+                Blocks { low: &low.0, high: &high.0, start: usize::from(top) * stride + usize::from(left), stride };
+            let score = |at: u16| {
+                let patch = Rect { x: (left + at % 4).into(), y: (top + at / 4).into(), ..part };
+                score(frame.crop(patch).unwrap(), template, &table)
+            };
+            let (best, most) = ((0..16).map(score).max().unwrap(), plain::scores::most(template, template));
+            for floor in [0, 1, best / 2, best, best + 1, best.midpoint(most), most] {
+                let right = match scorer.bound(&blocks, template, floor) {
+                    Some(bound) => bound >= best.max(floor) && bound <= most,
+                    None => best < floor,
+                };
+                check(right, "bound of a group", backend, (width, height, threshold, top, floor));
+            }
+        }
+    }
+    far_groups(backend, areas);
+}
+
+/// Checks that groups far from the template are excluded, at every column.
+fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
+    let table = cut(2, 13);
+    let scorer = Scorer::new(backend, &table);
+    let (mut low, mut high) = (Aligned([0; 2048]), Aligned([0; 2048]));
+    for (width, column) in (16..=70).zip((0..13).cycle()) {
+        let columns = column + usize::from(width);
+        let stride = columns.next_multiple_of(4);
+        let row = &[100; 86][..columns + 3];
+        for (low, high) in low.0.chunks_mut(stride).zip(high.0.chunks_mut(stride)).take(9) {
+            scorer.ranges(&[row; 4], low, high);
+        }
+        let blocks = Blocks { low: &low.0, high: &high.0, start: column, stride };
+        for (level, counts) in [(80, false), (87, false), (88, true), (112, true), (114, false), (130, false)] {
+            part_mut(areas.end, true, usize::from(width) * 9).fill(level);
+            let template = picture(areas.end, true, (width, 9), width.into());
+            let most = plain::scores::most(template, template);
+            // The bound may leave out up to two rows.
+            let bound = scorer.bound(&blocks, template, most / 4);
+            check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
+        }
+    }
+}
+
+/// Compares sums of products: filters of all shapes with no more cells than they need, the largest sums, odd layouts.
+#[inline(never)]
+pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
+    let odd = [(4, 4), (5, 40), (6, 32), (4, 50), (14, 14), (32, 6), (1, 1), (7, 9), (13, 15)];
+    let shapes = (4..=32).map(|across| (across, (1 + across * 5 % 13).min(200 / across)));
+    let shapes = odd.into_iter().chain(shapes).enumerate().step_by(STEP);
+    // The largest cells and weights, then noise.
+    for (cell, sign, count) in [(128, Some(-1), 6), (128, Some(1), 6), (127, Some(1), 6), (0, None, usize::MAX)] {
+        areas.end.fill(cell);
+        if sign.is_none() {
+            fill(areas);
+        }
+        let spans = |number| [1 + number % 17, 2, 13, 17].map(|span| (number, span));
+        for ((across, down), (number, span)) in
+            shapes.clone().take(count).flat_map(|(number, shape)| spans(number).map(|span| (shape, span)))
+        {
+            let layout = Layout { row: across * 10, stride: (across + span - 1) * 10, step: 10, span };
+            let cells = signed(part(areas.end, number % 3 > 0, layout.stride * (down + span - 1)));
+            if span <= 13 && number % 2 > 0 {
+                sums::<13>(backend, cells, layout, down, sign);
+            } else {
+                sums::<17>(backend, cells, layout, down, sign);
+            }
+        }
+    }
+    for (row, step, cut, stride) in [(35, 10, 0, 90), (40, 7, 0, 90), (40, 10, 25, 70), (30, 10, 0, 30), (0, 10, 0, 0)]
+    {
+        let layout = Layout { row, stride, step, span: 5 };
+        let cells = signed(part(areas.end, true, (stride * 9usize).saturating_sub(cut)));
+        sums::<13>(backend, cells, layout, 5, None);
+    }
+}
+
+/// Compares the responses and the gradient part by part. The weights are noise, or the largest ones of a sign.
+fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
+    let products = Products::new(backend);
+    let mut noise = Noise(5);
+    let mut number = |most: i16| sign.map_or_else(|| noise.next(most as u32) as i16, |sign| sign * most);
+    let mut weights = [0; 2000];
+    let weights = &mut weights[..layout.row * down];
+    weights.fill_with(|| number(8191));
+    let errors: [[i16; N]; N] = core::array::from_fn(|_| core::array::from_fn(|_| number(16_383)));
+    for spare in [0, 2000] {
+        let (mut room, mut scratch) = (Packed::new(), [7; 2000]);
+        let spare = &mut scratch[..spare];
+        let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
+        for part in 0..products.parts(layout, weights.len()) {
+            products.responses(part..part + 1, &mut room, spare, cells, layout, weights, &mut given);
+        }
+        plain::products::responses(0..layout.span, &mut Packed::new(), &mut [], cells, layout, weights, &mut expected);
+        let row = ..layout.span;
+        let right = given[row].iter().zip(&expected[row]).all(|(given, expected)| given[row] == expected[row]);
+        check(right, "responses", backend, (layout, down, sign));
+        let (mut given, mut expected) = ([9000; 2000], [9000; 2000]);
+        let [given, expected] = [&mut given, &mut expected].map(|sums| &mut sums[..weights.len()]);
+        for part in 0..products.gather_parts(layout, weights.len()) {
+            products.gather(part..part + 1, &mut room, spare, cells, layout, &errors, given);
+        }
+        plain::products::gather(0..layout.span, &mut Packed::new(), &mut [], cells, layout, &errors, expected);
+        check(given == expected, "gathered errors", backend, (layout, down, sign));
+    }
+}
+
+/// Compares layers of a network with the formula, also with the largest sums, and with missing numbers.
+#[cfg(feature = "refiner")]
+#[inline(never)]
+pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
+    // Patches, inputs and outputs: those of the refiner, and odd ones.
+    let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
+    let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
+    let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));
+    fill(areas);
+    // Noise, then the largest numbers.
+    for sign in [0, 1, -1] {
+        let mut noise = Noise(9);
+        let biases = [(); 24].map(|()| if sign == 0 { noise.next(200_000) } else { sign << 27 }.to_le_bytes());
+        for (weight, x) in areas.end.iter_mut().zip(&mut *areas.other_end) {
+            let (any, most) = ((*weight).cast_signed().max(-127), 127 * sign as i8);
+            *weight = if sign == 0 { any } else { most }.cast_unsigned();
+            *x = if sign == 0 { *x & 127 } else { 127 };
+        }
+        for (number, (count, inputs, outputs)) in known.into_iter().chain(odd.clone()).enumerate().step_by(STEP) {
+            let last = number % 3 > 0;
+            let weights = signed(part(areas.end, last, inputs * outputs));
+            let patches = signed(part(areas.other_end, last, count * inputs));
+            // With small biases the products decide.
+            let none = [[0; 4]; 24];
+            for (biases, shift) in [(&biases, 20), (&biases, 21), (&biases, 22), (&none, 0), (&none, 9), (&none, 13)] {
+                let layer = Layer { inputs, weights, biases: &biases[..outputs], shift };
+                // The scratch memory begins at any place, or there is none.
+                for room in [0..SPARE, 1..SPARE + 1, 0..0] {
+                    let (mut spare, mut out) = ([77; SPARE + 1], [55; 256]);
+                    Dense::new(backend).outputs(layer, patches, &mut spare[room], &mut out[..count * outputs]);
+                    let right = patches.chunks(inputs).zip(out.chunks(outputs)).all(|(patch, out)| {
+                        let sums = weights.chunks(inputs).zip(biases).map(|(weights, &bias)| {
+                            let products = patch.iter().zip(weights).map(|(&x, &w)| i64::from(x) * i64::from(w));
+                            (i64::from(i32::from_le_bytes(bias)) + products.sum::<i64>()) >> shift
+                        });
+                        out.iter().zip(sums).all(|(&out, sum)| i64::from(out) == sum.clamp(0, 127))
+                    });
+                    check(right, "layer", backend, (count, inputs, outputs, shift, sign));
+                }
+            }
+        }
+    }
+    areas.end.fill(100);
+    for (inputs, weights, patches) in [(16, 31, 32), (16, 32, 33), (16, 0, 16), (0, 32, 32), (15, 30, 30), (16, 32, 0)]
+    {
+        let weights = signed(part(areas.end, true, weights));
+        let layer = Layer { inputs, weights, biases: &[[1, 0, 0, 0]; 2], shift: 11 };
+        let (mut given, mut wanted) = ([9; 7], [9; 7]);
+        Dense::new(backend).outputs(layer, &[100; 33][..patches], &mut [0; SPARE], &mut given);
+        plain::dense::outputs(layer, &[100; 33][..patches], &mut [], &mut wanted);
+        check(given == wanted, "layer with missing numbers", backend, (inputs, weights.len(), patches));
+    }
+}
+
+/// Compares weights of a filter, in counts that fill the last vector differently.
+fn weights() {
+    // At and beside the bounds of all types.
+    const EXTREMES: [i32; 12] =
+        [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
+    let mut noise = Noise(7);
+    for count in 0..21 {
+        let mut weights = [(); 20].map(|()| EXTREMES[noise.bits() as usize % EXTREMES.len()]);
+        let weights = &mut weights[..count.min(20)];
+        scaled(ScaledSums::of(weights));
+        for (unit, left) in [(14, 2), (14, 5), (16, 0), (17, 0), (19, 0)] {
+            // The largest sums that fit after a shift by `left`, and sums so small that rounding drops them.
+            for most in [(1 << 30) >> left, 1] {
+                let sums: [i32; 20] = core::array::from_fn(|_| noise.next(most));
+                let mut reversed = sums;
+                reversed.reverse();
+                let (weights, sums) = (&reversed[..weights.len()], &sums[..weights.len()]);
+                scaled(ScaledSums { weights, factor: 5056 << (32 - unit), sums, left });
+            }
+        }
+        let slopes: [i16; 20] =
+            core::array::from_fn(|at| if at % 3 == 0 { i16::MIN } else { noise.next(i16::MAX as u32) as i16 });
+        for length in [0, 1, -1, (1 << 32) - 1, 1 << 40, (1 << 47) - 1, -(1 << 46), 0x1234_5678_9ABC] {
+            for back in 0..48 {
+                let mut moved = [5; 20];
+                let moved = &mut moved[..weights.len()];
+                moved.copy_from_slice(weights);
+                GradientStep { length, back }.apply(moved, &slopes);
+                for ((&moved, &weight), &slope) in moved.iter().zip(&*weights).zip(&slopes) {
+                    let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;
+                    let expected = i32::try_from(i64::from(weight) - change).unwrap_or(weight);
+                    assert_eq!(moved, expected, "{weight} less {slope} * {length} >> {back}");
+                }
+            }
+        }
+        let mut numbers: [i16; 16] = core::array::from_fn(|_| noise.next(8191) as i16);
+        let numbers = &mut numbers[..weights.len().min(16)];
+        for part in [16_384, 16_383, 8192, 1, 0] {
+            let less = |number: i16| (i32::from(number) * part + (1 << 13)) >> 14;
+            let before: heapless::Vec<i16, 16> = numbers.iter().copied().collect();
+            let sum = before.iter().map(|&number| i32::from(number) * less(number)).sum::<i32>();
+            assert_eq!(scale_by(numbers, part), sum, "the sum of {count} products, part {part}");
+            assert!(before.iter().zip(&*numbers).all(|(&old, &new)| less(old) == new.into()), "numbers, part {part}");
+            numbers.iter_mut().for_each(|number| *number = if *number % 2 == 0 { 8191 } else { -8191 });
+        }
+    }
+}
+
+/// Compares the largest number, and the coded ones for each shift with which they fit.
+fn scaled(numbers: ScaledSums<'_>) {
+    let ScaledSums { weights, factor, sums, left } = numbers;
+    let number = |factor, (&weight, &sum): (&i32, &i32)| {
+        ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
+    };
+    // Of a negative number the sign is removed first, then the number is rounded down.
+    let size = |pair: (&i32, &i32)| match number(factor, pair) {
+        number @ 0.. => number,
+        _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),
+    };
+    let largest = numbers.largest();
+    let expected = weights.iter().zip(sums).map(size).max().unwrap_or(0);
+    assert_eq!(i64::from(largest), expected, "the largest of {weights:?}, {sums:?} << {left}, factor {factor}");
+    for shift in (0..32).skip_while(|shift| largest >> shift >= 8191) {
+        let mut coded = [7; 21];
+        numbers.code(shift, &mut coded);
+        for (pair, &coded) in weights.iter().zip(sums).zip(&coded) {
+            let expected = (number(factor, pair) + (1 << shift >> 1)) >> shift;
+            assert_eq!(i64::from(coded), expected, "{pair:?} << {left}, factor {factor}, coded by {shift}");
+        }
+        assert!(coded[weights.len()..].iter().all(|&coded| coded == 7), "{} numbers are coded", weights.len());
+    }
+}
+
+/// Compares columns of a resampled row with the formula.
+fn columns() {
+    let mut noise = Noise(11);
+    let mut places = [(0, 0); 40];
+    let mut columns = Interpolation::<40>::new();
+    for (column, place) in (0..).zip(&mut places) {
+        *place = ((noise.bits() % 512) as u16, 255 - column * 6);
+        columns.push(place.0, place.1);
+    }
+    let mut row: MixedRow = [0; Interpolation::<40>::PLACES + 4];
+    for extreme in [true, false] {
+        row.fill_with(|| {
+            let level = noise.bits() % (255 * 256 + 1);
+            ((if extreme { level % 2 * 255 * 256 } else { level }) as u16).wrapping_sub(BIAS)
+        });
+        for count in 0..=40 {
+            let mut out = [7; 40];
+            columns.mix(&row, &mut out[..count]);
+            let expected = |number: usize| {
+                let (place, part) = places[number];
+                let [first, second] = [0, 1].map(|next| u32::from(row[usize::from(place) + next].wrapping_add(BIAS)));
+                ((first * (256 - u32::from(part)) + second * u32::from(part) + (1 << 15)) >> 16) as u8
+            };
+            assert_eq!(out, core::array::from_fn(|at| if at < count { expected(at) } else { 7 }), "{count} columns");
+        }
+    }
+}
+
+/// Compares the sums of cells, and their features.
+fn cells() {
+    /// Cells in the longest row of the robust tracker.
+    const ROW: usize = 48;
+    let mut noise = Noise(13);
+    for (across, most) in (0..=ROW).flat_map(|across| [2, 30, 255].map(|most| (across, most))) {
+        let mut lines = [[0; ROW * CELL as usize + 2]; SIDE];
+        lines.as_flattened_mut().fill_with(|| match most {
+            // Black and white: the largest gradients.
+            2 => ((noise.bits() >> 9) as u8 & 1).wrapping_neg(),
+            most => noise.near(0, most),
+        });
+        let (mut sums, mut energies) = ([[7; ROW]; CHANNELS], [7; ROW]);
+        gradients(&lines, &mut sums, &mut energies, across);
+        for (number, &energy) in energies[..across].iter().enumerate() {
+            let wanted = plain::gradients::cell(&lines, number * usize::from(CELL));
+            assert_eq!((energy, sums.map(|row| row[number])), (wanted.energy(), wanted.0), "cell {number} of {across}");
+        }
+        let inverses = [(); ROW].map(|()| noise.bits() % 162_561);
+        let (mut given, mut expected) = ([[0; CHANNELS]; ROW], [[0; CHANNELS]; ROW]);
+        scale(&sums, &inverses, &mut given[..across]);
+        plain::gradients::scale(&sums, &inverses, &mut expected[..across]);
+        assert_eq!(given, expected, "features of {across} cells");
+    }
+}
+
+/// Compares sums over gray levels, and the replacement of a row, with the formulas.
+fn gray_levels(areas: &mut Areas<'_>) {
+    fill(areas);
+    for (length, level) in (0..=300).chain([1024, 4099, 65_535]).zip([0, 255, 1, 100, 254].into_iter().cycle()) {
+        if length == 65_535 {
+            areas.end.fill(!level);
+        }
+        let last = length % 3 > 0;
+        let (old, new) = (part_mut(areas.end, last, length), part(areas.other_end, last, length));
+        let sum = old.iter().map(|&pixel| u32::from(pixel.abs_diff(level))).sum();
+        let clipped = old.iter().filter(|&&pixel| pixel == 0 || pixel == 255).count() as u32;
+        assert_eq!(levels::deviation(old, level), [sum, clipped], "{length} pixels at {level}");
+        let largest = old.iter().zip(new).map(|(old, &new)| old.abs_diff(new)).fold(level % 7, u8::max);
+        assert_eq!(levels::replace(old, new, level % 7), largest, "the largest difference of {length} pixels");
+        assert!(old == new, "{length} pixels are replaced");
+        old.iter_mut().for_each(|pixel| *pixel = pixel.wrapping_mul(31).wrapping_add(level));
+    }
+}

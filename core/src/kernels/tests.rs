@@ -1,0 +1,122 @@
+//! Runs the comparisons of `check.rs` for each backend of the host, beside memory that may not be accessed.
+
+use super::backend::Backend;
+use super::check;
+use super::scorer::Scorer;
+use crate::image::Image;
+use memory::Guarded;
+
+/// Three areas of memory with no access before and after each: a page without access, or (elsewhere, and under Miri,
+/// which checks every access itself) another allocation.
+#[cfg(all(unix, not(miri)))]
+mod memory {
+    use crate::kernels::check::{Areas, ROOM};
+    use core::{ptr, slice};
+
+    pub(super) struct Guarded(*mut u8);
+
+    impl Guarded {
+        pub(super) fn new() -> Self {
+            // SAFETY: these calls touch nothing but the new mapping. Three of its seven parts are made accessible.
+            unsafe {
+                let flags = libc::MAP_PRIVATE | libc::MAP_ANONYMOUS;
+                let all = libc::mmap(ptr::null_mut(), 7 * ROOM, libc::PROT_NONE, flags, -1, 0);
+                assert_ne!(all, libc::MAP_FAILED);
+                for part in [1, 3, 5] {
+                    assert_eq!(libc::mprotect(all.add(part * ROOM), ROOM, libc::PROT_READ | libc::PROT_WRITE), 0);
+                }
+                Self(all.cast())
+            }
+        }
+
+        pub(super) fn areas(&mut self) -> Areas<'_> {
+            // SAFETY: the bytes are initialised (zero), do not overlap, and are borrowed as this is.
+            let part = |part| unsafe { slice::from_raw_parts_mut(self.0.add(part * ROOM), ROOM) };
+            Areas { end: part(1), other_end: part(3), start: part(5) }
+        }
+    }
+
+    impl Drop for Guarded {
+        fn drop(&mut self) {
+            // SAFETY: the mapping is unchanged, and nothing borrows it any more.
+            unsafe { libc::munmap(self.0.cast(), 7 * ROOM) };
+        }
+    }
+}
+
+#[cfg(not(all(unix, not(miri))))]
+mod memory {
+    use crate::kernels::check::{Areas, ROOM};
+    use std::vec::Vec;
+
+    pub(super) struct Guarded([Vec<u8>; 3]);
+
+    impl Guarded {
+        pub(super) fn new() -> Self {
+            Self([(); 3].map(|()| std::vec![0; ROOM]))
+        }
+
+        pub(super) fn areas(&mut self) -> Areas<'_> {
+            let [end, other_end, start] = &mut self.0;
+            Areas { end, other_end, start }
+        }
+    }
+}
+
+/// Pictures with more pixels than a sum can hold have no score.
+fn too_large(backend: Backend) {
+    let pixels = std::vec![255; 2 * 65_535];
+    let table = check::cut(2, 256);
+    let scorer = Scorer::new(backend, &table);
+    for (width, height) in [(257, 256), (65_535, 2), (32_769, 2), (2, 65_535)] {
+        let large = Image::new(&pixels, width, height).unwrap();
+        assert_eq!(scorer.score(large, large), None);
+        assert_eq!(scorer.score_at_least(large, large, 1), None);
+        assert_eq!(scorer.distance(large, large, u32::MAX), None);
+        assert_eq!(scorer.score_between_at_least(large, large, large, 0), None);
+    }
+}
+
+#[test]
+fn native() {
+    check::native(&mut Guarded::new().areas());
+}
+
+/// Defines a module of tests for each backend. A backend that the machine does not have is skipped by name.
+macro_rules! for_each_backend {
+    ($($module:ident: $backend:ident),*; $tests:tt) => {$(
+        mod $module {
+            for_each_backend! { @tests $backend $tests }
+        }
+    )*};
+    (@tests $backend:ident { $($(#[$if:meta])? $test:ident: $run:expr),* }) => {$(
+        $(#[$if])?
+        #[test]
+        fn $test() {
+            use super::*;
+            let backend = Backend::$backend;
+            if backend.is_available() {
+                let run: fn(Backend) = $run;
+                run(backend);
+            } else {
+                let test = std::format!("{}::{}", module_path!(), stringify!($test));
+                crate::missing::skipped(&test, std::format_args!("no {backend:?} here"));
+            }
+        }
+    )*};
+}
+
+for_each_backend! {
+    scalar_loop: Scalar, sse2: Sse2, avx2: Avx2, neon: Neon, simd128: Simd128, swar: Swar;
+    {
+        scores: |backend| check::scores(backend, &mut Guarded::new().areas()),
+        scores_between: |backend| check::scores_between(backend, &mut Guarded::new().areas()),
+        candidates: |backend| check::candidates(backend, &mut Guarded::new().areas()),
+        ranges: |backend| check::ranges(backend, &mut Guarded::new().areas()),
+        groups: |backend| check::groups(backend, &mut Guarded::new().areas()),
+        products: |backend| check::products(backend, &mut Guarded::new().areas()),
+        #[cfg(feature = "refiner")]
+        dense: |backend| check::dense(backend, &mut Guarded::new().areas()),
+        too_large: too_large
+    }
+}
