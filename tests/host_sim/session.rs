@@ -1,60 +1,10 @@
-//! The outputs for the user: conversions, videos, live input and help.
+//! What `tests/cases` cannot show: the window, a C compiler, live input, a terminal, each command's help.
 
 use crate::missing::has_c_compiler;
 use crate::program::{PROGRAM, host_sim, utf8};
-use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
-
-#[test]
-fn convert_reports_and_reads_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let (small, again) = (folder.path().join("small"), folder.path().join("again.y4m"));
-    let report = host_sim(&[
-        "convert",
-        "synthetic",
-        "-o",
-        utf8(&small),
-        "--format",
-        "raw",
-        "--frames",
-        "11..20",
-        "--resize",
-        "1/2",
-        "--json",
-    ])
-    .json();
-    let (width, height) = (report["width"].as_u64().unwrap(), report["height"].as_u64().unwrap());
-    assert_eq!((&report["frames"], &report["format"]), (&Value::from(10), &Value::from("raw")));
-    assert_eq!(report["bytes"], Value::from(10 * width * height));
-    assert_eq!(report["boxes"], serde_json::json!(["init.txt", "gt.txt"]));
-    assert_eq!(fs::read_to_string(small.join("gt.txt")).unwrap().lines().count(), 10);
-
-    let size = format!("{width}x{height}");
-    let said = host_sim(&["convert", utf8(&small), "--size", &size, "-o", utf8(&again)]);
-    let start = "10 frames of ";
-    assert!(said.out.contains(start) && said.out.contains("; it starts with --init "), "{}", said.out);
-    let boxes = |path, more: &[&str]| host_sim(&[&["track", path, "--method", "robust"], more].concat()).out;
-    let init = said.out.trim_end().rsplit(' ').next().unwrap();
-    assert_eq!(boxes(utf8(&again), &["--init", init]), boxes(utf8(&small), &["--size", &size]));
-
-    host_sim(&["convert", "synthetic", "-o", utf8(&small)]).refuses(&[utf8(&small), "is not empty"]);
-    host_sim(&["convert", "synthetic", "-o", "a.raw", "--format", "pgm"]).refuses(&["--format pgm", "a.raw"]);
-    let late = folder.path().join("late.raw");
-    host_sim(&["convert", "synthetic", "-o", utf8(&late), "--frames", "9999.."]).refuses(&["no frame 9999"]);
-    assert!(!late.exists());
-}
-
-#[test]
-fn without_arguments_a_target_is_followed_and_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = Command::new(PROGRAM).current_dir(folder.path()).stdin(Stdio::null()).output().unwrap();
-    let said = String::from_utf8(run.stdout).unwrap();
-    assert!(run.status.success() && said.contains("smr-demo.html") && said.contains("--init"), "{said}");
-    let page = fs::read_to_string(folder.path().join("smr-demo.html")).unwrap();
-    assert!(page.contains("<html") && page.contains("robust"));
-}
 
 #[test]
 fn a_recording_without_a_command_opens_the_window() {
@@ -68,140 +18,6 @@ fn a_recording_without_a_command_opens_the_window() {
         window.kill().and_then(|()| window.wait()).unwrap();
         assert!(line.contains("http://127.0.0.1:"), "{arguments:?}: {line}");
     }
-}
-
-#[test]
-fn convert_reports_what_it_wrote() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("frames");
-    let said = host_sim(&["convert", "synthetic", "-o", utf8(&out), "--format", "y4m", "--json"]).json();
-    assert_eq!((&said["frames"], &said["format"], &said["width"]), (&240.into(), &"y4m".into(), &160.into()));
-    assert!(out.join("synthetic.y4m").exists());
-}
-
-#[test]
-fn a_sequence_for_the_vot_toolkit_keeps_the_pixels_and_says_what_it_lacks() {
-    let folder = tempfile::tempdir().unwrap();
-    let sequences = folder.path().join("sequences");
-    let written = |name: &str, out: &str| {
-        host_sim(&["convert", name, "--format", "vot", "--frames", "..15", "-o", utf8(&sequences.join(out))])
-    };
-    let whole = written("synthetic", "whole");
-    assert_eq!((whole.code, whole.err.as_str()), (Some(0), ""));
-    let tracked = |name: &str| host_sim(&["track", name, "--frames", "..15"]).out;
-    assert_eq!(tracked(utf8(&sequences.join("whole"))), tracked("synthetic"));
-
-    let bare = written("periodic", "bare");
-    assert!(bare.code == Some(0) && bare.err.contains("periodic: no ground truth for each frame"), "{}", bare.err);
-    assert!(bare.out.contains("groundtruth.txt, sequence; added to"), "{}", bare.out);
-    assert_eq!(fs::read_to_string(sequences.join("bare/groundtruth.txt")).unwrap().lines().count(), 1);
-    assert_eq!(fs::read_to_string(sequences.join("list.txt")).unwrap(), "whole\nbare\n");
-    assert!(fs::read_to_string(folder.path().join("config.yaml")).unwrap().starts_with("registry:\n- trackers.ini\n"));
-
-    let picture = folder.path().join("picture.pgm");
-    fs::write(&picture, b"P5 2 2 255\n\x01\x02\x03\x04").unwrap();
-    let otb = folder.path().join("otb");
-    host_sim(&["convert", utf8(&picture), "--format", "otb", "-o", utf8(&otb)]).refuses(&["--format otb", "--init"]);
-    assert!(!otb.exists());
-}
-
-#[test]
-fn parts_are_shown_and_checked_as_they_are_followed() {
-    let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join("part.html");
-    let said = host_sim(&["report", "synthetic", "--frames", "20..40", "-o", utf8(&page), "--json"]).json();
-    assert_eq!(said["recordings"][0]["frames"], Value::from(21));
-    let said = host_sim(&["check", "synthetic", "--frames", "20..40", "--json"]).json();
-    assert_eq!(said[0]["frames"], Value::from(20), "one is locked on");
-    host_sim(&["report", "synthetic", "--frames", "300..", "-o", utf8(&page)]).refuses(&["no frame 300"]);
-    host_sim(&["check", "synthetic", "--frames", "7"]).refuses_usage("20..80");
-}
-
-/// Other trackers' results cover the whole recording. For a part of the recording, the same part of the results is compared.
-#[test]
-fn results_of_others_are_cut_with_the_recording() {
-    let folder = tempfile::tempdir().unwrap();
-    let recording = folder.path().join("clip");
-    assert_eq!(
-        host_sim(&["convert", "synthetic", "-o", utf8(&recording), "--frames", "1..30", "--format", "y4m"]).code,
-        Some(0)
-    );
-    fs::create_dir(recording.join("trackers")).unwrap();
-    fs::copy(recording.join("gt.txt"), recording.join("trackers/perfect.txt")).unwrap();
-    let page = folder.path().join("page.html");
-    let said = host_sim(&["report", utf8(&recording), "--frames", "11..", "-o", utf8(&page), "--json"]).json();
-    let scores = said["scores"]["measured"].as_array().unwrap();
-    let perfect = scores.iter().find(|score| score["method"] == "perfect" || score["tracker"] == "perfect");
-    let perfect = perfect.unwrap_or_else(|| panic!("{scores:?}"));
-    assert_eq!(perfect["correct"], 20, "{perfect}");
-}
-
-#[test]
-fn a_part_is_measured_under_a_name_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
-    // In the form of a recording of the paper's table.
-    let car = folder.path().join("deep/er/06_car");
-    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&car), "--format", "y4m"]).code, Some(0));
-    let rows = host_sim(&["eval", utf8(folder.path()), "--frames", "5..24", "--json"]).json();
-    let part = &rows["measured"][0];
-    assert_eq!((&part["sequence"], &part["frames"]), (&"06_car 5..24".into(), &20.into()));
-    let printed = |of: &Value| of["printed"].as_array().unwrap().len();
-    assert_eq!(printed(&rows), 0, "nothing printed stands beside a part: {rows:?}");
-    let whole = host_sim(&["eval", utf8(&car), "--method", "smr", "--json"]).json();
-    assert_eq!(printed(&whole), 5);
-}
-
-#[test]
-fn eval_prints_the_figures_of_otb_and_vot_in_every_format() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, frames) in [("a", "1..12"), ("b", "5..20")] {
-        let recording = folder.path().join(name);
-        let convert = ["convert", "synthetic", "-o", utf8(&recording), "--format", "y4m", "--frames", frames];
-        assert_eq!(host_sim(&convert).code, Some(0));
-        // Another tracker that gives the ground truth in the first half of the frames, then no answer.
-        let truth = fs::read_to_string(recording.join("gt.txt")).unwrap();
-        let half: Vec<&str> = truth.lines().take(truth.lines().count() / 2).collect();
-        fs::create_dir(recording.join("trackers")).unwrap();
-        fs::write(recording.join("trackers/half.txt"), half.join("\n")).unwrap();
-    }
-    let eval = ["eval", utf8(folder.path()), "--method", "robust,sad", "--compare"];
-    let said = |more: &[&str]| host_sim(&[&eval, more].concat());
-    let json = said(&["--json"]).json();
-    let rows = json["measured"].as_array().unwrap();
-    assert_eq!((rows.len(), json["means"].as_array().unwrap().len()), (3 * 2, 3));
-    let close = |value: &Value, to: f64| (value.as_f64().unwrap() - to).abs() < 1e-9;
-    for row in &rows[4..6] {
-        assert_eq!(row["tracker"], "half");
-        assert!(close(&row["otb_auc"], 10.0 / 21.0) && close(&row["otb_precision"], 0.5), "{row}");
-        assert!(close(&row["vot_f"], 2.0 / 3.0) && row["vot_threshold"].is_null(), "{row}");
-    }
-    assert!(rows[0]["vot_threshold"].is_f64() && rows[2]["vot_threshold"].is_null());
-    let mean = &json["means"][2];
-    assert_eq!((&mean["tracker"], &mean["recordings"]), (&"half".into(), &2.into()));
-    assert!(close(&mean["otb_precision"], 0.5) && close(&mean["otb_precision_standard_error"], 0.0));
-
-    let text = said(&[]).out;
-    assert!(text.lines().next().unwrap().contains("OTB AUC  OTB P20  VOT F  threshold"), "{text}");
-    assert!(text.contains("half     mean of 2 ") && text.contains("half       standard error "), "{text}");
-    let csv = said(&["--format", "csv"]).out;
-    assert_eq!(csv.lines().count(), 1 + 3 * 2);
-    assert!(csv.starts_with("tracker,sequence,frames,") && csv.contains("\nhalf,b,16,"), "{csv}");
-    let means = said(&["--format", "csv", "--part", "means"]).out;
-    assert!(means.starts_with("tracker,recordings,") && means.contains("\nhalf,2,"), "{means}");
-    let markdown = said(&["--format", "markdown"]).out;
-    assert!(markdown.starts_with("| tracker | sequence |") && markdown.contains("| half | mean of 2 |"), "{markdown}");
-
-    let unknown = said(&["--format", "html"]);
-    assert!(unknown.code == Some(2) && unknown.err.contains("text, markdown, csv"), "{}", unknown.err);
-    let both = said(&["--format", "csv", "--json"]);
-    assert!(both.code == Some(2) && both.out.is_empty() && both.err.contains("--json"), "{}", both.err);
-    host_sim(&["eval", "synthetic", "--part", "means"]).refuses(&["--part", "--format csv"]);
-    let starts = ["eval", "synthetic", "--format", "csv", "--part", "starts"];
-    host_sim(&starts).refuses(&["--part starts", "measured, means, printed"]);
-    fs::write(folder.path().join("a/trackers/half.txt"), "1,2,three,4\n").unwrap();
-    let broken = said(&["--format", "csv"]);
-    assert_eq!(broken.code, Some(2));
-    assert!(broken.err.contains("half.txt: line 1") && broken.out.contains("\nrobust,a,"), "{}", broken.err);
 }
 
 #[test]
@@ -277,42 +93,6 @@ fn every_frame_is_answered_as_it_comes() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("standard input: no box to start from: give --init"));
 }
 
-#[test]
-fn a_video_is_there_whole_or_not_at_all() {
-    let folder = tempfile::tempdir().unwrap();
-    let pictures = folder.path().join("boxes");
-    let said = host_sim(&["track", "synthetic", "--frames", "1..5", "--video", utf8(&pictures)]);
-    assert_eq!((said.code, said.out.lines().count()), (Some(0), 5), "{}", said.err);
-    assert_eq!(fs::read_dir(&pictures).unwrap().count(), 5);
-    host_sim(&["track", "synthetic", "--video", "a.avi"]).refuses(&["a.avi", ".mkv or .webm"]);
-
-    let cut = folder.path().join("cut.y4m");
-    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&cut), "--frames", "1..4"]).code, Some(0));
-    let bytes = fs::read(&cut).unwrap();
-    fs::write(&cut, &bytes[..bytes.len() - 100]).unwrap();
-    let video = folder.path().join("cut");
-    let said = host_sim(&["track", utf8(&cut), "--init", "40,40,40,30", "--video", utf8(&video)]);
-    assert_eq!((said.code, said.out.lines().count(), video.exists()), (Some(2), 3, false), "{}", said.err);
-}
-
-#[test]
-fn the_extension_says_what_a_file_holds() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, beginning) in [
-        ("boxes.csv", "frame,time,x,y,"),
-        ("boxes.json", "{\"version\":"),
-        ("boxes.xml", "<?xml version=\"1.0\""),
-        ("boxes.txt", "36,24,60,52\n"),
-    ] {
-        let file = folder.path().join(name);
-        assert_eq!(host_sim(&["track", "synthetic", "--frames", "..2", "-o", utf8(&file)]).code, Some(0));
-        let text = fs::read_to_string(&file).unwrap();
-        assert!(text.starts_with(beginning), "{name}: {text}");
-    }
-    let both = ["track", "synthetic", "-o", "a.mp4", "--video", "b.mp4"];
-    host_sim(&both).refuses(&["--out and --video both name a video"]);
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn on_a_terminal_a_film_comes_with_what_happens_instead_of_numbers() {
@@ -328,14 +108,6 @@ fn on_a_terminal_a_film_comes_with_what_happens_instead_of_numbers() {
     assert!(said.contains("locked at frame 1") && said.contains(&format!("{}: 20 frames", film.display())), "{said}");
     assert!(said.contains("tracking 20") && said.contains("20 frames, ") && !said.contains("36,24,60,52"), "{said}");
     assert_eq!(fs::read_dir(&film).unwrap().count(), 20);
-}
-
-#[test]
-fn options_are_echoed() {
-    let options = ["--method", "smr", "--config", "camera", "--window", "20x16", "--exhaustive"];
-    let said = host_sim(&[&["track", "synthetic", "--frames", "1..8", "--json"], &options[..]].concat());
-    let expected = serde_json::json!({ "config": "camera", "window": "20x16", "exhaustive": true });
-    assert_eq!(said.json_lines()[0]["options"], expected);
 }
 
 #[test]

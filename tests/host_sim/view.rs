@@ -340,21 +340,6 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
 }
 
-#[test]
-fn what_cannot_be_viewed_is_said_in_one_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let (text, empty) = (folder.path().join("a.mp4"), folder.path().join("empty"));
-    fs::write(&text, "no video").unwrap();
-    fs::create_dir(&empty).unwrap();
-    host_sim(&["view", utf8(&empty), "--no-open"]).refuses(&[utf8(&empty), "holds no recording"]);
-    host_sim(&["view", "missing.mp4", "--no-open"]).refuses(&["missing.mp4"]);
-    host_sim(&["view", "synthetic", "--init", "1,2,3", "--no-open"]).refuses(&["--init"]);
-    host_sim(&["view", "synthetic", "--method", "smr", "--reach", "5"]).refuses(&["--reach", "robust"]);
-    if has_ffmpeg("what_cannot_be_viewed_is_said_in_one_line") {
-        host_sim(&["view", utf8(&text), "--no-open"]).refuses(&[utf8(&text)]);
-    }
-}
-
 /// Any frame of a long video, in memory that does not grow with it.
 #[cfg(target_os = "linux")]
 #[test]
