@@ -1,7 +1,7 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::events::Events;
-use super::paths::{Bare, Places, Taken, listed};
+use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
@@ -60,18 +60,8 @@ pub struct Track {
     tracker: TrackerOptions,
 }
 
-const FILM: Taken = Taken { endings: &FILM_ENDINGS, bare: Bare::Folder };
-const BOXES: Taken = Taken { endings: &ENDINGS, bare: Bare::File };
-
-/// The extensions of boxes, then those of films.
-const ENDINGS: [&str; 9] = {
-    let (mut all, mut at) = ([""; 9], 0);
-    while at < all.len() {
-        all[at] = if at < 5 { Format::ENDINGS[at] } else { FILM_ENDINGS[at - 5] };
-        at += 1;
-    }
-    all
-};
+const FILM: Taken = Taken { endings: [&FILM_ENDINGS, &[]], is_folder: true };
+const BOXES: Taken = Taken { endings: [&Format::ENDINGS, &FILM_ENDINGS], is_folder: false };
 
 /// What is said of targets of poor quality.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
@@ -79,14 +69,14 @@ const POOR: &str = "can hardly be told from what lies beside it: expected a box 
 impl Track {
     pub fn places(&self) -> Places<'_> {
         let (boxes, films) = self.outputs();
-        let places = Places::of([&self.sequence]).writes_as("--out", boxes, BOXES);
-        films.into_iter().fold(places, |places, (option, film)| places.writes_as(option, Some(film), FILM))
+        let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
+        films.into_iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM)))
     }
 
     /// Where boxes go, and where films.
     fn outputs(&self) -> (Option<&PathBuf>, Vec<(&'static str, &PathBuf)>) {
         let is_film = |out: &&PathBuf| {
-            out.extension().is_some_and(|ending| FILM.endings.iter().any(|film| ending.eq_ignore_ascii_case(film)))
+            out.extension().is_some_and(|ending| FILM_ENDINGS.iter().any(|film| ending.eq_ignore_ascii_case(film)))
         };
         let film = self.out.as_ref().filter(is_film).map(|out| ("--out", out));
         let films = film.into_iter().chain(self.video.as_ref().map(|film| ("--video", film))).collect();

@@ -1,8 +1,7 @@
 //! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
 
-use super::number::whole;
 use super::tracker_options::{Pair, TrackerOptions};
-use super::{Outcome, say, shell, usage};
+use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
