@@ -15,18 +15,19 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// `track -`, which is being sent the first frames of the built-in recording.
+/// `track -`, which is being sent the first frames of the built-in recording again and again.
 struct Live {
     process: Child,
     input: ChildStdin,
-    frames: Box<dyn Iterator<Item = Vec<u8>>>,
+    frames: std::iter::Cycle<std::vec::IntoIter<Vec<u8>>>,
 }
 
 const START: &str = "36,24,24,28";
 
 impl Live {
     fn start(arguments: &[&str], output: Stdio) -> Self {
-        let frames = Box::new(synthetic::frames().map(|frame| frame.pixels).cycle_first());
+        let frames: Vec<_> = synthetic::frames().take(20).map(|frame| frame.pixels).collect();
+        let frames = frames.into_iter().cycle();
         let mut process = command(arguments).stdin(Stdio::piped()).stdout(output).spawn().expect("host-sim runs");
         let mut input = process.stdin.take().expect("it is piped");
         let header = format!("YUV4MPEG2 W{} H{} F25:1 Cmono\n", synthetic::WIDTH, synthetic::HEIGHT);
@@ -46,15 +47,6 @@ impl Live {
         let _ = self.process.wait();
     }
 }
-
-/// The same frames again and again.
-trait CycleFirst: Iterator<Item = Vec<u8>> + Sized {
-    fn cycle_first(self) -> std::iter::Cycle<std::vec::IntoIter<Vec<u8>>> {
-        self.take(20).collect::<Vec<_>>().into_iter().cycle()
-    }
-}
-
-impl<I: Iterator<Item = Vec<u8>>> CycleFirst for I {}
 
 fn wait_until(what: &str, mut there: impl FnMut() -> bool) {
     let start = Instant::now();

@@ -1,24 +1,10 @@
-//! What `tests/cases` cannot show: the window, a C compiler, live input, a terminal, each command's help.
+//! What `tests/cases` cannot show: a C compiler, live input, a terminal, each command's help.
 
 use crate::missing::has_c_compiler;
 use crate::program::{PROGRAM, host_sim, utf8};
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
-
-#[test]
-fn a_recording_without_a_command_opens_the_window() {
-    let folder = tempfile::tempdir().unwrap();
-    for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
-        let mut window = Command::new(PROGRAM);
-        window.args(arguments).env("TMPDIR", folder.path()).stdin(Stdio::null()).stdout(Stdio::piped());
-        let mut window = window.spawn().unwrap();
-        let mut line = String::new();
-        BufReader::new(window.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        window.kill().and_then(|()| window.wait()).unwrap();
-        assert!(line.contains("http://127.0.0.1:"), "{arguments:?}: {line}");
-    }
-}
 
 #[test]
 fn a_c_array_compiles() {

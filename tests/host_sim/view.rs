@@ -170,6 +170,15 @@ fn what_is_followed_in_the_window_is_what_track_answers() {
 }
 
 #[test]
+fn a_recording_without_a_command_opens_the_window() {
+    for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
+        let mut command = Command::new(PROGRAM);
+        command.args(arguments);
+        assert!(Window::start(command).place.starts_with("127.0.0.1:"), "{arguments:?}");
+    }
+}
+
+#[test]
 fn the_page_has_all_that_it_asks_for() {
     let window = Window::open(&["periodic"]);
     let page = window.text("");
