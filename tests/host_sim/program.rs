@@ -1,7 +1,5 @@
 //! Runs `host-sim` for the tests, and checks its output.
 
-#![allow(dead_code)] // no test needs all of it
-
 use super::missing::runs;
 use serde_json::Value;
 use std::path::Path;
