@@ -1,8 +1,8 @@
 //! Runs `tests/cases`: commands as users type them, and what host-sim says to each.
 //!
 //! The blocks ```console of a file run one after the other in a new folder. Below a line that begins with `$ ` stand the command's output, its
-//! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE` and `head -c BYTES FILE > FILE` make
-//! files, `cat FILE` and `ls DIR` show them. `SMR_RECORD=1 cargo test -p host-sim --test program cases` writes into the files what host-sim says now.
+//! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE`, `head -c BYTES FILE > FILE` and
+//! `host-sim ... > FILE` make files, `mkdir` a folder, `cat FILE` and `ls DIR` show them. `SMR_RECORD=1 cargo test -p host-sim --test program cases` writes into the files what host-sim says now.
 
 use crate::program::PROGRAM;
 use std::fs::{self, File};
@@ -43,11 +43,22 @@ fn said(command: &str, folder: &Path) -> String {
     match words[..] {
         ["host-sim", ref arguments @ ..] => {
             let mut program = Command::new(PROGRAM);
+            let arguments = match arguments {
+                [arguments @ .., ">", file] => {
+                    program.stdout(File::create(folder.join(file)).expect("a file can be made"));
+                    arguments
+                }
+                all => all,
+            };
             let program = program.args(arguments).current_dir(folder).stdin(Stdio::null()).env("COLUMNS", "120");
             let said = program.output().expect("host-sim runs");
             let code = said.status.code().filter(|code| *code != 0).map(|code| format!("[{code}]\n"));
             let [out, err] = [said.stdout, said.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
             out + &err + &code.unwrap_or_default()
+        }
+        ["mkdir", name] => {
+            fs::create_dir(folder.join(name)).expect("a folder can be made");
+            String::new()
         }
         ["printf", text, ">", file] => {
             fs::write(folder.join(file), unescaped(text)).expect("a file can be written");

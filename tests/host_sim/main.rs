@@ -8,7 +8,6 @@ mod program;
 #[cfg(unix)]
 mod cases;
 mod command_line;
-mod command_line_input;
 #[cfg(unix)]
 mod endurance;
 mod figures;
@@ -17,6 +16,5 @@ mod page;
 mod readme_commands;
 mod replay;
 mod session;
-mod tables;
 mod targets;
 mod view;

@@ -73,8 +73,9 @@ const PLAYER: &str = r##"
 
 #[test]
 fn the_page_plays_in_a_browser() {
-    let page = page("page", &["synthetic", "--method", "smr,robust,sad"]);
+    let page = page("page", &["synthetic", "--method", "smr,robust"]);
     let text = fs::read_to_string(&page).unwrap();
+    assert!(text.contains("host-sim report --out ") && text.contains(" synthetic --method "), "how to make it again");
     assert!(!text.contains("http://") || text.matches("http://").count() == text.matches("http://www.w3.org/").count());
     browser::act("the_page_plays_in_a_browser", &page, 1280, "", PLAYER);
 }
@@ -126,7 +127,7 @@ const MOVING: &str = r##"
 #[test]
 fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
     let test = "curves_move_and_zoom_by_mouse_wheel_fingers_and_keys";
-    browser::act(test, &page("page-moving", &["synthetic"]), 1280, "frame=120", MOVING);
+    browser::act(test, &page("page-moving", &["synthetic", "--method", "smr"]), 1280, "frame=120", MOVING);
 }
 
 /// Of a recording whose frames have times, 25 a second.
@@ -203,7 +204,7 @@ const STAYS: &str = r##"
 
 #[test]
 fn the_player_stays_in_view_and_nothing_is_too_wide() {
-    let page = page("page-stays", &["synthetic", "border"]);
+    let page = page("page-stays", &["synthetic", "border", "--method", "smr"]);
     for width in [390, 1280] {
         browser::act("the_player_stays_in_view_and_nothing_is_too_wide", &page, width, "frame=60", STAYS);
     }
@@ -229,7 +230,7 @@ const ADDRESS: &str = r##"
 
 #[test]
 fn the_address_names_the_frame() {
-    let page = page("page-address", &["synthetic", "border"]);
+    let page = page("page-address", &["synthetic", "border", "--method", "smr"]);
     browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
 }
 
@@ -251,7 +252,7 @@ const NUMBERS: &str = r##"
 
 #[test]
 fn one_number_shifts_all_frame_numbers() {
-    let page = page("page-numbers", &["synthetic"]);
+    let page = page("page-numbers", &["synthetic", "--method", "smr"]);
     let text = fs::read_to_string(&page).unwrap();
     assert_eq!(text.matches("\"first\":1,").count(), 1);
     fs::write(&page, text.replace("\"first\":1,", "\"first\":601,")).unwrap();
@@ -328,19 +329,4 @@ fn tables_are_sorted_by_their_headers() {
     let recording = with_trackers("page-sorted-recording");
     let page = page("page-sorted", &[utf8(&recording)]);
     browser::act("tables_are_sorted_by_their_headers", &page, 1280, "", SORTED);
-}
-
-#[test]
-fn a_box_that_smr_refuses_is_shown_with_robust_alone_unless_smr_is_asked_for() {
-    let folder = folder("page-refused");
-    let page = folder.join("report.html");
-    let arguments = ["report", "synthetic", "--frames", "1..5", "--resize", "1280x960", "--init", "4,4,150,110"];
-    let report = |more: &[&str]| host_sim(&[&arguments, &["-o", utf8(&page)][..], more].concat());
-    let said = report(&["--json"]);
-    assert_eq!(said.err.lines().count(), 1, "{}", said.err);
-    assert!(said.err.starts_with("note: synthetic: smr is left out: the box "), "{}", said.err);
-    let scores = &said.json()["scores"];
-    assert!(scores.to_string().contains("robust") && !scores.to_string().contains("\"smr\""), "{scores}");
-    assert!(fs::read_to_string(&page).unwrap().contains("<p class=\"note\">smr is left out: the box "));
-    report(&["--method", "robust,smr"]).refuses(&["the tracker smr takes at most"]);
 }

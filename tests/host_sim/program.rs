@@ -1,7 +1,5 @@
 //! Runs `host-sim` for the tests, and checks its output.
 
-#![allow(dead_code)] // no test needs all of it
-
 use super::missing::runs;
 use serde_json::Value;
 use std::path::Path;
@@ -33,24 +31,10 @@ impl Said {
         }
     }
 
-    /// Bad usage: exit code 2, and what was expected.
-    #[track_caller]
-    pub fn refuses_usage(&self, expected: &str) {
-        assert_eq!(self.code, Some(2), "{}", self.err);
-        assert!(self.err.contains(expected), "`{expected}` is not in: {}", self.err);
-    }
-
     #[track_caller]
     pub fn json(&self) -> Value {
         assert_eq!(self.code, Some(0), "{}", self.err);
         serde_json::from_str(&self.out).expect("standard output is JSON")
-    }
-
-    /// One JSON object per line.
-    #[track_caller]
-    pub fn json_lines(&self) -> Vec<Value> {
-        assert_eq!(self.code, Some(0), "{}", self.err);
-        self.out.lines().map(|line| serde_json::from_str(line).expect("each line is JSON")).collect()
     }
 }
 

@@ -1,57 +1,9 @@
-//! Several targets in one pass, and videos that keep what the recording has: colors, times, shape and sound.
+//! Videos keep what the recording has: colors, times, shape and sound.
 
 use crate::missing::{has, has_ffmpeg};
 use crate::program::{host_sim, utf8};
-use std::fs;
 use std::path::Path;
 use std::process::Command;
-
-/// The boxes of `synthetic` in these frames, as they are typed.
-fn boxes(frames: &[usize]) -> Vec<String> {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("boxes");
-    assert_eq!(host_sim(&["convert", "synthetic", "-o", utf8(&out), "--format", "raw"]).code, Some(0));
-    let truth = fs::read_to_string(out.join("gt.txt")).unwrap();
-    let lines: Vec<&str> = truth.lines().collect();
-    let typed = |frame: &usize| {
-        let corners: Vec<f64> = lines[frame - 1].split(',').map(|number| number.parse().unwrap()).collect();
-        format!("{},{},{},{}", corners[0], corners[1], corners[2] - corners[0], corners[3] - corners[1])
-    };
-    frames.iter().map(typed).collect()
-}
-
-#[test]
-fn each_of_several_targets_is_followed_as_if_it_were_alone() {
-    let [first, tenth, late] = &boxes(&[1, 10, 25])[..] else { unreachable!() };
-    let (a, b, again) = (format!("a={first}"), format!("b={tenth}@10"), format!("a@25={late}"));
-    let part = ["track", "synthetic", "--frames", "1..40"];
-    let together =
-        host_sim(&[&part[..], &["--json", "--init", &a, "--init", &b, "--init", &again]].concat()).json_lines();
-    let of = |name: &str| together.iter().filter(|line| line["target"] == name).cloned().collect::<Vec<_>>();
-    assert_eq!((of("a").len(), of("b").len(), together.len()), (40, 31, 71));
-    let alone = |init: &[&str]| host_sim(&[&part[..], &["--json"], init].concat()).json_lines();
-    assert_eq!(of("a"), alone(&["--init", &a, "--init", &again]));
-    assert_eq!(of("b"), alone(&["--init", &b]));
-    assert_eq!((&of("b")[0]["frame"], &of("b")[0]["state"]), (&10.into(), &"tracking".into()));
-    // Locked on anew.
-    assert!(of("a")[24]["quality"].is_number() && of("a")[23]["quality"].is_null());
-
-    let csv = host_sim(&[&part[..], &["--init", &a, "--init", &b]].concat());
-    assert!(csv.out.starts_with("target,frame,time,x,y,width,height,state,"), "{}", csv.out);
-    assert_eq!(csv.out.lines().count(), 1 + 40 + 31);
-}
-
-#[test]
-fn frames_keep_the_numbers_of_the_recording() {
-    let lines = host_sim(&["track", "synthetic", "--frames", "11..13", "--json"]).json_lines();
-    assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [11, 12, 13]);
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("boxes");
-    assert_eq!(host_sim(&["track", "synthetic", "--frames", "11..12", "--video", utf8(&out)]).code, Some(0));
-    let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    names.sort();
-    assert_eq!(names, ["00011.png", "00012.png"]);
-}
 
 /// Runs a program of ffmpeg's; what it says.
 fn run(program: &str, arguments: &[&str]) -> String {

@@ -136,21 +136,30 @@ fn target(locks: &[(usize, [i32; 4])]) -> Value {
     json!([{ "id": 7, "name": "car", "locks": locks }])
 }
 
+/// The first 40 frames of `synthetic`, with their boxes.
+fn recording(folder: &TempDir) -> String {
+    let recording = utf8(&folder.path().join("synthetic")).to_owned();
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..40", "-o", &recording]).code, Some(0));
+    recording
+}
+
 #[test]
 fn what_is_followed_in_the_window_is_what_track_answers() {
-    let window = Window::open(&["synthetic"]);
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let window = Window::open(&[recording]);
     let source = window.json("source");
-    assert_eq!((&source["frames"], &source["width"], &source["live"]), (&json!(240), &json!(160), &json!(false)));
+    assert_eq!((&source["frames"], &source["width"], &source["live"]), (&json!(40), &json!(160), &json!(false)));
     assert_eq!(source["targets"][0]["locks"], json!([{ "frame": 1, "box": [36, 24, 24, 28] }]));
     window.followed();
-    assert_eq!(window.text("boxes?format=csv"), host_sim(&["track", "synthetic", "--format", "csv"]).out);
-    assert_eq!(window.text("boxes?format=json"), host_sim(&["track", "synthetic", "--json"]).out);
+    assert_eq!(window.text("boxes?format=csv"), host_sim(&["track", recording, "--format", "csv"]).out);
+    assert_eq!(window.text("boxes?format=json"), host_sim(&["track", recording, "--json"]).out);
     assert_eq!(
-        window.post("targets", &target(&[(2, [37, 24, 24, 28]), (60, [80, 40, 24, 28])])),
+        window.post("targets", &target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])])),
         (200, "{}".to_owned())
     );
     window.followed();
-    let inits = ["track", "synthetic", "--init", "37,24,24,28@2", "--init", "80,40,24,28@60"];
+    let inits = ["track", recording, "--init", "37,24,24,28@2", "--init", "80,40,24,28@30"];
     let corrected = |more: &[&str]| host_sim(&[&inits, more].concat()).out;
     assert_eq!(window.text("boxes?format=csv"), corrected(&["--format", "csv"]));
     assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
@@ -158,6 +167,15 @@ fn what_is_followed_in_the_window_is_what_track_answers() {
     let paper = corrected(&["--method", "smr", "--config", "camera", "--format", "csv"]);
     assert_eq!(window.text("boxes?format=csv"), paper);
     assert!(window.text("firmware").contains("camera_within"));
+}
+
+#[test]
+fn a_recording_without_a_command_opens_the_window() {
+    for arguments in [["synthetic", "--no-open", "--json"], ["--no-open", "--json", "synthetic"]] {
+        let mut command = Command::new(PROGRAM);
+        command.args(arguments);
+        assert!(Window::start(command).place.starts_with("127.0.0.1:"), "{arguments:?}");
+    }
 }
 
 #[test]
@@ -198,7 +216,8 @@ fn the_page_has_all_that_it_asks_for() {
 
 #[test]
 fn a_video_and_a_report_are_made_to_be_taken_away() {
-    let window = Window::open(&["synthetic"]);
+    let folder = tempfile::tempdir().unwrap();
+    let window = Window::open(&[recording(&folder)]);
     window.followed();
     let report = String::from_utf8(window.made("report", &json!({}))).unwrap();
     assert!(report.contains("<html") && report.contains("36,24,24,28"));
@@ -253,10 +272,10 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("clip.y4m");
-    assert_eq!(host_sim(&["convert", "synthetic", "--out", utf8(&file)]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..60", "--out", utf8(&file)]).code, Some(0));
     let all = fs::read(&file).unwrap();
     let head = all.iter().position(|&byte| byte == b'\n').unwrap() + 1;
-    let frames = |count: usize| &all[..head + (all.len() - head) / 240 * count];
+    let frames = |count: usize| &all[..head + (all.len() - head) / 60 * count];
     fs::write(&file, frames(40)).unwrap();
     let window = Window::open(&[utf8(&file), "--init", "36,24,24,28"]);
     assert_eq!((window.followed()["followed"].clone(), window.saved("csv")), (json!(40), "clip.csv".to_owned()));
@@ -286,7 +305,7 @@ fn odd_names_are_made_and_typed() {
     use std::os::unix::ffi::OsStrExt;
     let folder = tempfile::tempdir().unwrap();
     let clip = folder.path().join("clip.y4m");
-    assert_eq!(host_sim(&["convert", "synthetic", "--out", utf8(&clip)]).code, Some(0));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..30", "--out", utf8(&clip)]).code, Some(0));
     for (name, typed) in [(&b"-a b.y4m"[..], "'./-a b.y4m'"), (b"bad\xff'.y4m", r"$'bad\xff\'.y4m'")] {
         let name = OsStr::from_bytes(name);
         fs::copy(&clip, folder.path().join(name)).unwrap();
@@ -304,7 +323,8 @@ fn odd_names_are_made_and_typed() {
 
 #[test]
 fn targets_are_told_to_all_pages_and_none_takes_the_place_of_another() {
-    let window = Window::open(&["synthetic"]);
+    let folder = tempfile::tempdir().unwrap();
+    let window = Window::open(&[recording(&folder)]);
     let (source, here) = (window.json("source"), window.followed()["position"].clone());
     let post = |revision: &Value, targets: &Value| {
         let (status, said) = window.post_by("targets", &format!("If-Match: \"{revision}\"\r\n"), targets);
@@ -322,10 +342,10 @@ fn targets_are_told_to_all_pages_and_none_takes_the_place_of_another() {
     other[0]["name"] = json!("man");
     assert_eq!(window.post("targets", &other).0, 400, "its id is that of the car");
     window.followed();
-    let part = window.json("answers?target=7&from=200&to=230");
+    let part = window.json("answers?target=7&from=10&to=30");
     assert_eq!(
         (part["rows"].as_array().unwrap().len(), &part["rows"][0][1], &part["to"]),
-        (31, &json!(200), &json!(230))
+        (21, &json!(10), &json!(30))
     );
 }
 
@@ -338,21 +358,6 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 1);
     assert_eq!(window.interrupt(), Some(130));
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
-}
-
-#[test]
-fn what_cannot_be_viewed_is_said_in_one_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let (text, empty) = (folder.path().join("a.mp4"), folder.path().join("empty"));
-    fs::write(&text, "no video").unwrap();
-    fs::create_dir(&empty).unwrap();
-    host_sim(&["view", utf8(&empty), "--no-open"]).refuses(&[utf8(&empty), "holds no recording"]);
-    host_sim(&["view", "missing.mp4", "--no-open"]).refuses(&["missing.mp4"]);
-    host_sim(&["view", "synthetic", "--init", "1,2,3", "--no-open"]).refuses(&["--init"]);
-    host_sim(&["view", "synthetic", "--method", "smr", "--reach", "5"]).refuses(&["--reach", "robust"]);
-    if has_ffmpeg("what_cannot_be_viewed_is_said_in_one_line") {
-        host_sim(&["view", utf8(&text), "--no-open"]).refuses(&[utf8(&text)]);
-    }
 }
 
 /// Any frame of a long video, in memory that does not grow with it.

@@ -231,6 +231,18 @@ mod tests {
     }
 
     #[test]
+    fn a_black_lens_is_never_tracked_and_soon_lost() {
+        let robust = &variants()[1];
+        for sequence in slow::sequences() {
+            let start = robust.start(sequence.start().unwrap());
+            let recording = Recording::read(sequence, MOST_BYTES).unwrap();
+            let run = super::run(&recording, robust, start, (Cover::Black, &recording.frames[0])).unwrap();
+            let is_lost = run.lost_at.is_some_and(|frame| frame <= LOST_BY);
+            assert!(run.right_before && run.tracking == 0 && is_lost, "{run:?}");
+        }
+    }
+
+    #[test]
     fn it_is_the_same_again_and_goes_over_the_middle() {
         let variants = variants();
         let measured = |variants: &[Variant]| {

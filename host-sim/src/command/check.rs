@@ -129,22 +129,19 @@ fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<
     };
     writeln!(out, "{sequence}: {frames} frames, {compared}")?;
     match violation {
-        Some(violation) => describe_violation(violation, out)?,
+        Some(Violation { frame, what, core, reference }) => {
+            writeln!(out, "  FAILED in frame {frame}: {what}\n    smr-core:  {core}\n    reference: {reference}")?;
+        }
         None => writeln!(out, "  equal, bit for bit: {equal}")?,
     }
     match counts {
         Counts::Paper(counts) => describe_paper(counts, out),
-        Counts::Robust(counts) => describe_robust(counts, out),
+        Counts::Robust(robust::Counts { uncertain, lost, learned, swept, found_again, .. }) => writeln!(
+            out,
+            "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; {swept} windows of the sweep, found again \
+             in {found_again}"
+        ),
     }
-}
-
-fn describe_robust(counts: &robust::Counts, out: &mut impl Write) -> io::Result<()> {
-    let robust::Counts { uncertain, lost, learned, swept, found_again, .. } = counts;
-    writeln!(
-        out,
-        "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; {swept} windows of the sweep, found again \
-         in {found_again}"
-    )
 }
 
 fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()> {
@@ -153,25 +150,10 @@ fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()
         out,
         "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
     )?;
-    match other_peaks.as_slice() {
-        [] => writeln!(out, "  exact sums have the same arg max in every frame"),
-        others => {
-            writeln!(
-                out,
-                "  exact sums have another arg max in {} frames, where {:.1} units are allowed:",
-                others.len(),
-                2.0 * bound
-            )?;
-            for other in others {
-                writeln!(out, "    frame {}: by {:.1} units", other.frame, other.margin)?;
-            }
-            Ok(())
-        }
+    if other_peaks.is_empty() {
+        return writeln!(out, "  exact sums have the same arg max in every frame");
     }
-}
-
-fn describe_violation(violation: &Violation, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "  FAILED in frame {}: {}", violation.frame, violation.what)?;
-    writeln!(out, "    smr-core:  {}", violation.core)?;
-    writeln!(out, "    reference: {}", violation.reference)
+    let (count, allowed) = (other_peaks.len(), 2.0 * bound);
+    writeln!(out, "  exact sums have another arg max in {count} frames, where {allowed:.1} units are allowed:")?;
+    other_peaks.iter().try_for_each(|other| writeln!(out, "    frame {}: by {:.1} units", other.frame, other.margin))
 }

@@ -1,6 +1,6 @@
 //! `host-sim convert`: a recording as files that other programs read and firmware replays.
 
-use super::paths::{Bare, Places, Taken};
+use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
 use super::{Outcome, progress, tell};
 use anyhow::{Result, bail, ensure};
@@ -12,7 +12,7 @@ use smr_recordings::{BoundingBox, Sequence, misfit};
 use std::io::Write;
 use std::path::PathBuf;
 
-const TAKEN: Taken = Taken { endings: &Format::OF_FILES, bare: Bare::Folder };
+const TAKEN: Taken = Taken { endings: [&Format::OF_FILES, &[]], is_folder: true };
 
 #[derive(Debug, clap::Args)]
 pub struct Convert {
@@ -51,10 +51,9 @@ struct Report {
 
 impl Convert {
     pub fn places(&self) -> Places<'_> {
-        let (places, out) = (Places::of([&self.sequence]), Some(&self.out));
         // The sequence of a toolkit is a folder, whatever it is called.
         let is_folder = self.format.is_some_and(Format::needs_boxes);
-        if is_folder { places.writes("--out", out) } else { places.writes_as("--out", out, TAKEN) }
+        Places::of([&self.sequence]).writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN))
     }
 
     pub fn run(self) -> Result<Outcome> {

@@ -1,11 +1,9 @@
 //! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
 
-use super::number::from;
-use super::paths::Places;
 use super::progress::{Bar, Expected};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
-use super::{HostSim, Outcome, progress, tell, told};
+use super::{HostSim, Outcome, from, progress, tell, told};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::CommandFactory;
 use rayon::prelude::*;
@@ -142,10 +140,6 @@ impl TableOptions {
 }
 
 impl Eval {
-    pub fn places(&self) -> Places<'_> {
-        Places::of(&self.paths).reads(self.against.as_ref())
-    }
-
     pub fn run(mut self) -> Result<Outcome> {
         self.tables.check(self.known_tables())?;
         if (!self.fault.is_empty() || self.covered) && self.method.is_empty() {
@@ -381,18 +375,5 @@ fn say_if_stopped() {
 fn say_what_to_know(evaluations: &[Evaluation]) {
     for note in evaluations.iter().flat_map(|evaluation| &evaluation.notes) {
         complain(&format!("note: {note}"));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_method_is_measured_once() {
-        let options = TrackerOptions::default();
-        let variants = options.variants(&[MethodKind::Sad, MethodKind::Smr, MethodKind::Sad]).unwrap();
-        let names: Vec<String> = variants.into_iter().map(|variant| variant.name).collect();
-        assert_eq!(names, ["sad", "smr"]);
     }
 }

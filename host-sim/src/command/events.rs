@@ -9,18 +9,17 @@ pub struct Events(Vec<Seen>);
 #[derive(Clone, Default)]
 struct Seen {
     last: Option<State>,
-    /// How many frames it was in each of [`STATES`].
-    frames: [usize; STATES.len()],
+    /// How many frames it was in each of [`State::ALL`].
+    frames: [usize; State::ALL.len()],
 }
-
-const STATES: [State; 4] = [State::Tracking, State::Leaving, State::Uncertain, State::Lost];
 
 impl Events {
     pub fn new(targets: usize) -> Self {
         Self(vec![Seen::default(); targets])
     }
 
-    /// What this answer is for the target at this place, if it is more than the one before: `lost at 0:12.4 (frame 311)`.
+    /// Says what this answer is for the target at this place, if it is more than the one before: `lost at 0:12.4 (frame 311)`, or without a
+    /// time `lost at frame 311`.
     pub fn of(
         &mut self,
         target: usize,
@@ -31,7 +30,7 @@ impl Events {
     ) -> Option<String> {
         let seen = &mut self.0[target];
         let before = seen.last.replace(report.state);
-        for (count, state) in seen.frames.iter_mut().zip(STATES) {
+        for (count, state) in seen.frames.iter_mut().zip(State::ALL) {
             *count += usize::from(report.state == state);
         }
         let what = match (before, report.state) {
@@ -41,19 +40,15 @@ impl Events {
             (Some(State::Lost), state) if state != State::Lost => "found",
             _ => return None,
         };
-        Some(format!("{what} at {}", place(frame, time)))
+        let frame = format!("frame {frame}");
+        Some(format!("{what} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
     }
 
     /// In how many frames a target was in which state.
     pub fn sum(&self, target: usize) -> String {
-        let counts = self.0[target].frames.iter().zip(STATES).filter(|(count, _)| **count > 0);
+        let counts = self.0[target].frames.iter().zip(State::ALL).filter(|(count, _)| **count > 0);
         counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")
     }
-}
-
-/// `0:12.4 (frame 311)`; without a time the frame alone.
-fn place(frame: usize, time: Option<f64>) -> String {
-    time.map_or_else(|| format!("frame {frame}"), |time| format!("{} (frame {frame})", clock(time)))
 }
 
 /// Minutes and seconds, with hours if there are any: `1:02:03.4`.

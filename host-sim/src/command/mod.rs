@@ -6,7 +6,6 @@ mod convert;
 mod eval;
 mod events;
 mod exit_code;
-pub mod number;
 mod paths;
 mod progress;
 pub mod recording_options;
@@ -19,18 +18,19 @@ mod usage;
 mod video;
 mod view;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::{CommandFactory, Parser, Subcommand};
 pub use exit_code::{Outcome, program};
 use exit_code::{is_closed_pipe, obey, told};
-use paths::Places;
 use serde::Serialize;
 use smr_recordings::output::print;
 use smr_recordings::{BUILT_IN, is_live, street};
 use std::ffi::OsString;
 use std::io::{self, Write};
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::process::ExitCode;
+use std::str::FromStr;
 
 /// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window. Without
 /// arguments, the target of a built-in recording is followed and shown on a page.
@@ -107,21 +107,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Replay(replay::Replay),
 }
 
-/// Runs the same code with the options of whichever command was given.
-macro_rules! each {
-    ($of:expr, $command:ident => $do:expr) => {
-        match $of {
-            Command::View($command) => $do,
-            Command::Track($command) => $do,
-            Command::Check($command) => $do,
-            Command::Eval($command) => $do,
-            Command::Convert($command) => $do,
-            Command::Report($command) => $do,
-            Command::Replay($command) => $do,
-        }
-    };
-}
-
 /// The page that is written without arguments.
 const FIRST_PAGE: &str = "smr-demo.html";
 
@@ -175,19 +160,41 @@ fn is_recording(arguments: &[OsString]) -> bool {
 
 impl HostSim {
     fn run(self) -> Result<Outcome> {
-        each!(&self.command, command => command.places()).check()?;
-        each!(self.command, command => command.run())
+        match &self.command {
+            Command::Track(track) => track.places().check()?,
+            Command::Convert(convert) => convert.places().check()?,
+            Command::Report(report) => report.places().check()?,
+            // They only write to standard output.
+            Command::View(_) | Command::Check(_) | Command::Eval(_) | Command::Replay(_) => {}
+        }
+        match self.command {
+            Command::View(view) => view.run(),
+            Command::Track(track) => track.run(),
+            Command::Check(check) => check.run(),
+            Command::Eval(eval) => eval.run(),
+            Command::Convert(convert) => convert.run(),
+            Command::Report(report) => report.run(),
+            Command::Replay(replay) => replay.run(),
+        }
     }
 }
 
-/// The `places` of the commands that have none of their own: they only write to standard output.
-trait WritesNoFile {
-    fn places(&self) -> Places<'_> {
-        Places::default()
+/// Reads a whole number of this range, which `T` must be able to hold.
+pub fn whole<T: FromStr>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number: &u64| range.contains(number));
+        let number = number.and_then(|number| number.to_string().parse().ok());
+        number.ok_or_else(|| match (range.start(), range.end()) {
+            (first, &u64::MAX) => anyhow!("expected a whole number, {first} or more"),
+            (first, last) => anyhow!("expected a whole number from {first} to {last}"),
+        })
     }
 }
 
-impl<T> WritesNoFile for T {}
+/// Reads a whole number without an upper limit but that of the machine.
+fn from<T: FromStr>(first: u64) -> impl Fn(&str) -> Result<T> + Clone {
+    whole(first..=u64::MAX)
+}
 
 /// Prints a result, as JSON or in words.
 pub fn tell<T: Serialize>(

@@ -1,7 +1,7 @@
 //! How recordings are opened, the same for every command that reads them.
 
-use super::number::{from, whole};
 use super::tracker_options::Pair;
+use super::{from, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use smr_recordings::output::complain;

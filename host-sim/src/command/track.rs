@@ -1,13 +1,13 @@
 //! `host-sim track`: the target's box in every frame, as it is found.
 
 use super::events::Events;
-use super::paths::{Bare, Places, Taken, listed};
+use super::paths::{Places, Taken, listed};
 use super::progress::{self, Bar};
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
 use super::video::{Film, Shown};
 use super::{Outcome, is_closed_pipe};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail, ensure};
 use smr_core::Quality;
 use smr_evaluation::{Follower, MethodKind};
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
@@ -60,18 +60,8 @@ pub struct Track {
     tracker: TrackerOptions,
 }
 
-const FILM: Taken = Taken { endings: &FILM_ENDINGS, bare: Bare::Folder };
-const BOXES: Taken = Taken { endings: &ENDINGS, bare: Bare::File };
-
-/// The extensions of boxes, then those of films.
-const ENDINGS: [&str; 9] = {
-    let (mut all, mut at) = ([""; 9], 0);
-    while at < all.len() {
-        all[at] = if at < 5 { Format::ENDINGS[at] } else { FILM_ENDINGS[at - 5] };
-        at += 1;
-    }
-    all
-};
+const FILM: Taken = Taken { endings: [&FILM_ENDINGS, &[]], is_folder: true };
+const BOXES: Taken = Taken { endings: [&Format::ENDINGS, &FILM_ENDINGS], is_folder: false };
 
 /// What is said of targets of poor quality.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
@@ -79,14 +69,14 @@ const POOR: &str = "can hardly be told from what lies beside it: expected a box 
 impl Track {
     pub fn places(&self) -> Places<'_> {
         let (boxes, films) = self.outputs();
-        let places = Places::of([&self.sequence]).writes_as("--out", boxes, BOXES);
-        films.into_iter().fold(places, |places, (option, film)| places.writes_as(option, Some(film), FILM))
+        let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
+        films.into_iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM)))
     }
 
     /// Where boxes go, and where films.
     fn outputs(&self) -> (Option<&PathBuf>, Vec<(&'static str, &PathBuf)>) {
         let is_film = |out: &&PathBuf| {
-            out.extension().is_some_and(|ending| FILM.endings.iter().any(|film| ending.eq_ignore_ascii_case(film)))
+            out.extension().is_some_and(|ending| FILM_ENDINGS.iter().any(|film| ending.eq_ignore_ascii_case(film)))
         };
         let film = self.out.as_ref().filter(is_film).map(|out| ("--out", out));
         let films = film.into_iter().chain(self.video.as_ref().map(|film| ("--video", film))).collect();
@@ -106,16 +96,14 @@ impl Track {
         };
         let printer = Printer::new(format, about);
         let (boxes, films) = self.outputs();
-        let film = match films[..] {
-            [] => None,
-            [(_, film)] => Some(film),
-            _ => bail!("--out and --video both name a video: expected one of them"),
-        };
+        ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
+        let film = films.first().map(|&(_, film)| film);
         // A film is there to be looked at: numbers on the same terminal would hide what happens.
         let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
-        let mut lines = match events {
-            Some(_) => Lines::Unread,
-            None => Lines::create(boxes.map(PathBuf::as_path), film.is_some())?,
+        let mut lines = match (&events, boxes) {
+            (Some(_), _) => Lines::Unread,
+            (None, None) => Lines::Printed { goes_on: film.is_some() },
+            (None, Some(file)) => Lines::File(Output::create(file)?),
         };
         let mut clock = sequence.colors.clock(sequence.first);
         let live = sequence.colors.now();
@@ -129,9 +117,8 @@ impl Track {
         if let Some(misfit) = length.and_then(misfit) {
             complain(&format!("warning: {}: {misfit}", sequence.name));
         }
-        let (name, film) = (film.cloned(), film.map(|out| self.film(out, &mut sequence)).transpose()?);
+        let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence)?))).transpose()?;
         lines.write(&printer.head())?;
-        let film = name.zip(film);
         let last = sequence.first - 1;
         let mut pass =
             Pass { name: sequence.name, targets, printer, lines, events, film, bar, live, drops: false, last };
@@ -243,16 +230,6 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
-    /// What became of each target, if events are told.
-    fn end(&self) -> String {
-        let Some(events) = &self.events else { return String::new() };
-        let line = |(at, target): (usize, &Follower)| {
-            let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
-            format!("{name}{}\n", events.sum(at))
-        };
-        self.targets.iter().enumerate().map(line).collect()
-    }
-
     /// What was not followed is never hidden.
     fn say_end(&self, live: &Now) {
         if let Some(reason) = live.ended() {
@@ -266,25 +243,31 @@ impl Pass {
     /// Errors: A box lies in none of the frames that were read.
     fn finish(mut self, first: usize) -> Result<()> {
         self.bar.clear();
-        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, named(target))));
+        let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
         if let Some(live) = &self.live {
             self.say_end(live);
         } else if let Some((frame, name)) = missing {
+            let name = name.map_or(String::new(), |name| format!(" for {name}"));
             bail!("{}: there is no frame {frame}{name} (--init): expected {first} to {}", self.name, self.last);
         }
         self.lines.write(&self.printer.foot()?)?;
-        let (end, frames) = (self.end(), self.bar.done());
         if let Some((name, film)) = self.film {
             film.finish()?;
-            let written = format!("{}: {frames} frames", name.display());
+            let written = format!("{}: {} frames", name.display(), self.bar.done());
             match self.events {
-                Some(_) => print(|out| write!(out, "{written}\n{end}"))?,
+                Some(events) => print(|out| write!(out, "{written}\n{}", ends(&self.targets, &events)))?,
                 None if !self.bar.is_hidden() => complain(&written),
                 None => {}
             }
         }
         self.lines.finish()
     }
+}
+
+/// What became of each target.
+fn ends(targets: &[Follower], events: &Events) -> String {
+    let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
 }
 
 /// What is said of the targets of a frame that are of poor quality.
@@ -300,11 +283,6 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// What follows after the recording's name.
-fn named(target: &Follower) -> String {
-    target.name.as_ref().map_or(String::new(), |name| format!(" for {name}"))
-}
-
 /// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
 /// printed before.
 enum Lines {
@@ -318,10 +296,6 @@ enum Lines {
 }
 
 impl Lines {
-    fn create(file: Option<&Path>, goes_on: bool) -> Result<Self> {
-        file.map_or(Ok(Self::Printed { goes_on }), |file| Output::create(file).map(Self::File))
-    }
-
     fn write(&mut self, text: &str) -> Result<()> {
         match self {
             Self::Printed { goes_on } => match print(|out| out.write_all(text.as_bytes())) {
@@ -335,9 +309,6 @@ impl Lines {
     }
 
     fn finish(self) -> Result<()> {
-        match self {
-            Self::Printed { .. } | Self::Unread => Ok(()),
-            Self::File(file) => file.finish(),
-        }
+        if let Self::File(file) = self { file.finish() } else { Ok(()) }
     }
 }

@@ -1,6 +1,6 @@
 //! The numbers of the methods on the command line, the same for every command that runs a tracker.
 
-use super::number::whole;
+use super::whole;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde::{Serialize, Serializer};

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use smr_core::State;
 use smr_evaluation::{Report, name_of};
-use smr_pages::colors::{AMBER, Color, GREEN, RED, TARGETS, WHITE};
+use smr_pages::colors::{AMBER, GREEN, RED, TARGETS, WHITE};
 use smr_pages::export::{self, Overlay, Plan};
 use smr_recordings::{BoundingBox, ColorFrames, GrayFrame};
 use std::path::Path;
@@ -60,13 +60,21 @@ impl Film {
             overlay.outline(&last, color);
         }
         let name = name.map_or(String::new(), |name| format!("{name} "));
-        overlay.label(&format!("{number} {name}{}", said(report)), color);
+        // In hundredths.
+        let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
+        let state = name_of(report.state);
+        overlay.label(&format!("{number} {name}{state}{}", confidence.unwrap_or_default()), color);
     }
 
     fn draw_all(&self, overlay: &mut Overlay, number: usize, targets: &[Shown<'_>]) {
-        for ((shown, last), color) in targets.iter().zip(&self.lasts).zip(TARGETS.iter().cycle()) {
-            if let (Some(report), Some(last)) = (&shown.report, last) {
-                draw_one(overlay, shown.name.unwrap_or(""), report, last, *color);
+        for ((shown, last), &color) in targets.iter().zip(&self.lasts).zip(TARGETS.iter().cycle()) {
+            let (Some(report), Some(last), name) = (&shown.report, last, shown.name.unwrap_or("")) else { continue };
+            if report.state == State::Tracking {
+                overlay.outline(last, color);
+                overlay.label_box(last, name, color);
+            } else {
+                overlay.dashed_outline(last, color);
+                overlay.label_box(last, &format!("{name} {}", name_of(report.state)), color);
             }
         }
         overlay.label(&number.to_string(), WHITE);
@@ -75,21 +83,4 @@ impl Film {
     pub fn finish(self) -> Result<()> {
         self.film.finish()
     }
-}
-
-/// One of several targets.
-fn draw_one(overlay: &mut Overlay, name: &str, report: &Report, last: &BoundingBox, color: Color) {
-    if report.state == State::Tracking {
-        overlay.outline(last, color);
-        overlay.label_box(last, name, color);
-    } else {
-        overlay.dashed_outline(last, color);
-        overlay.label_box(last, &format!("{name} {}", name_of(report.state)), color);
-    }
-}
-
-/// The state, and the confidence in hundredths.
-fn said(report: &Report) -> String {
-    let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
-    format!("{}{}", name_of(report.state), confidence.unwrap_or_default())
 }

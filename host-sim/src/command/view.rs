@@ -1,8 +1,7 @@
 //! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
 
-use super::number::whole;
 use super::tracker_options::{Pair, TrackerOptions};
-use super::{Outcome, say, shell, usage};
+use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
@@ -116,13 +115,8 @@ impl View {
         if is_stdin || is_live(path) {
             let live = if is_stdin { Live::stdin()? } else { Live::open(path, patience.unwrap_or(FFMPEG_PATIENCE))? };
             let name = live.name.clone();
-            return Ok(Opened {
-                name,
-                source: Arc::new(Camera::new(live)),
-                pictures: Vec::new(),
-                length: None,
-                beside: None,
-            });
+            let (source, pictures) = (Arc::new(Camera::new(live)), Vec::new());
+            return Ok(Opened { name, source, pictures, length: None, beside: None });
         }
         ensure!(
             is_seekable(path) || !path.exists(),
@@ -149,15 +143,14 @@ impl View {
         let given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
         let lock = |frame, rect: smr_core::Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
-        let target = |(id, target): (u32, smr_recordings::Target)| {
-            let locks = target.rects()?.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
-            Ok(Target { id, name: target.name.unwrap_or_else(|| "target".to_owned()), locks })
+        let target = |id, name: Option<String>, rects: Vec<(usize, smr_core::Rect)>| {
+            let locks = rects.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
+            Target { id, name: name.unwrap_or_else(|| "target".to_owned()), locks }
         };
         if given.is_empty() {
-            let beside = beside.map(|rect| Target { id: 1, name: "target".to_owned(), locks: vec![lock(1, rect)] });
-            return Ok(beside.into_iter().collect());
+            return Ok(beside.map(|rect| target(1, None, vec![(1, rect)])).into_iter().collect());
         }
-        (1..).zip(given).map(target).collect()
+        (1..).zip(given).map(|(id, given)| Ok(target(id, given.name.clone(), given.rects()?))).collect()
     }
 
     /// The source and its options, as they are typed.
@@ -225,13 +218,10 @@ impl Wish for Desk {
         let mut printer = Printer::new(format, about);
         let mut text = printer.head();
         let last = targets.iter().filter_map(|(_, rows)| rows.last()).map(|(frame, _)| *frame).max().unwrap_or(0);
-        let first = if self.is_live {
-            targets.iter().filter_map(|(_, rows)| rows.first()).map(|(frame, _)| *frame).min()
-        } else {
-            None
-        };
+        let first = targets.iter().filter_map(|(_, rows)| rows.first()).map(|(frame, _)| *frame).min();
+        let first = first.filter(|_| self.is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
-        for frame in first.unwrap_or(1)..=last {
+        for frame in first..=last {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
@@ -266,7 +256,6 @@ impl Wish for Desk {
         if let Some(Target { name, .. }) = twice.map(|at| &targets[at]) {
             bail!("two targets are called {name}: give one of them another name");
         }
-        let lines = followed.rows().iter().map(|(_, rows)| rows.len()).sum();
         let Variant { kind, options, .. } = followed.variant();
         let is_report = ending == "html";
         let mut words: Vec<OsString> = vec![if is_report { "report" } else { "track" }.into()];
@@ -274,10 +263,10 @@ impl Wish for Desk {
         words.extend(inits(&targets).into_iter().flat_map(|init| ["--init".into(), init.into()]));
         words.extend(["--method".into(), kind.name().into()]);
         words.extend(typed(&options).map(OsString::from));
-        let (out, more): (&str, &[&str]) = if is_report { ("--out", &[]) } else { ("--video", &["--format", "csv"]) };
-        words.extend(more.iter().map(OsString::from));
-        words.push(out.into());
-        Ok(Job { name: self.file("", ending), words, lines: if is_report { 0 } else { lines } })
+        let out: &[&str] = if is_report { &["--out"] } else { &["--format", "csv", "--video"] };
+        words.extend(out.iter().map(OsString::from));
+        let lines = if is_report { 0 } else { followed.rows().iter().map(|(_, rows)| rows.len()).sum() };
+        Ok(Job { name: self.file("", ending), words, lines })
     }
 
     fn firmware(&self, variant: &Variant) -> String {
@@ -326,15 +315,11 @@ fn robust_settings(config: &robust::Config) -> String {
     let preset = if config.refiner { "refined" } else { "robust" };
     let base = if config.refiner { robust::Config::refined() } else { robust::Config::robust() };
     let mut changes = String::new();
-    let mut change = |name: &str, value: String| changes += &format!("    config.{name} = {value};\n");
-    if config.reach != base.reach {
-        change("reach", config.reach.to_string());
-    }
-    if config.size != base.size {
-        change("size", config.size.to_string());
-    }
-    if config.sweep != base.sweep {
-        change("sweep", config.sweep.to_string());
+    let numbers = |of: &robust::Config| [of.reach.to_string(), of.size.to_string(), of.sweep.to_string()];
+    for ((name, value), usual) in ["reach", "size", "sweep"].iter().zip(numbers(config)).zip(numbers(&base)) {
+        if value != usual {
+            changes += &format!("    config.{name} = {value};\n");
+        }
     }
     format!(
         "Rust (smr-core{}):\n\n    let {}config = robust::Config::{preset}();\n{changes}\n\
@@ -350,10 +335,10 @@ fn robust_settings(config: &robust::Config) -> String {
 
 fn paper_settings(config: &smr_core::paper::Config) -> String {
     let (x, y) = (config.window.x, config.window.y);
-    let span = 2 * u32::from(config.window_limit.x.max(config.window_limit.y)) + 1;
+    let limit = config.window_limit.x.max(config.window_limit.y);
+    let span = 2 * u32::from(limit) + 1;
     format!(
-        "Rust (smr-core):\n\n    let config = paper::Config::camera_within({});\n    // for a box of at most 64x64 pixels\n    \
-         let tracker = Tracker::<Paper<4096, {span}>>::new(config)?;\n\nThe window reaches {x} pixels to the sides and {y} up and down.\n",
-        config.window_limit.x.max(config.window_limit.y)
+        "Rust (smr-core):\n\n    let config = paper::Config::camera_within({limit});\n    // for a box of at most 64x64 pixels\n    \
+         let tracker = Tracker::<Paper<4096, {span}>>::new(config)?;\n\nThe window reaches {x} pixels to the sides and {y} up and down.\n"
     )
 }

@@ -5,9 +5,8 @@ mod replay;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
-use host_sim::command::number::whole;
 use host_sim::command::recording_options::RecordingOptions;
-use host_sim::command::{Outcome, program, say};
+use host_sim::command::{Outcome, program, say, whole};
 use object::elf::{SHF_ALLOC, SHF_WRITE};
 use object::{File, Object, ObjectSection, SectionFlags, SectionKind};
 use replay::Report;
