@@ -1,7 +1,7 @@
 //! A part of a recording: some of its frames, with their boxes.
 
 use super::{Frames, GrayFrame, Sequence};
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -63,14 +63,10 @@ impl FromStr for FrameRange {
 
     fn from_str(text: &str) -> Result<Self> {
         let expected = "expected frames like 20..80, 20.. or ..80; the first is 1";
-        let Some((first, last)) = text.split_once("..") else { bail!(expected) };
-        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0);
-        let first = if first.is_empty() { Some(1) } else { number(first) };
-        let (Some(first), Ok(last)) =
-            (first, if last.is_empty() { Ok(None) } else { number(last).map(Some).ok_or(()) })
-        else {
-            bail!(expected)
-        };
+        let (first, last) = text.split_once("..").context(expected)?;
+        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0).context(expected);
+        let first = if first.is_empty() { 1 } else { number(first)? };
+        let last = if last.is_empty() { None } else { Some(number(last)?) };
         ensure!(last.is_none_or(|last| last >= first), "{expected}; the second not below the first");
         Ok(Self { first, last })
     }

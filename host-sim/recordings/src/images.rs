@@ -114,12 +114,6 @@ pub(super) fn frames(pictures: Vec<Picture>, first: usize) -> impl Iterator<Item
     })
 }
 
-/// One picture.
-pub fn read_picture(file: &Path) -> Result<GrayFrame> {
-    let bytes = input::bytes(file, &input::PICTURE);
-    bytes.and_then(|bytes| decode_picture(&bytes)).with_context(|| format!("cannot read {}", file.display()))
-}
-
 /// One picture as the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)

@@ -51,7 +51,7 @@ pub use color::{Clock, ColorFrames, Colors, Now, Time};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::{FrameRange, misfit};
-pub use images::{Picture, decode_colors, decode_picture, read_picture};
+pub use images::{Picture, decode_colors, decode_picture};
 pub use levels::Levels;
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
@@ -157,6 +157,16 @@ impl Sequence {
         }
     }
 
+    /// Frames as they come, without boxes.
+    fn streamed(
+        name: String,
+        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
+        colors: Colors,
+    ) -> Self {
+        let frames = damage::frames(frames, name.clone());
+        Self { name, frames, length: None, first: 1, init: None, truth: None, colors, notes: Vec::new() }
+    }
+
     /// The box to start from in whole pixels, as every tracker takes it.
     /// Errors: There is none, or it has less than a pixel.
     pub fn start(&self) -> Result<smr_core::Rect> {
@@ -206,8 +216,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
         let name = "standard input".to_owned();
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
-        let frames = damage::frames(frames, name.clone());
-        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None, notes: vec![] }
+        Sequence::streamed(name, frames, Colors::None)
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
         ensure!(
@@ -462,7 +471,7 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
         "{} is a text file: expected a recording (a video, Y4M or pictures)",
         file.display()
     );
-    Ok(Source { colors, ..Source::new(time.told_by(video::open(file, options.patience())?), None, file) })
+    Ok(Source { colors, ..Source::new(time.told_by(video::open("ffmpeg", file, options.patience())?), None, file) })
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.
@@ -491,6 +500,12 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
 /// The paper's tracker, which must do in the built-in scenes what they are there for.
 #[cfg(test)]
 type Paper = smr_core::Paper<65536, 4096>;
+
+/// Whoever changes a pixel changes what others have measured: not without notice.
+#[cfg(test)]
+fn fnv(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))
+}
 
 #[cfg(test)]
 mod tests;

@@ -152,7 +152,7 @@ impl RecordingOptions {
             }
         }
         if let Some(resize) = self.resize {
-            let (resized, scale) = sequence.resized_by(resize)?;
+            let (resized, scale) = sequence.resized(resize)?;
             sequence = resized;
             for (_, bbox) in targets.iter_mut().flat_map(|target| &mut target.starts) {
                 *bbox = bbox.scaled(scale);
