@@ -96,10 +96,6 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    pub fn id(&self) -> u32 {
-        locked(&self.child).id()
-    }
-
     /// What it reads, if that is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
@@ -278,7 +274,7 @@ mod tests {
     fn a_program_that_is_not_waited_for_is_ended() {
         let process = Process::start(Command::new("sleep").arg("600")).unwrap();
         assert!(process.wait_while(|waited| waited < Duration::from_millis(20)).unwrap().is_none());
-        let id = process.id().to_string();
+        let id = locked(&process.child).id().to_string();
         drop(process);
         // The shell's own: not every system has a program for it.
         assert!(!crate::missing::runs(Command::new("sh").args(["-c", "kill -0 \"$0\"", &id])));

@@ -295,7 +295,7 @@ fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let source = if images::is_picture(file) && options.size.is_none() {
-        Source::pictures(Picture::all_in(file), file, options)
+        pictures(Picture::all_in(file), file, options)
     } else {
         source_of(file, options)?
     };
@@ -303,10 +303,9 @@ fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     with_boxes(name, source, file.parent().unwrap_or(Path::new("")))
 }
 
-fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
+fn with_boxes(name: String, sequence: Sequence, folder: &Path) -> Result<Sequence> {
     let (truth, init) = boxes_in(folder)?;
-    let Source { frames, length, colors, notes } = source;
-    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, notes })
+    Ok(Sequence { name, init, truth, ..sequence })
 }
 
 /// The box of each frame.
@@ -332,30 +331,16 @@ fn folder_name(folder: &Path) -> String {
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Frames whose boxes have not been looked for yet.
-struct Source {
-    frames: Frames,
-    length: Option<usize>,
-    colors: Colors,
-    notes: Vec<String>,
+/// Those at a place, without boxes.
+fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
+    let length = Some(pictures.len());
+    pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
+    let notes = levels::note(&pictures).into_iter().collect();
+    let colors = Colors::Pictures(pictures.clone());
+    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), images::frames(pictures, 1), colors) }
 }
 
-impl Source {
-    fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
-        let frames = damage::frames(frames, at.display().to_string());
-        Self { frames, length, colors: Colors::None, notes: Vec::new() }
-    }
-
-    fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Self {
-        let length = pictures.len();
-        pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
-        let notes = levels::note(&pictures).into_iter().collect();
-        let colors = Colors::Pictures(pictures.clone());
-        Self { colors, notes, ..Self::new(images::frames(pictures, 1), Some(length), at) }
-    }
-}
-
-fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
+fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     let files = files_in(folder)?;
     let pictures = pictures_in(folder, &files)?;
     if pictures.is_empty() {
@@ -377,7 +362,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
-    Ok(Source::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
+    Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
 /// The pictures of a folder in the order of their names; `files` are those in it.
@@ -438,40 +423,38 @@ fn is_recording(file: &Path) -> bool {
     y4m::is_y4m(file) || raw::is_raw(file) || video::is_video(file)
 }
 
-fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
+fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let name = file.display().to_string();
     // ffmpeg would show some of these pictures as a video of one frame. A GIF is read by it: it may be a film.
     if !has_extension(file, &["gif"]) {
         images::check_kind(file)?;
     }
-    let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
+    let data = fs::metadata(file).with_context(|| format!("cannot open {name}"))?;
     // A pipe has no length, and may be read all the same.
-    ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
+    ensure!(!data.is_file() || data.len() > 0, "{name} is empty: expected a recording");
     let is_other = video::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
-    ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {} is none", file.display());
+    ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {name} is none");
     if options.size.is_some() || raw::is_raw(file) {
-        let size = options.size.with_context(|| {
-            format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
-        })?;
+        let size = options
+            .size
+            .with_context(|| format!("{name} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)"))?;
         let (frames, length) = raw::open(file, size)?;
-        return Ok(Source::new(frames, length, file));
+        return Ok(Sequence { length, ..Sequence::streamed(name, frames, Colors::None) });
     }
     #[cfg(unix)]
     if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
-        bail!("{} is a device, and host-sim reads files: {LIVE}", file.display());
+        bail!("{name} is a device, and host-sim reads files: {LIVE}");
     }
     // A pipe is read once.
     let time = Time::default();
     let colors = if data.is_file() { Colors::Video(file.to_owned(), time.clone()) } else { Colors::None };
     if y4m::is_y4m(file) {
-        return Ok(Source { colors, ..Source::new(time.told_by(y4m::open(file)?.from(1)), None, file) });
+        return Ok(Sequence::streamed(name, time.told_by(y4m::open(file)?.from(1)), colors));
     }
     // ffmpeg would draw text as a video of a terminal.
-    ensure!(
-        !has_extension(file, &["txt"]),
-        "{} is a text file: expected a recording (a video, Y4M or pictures)",
-        file.display()
-    );
-    Ok(Source { colors, ..Source::new(time.told_by(video::open("ffmpeg", file, options.patience())?), None, file) })
+    ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
+    let frames = video::open("ffmpeg", file, options.patience())?;
+    Ok(Sequence::streamed(name, time.told_by(frames), colors))
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.

@@ -146,11 +146,8 @@ fn command(address: &Path) -> Command {
     command
 }
 
-fn without(mut text: String, secrets: &[String]) -> String {
-    for secret in secrets {
-        text = text.replace(secret, "");
-    }
-    text
+fn without(text: String, secrets: &[String]) -> String {
+    secrets.iter().fold(text, |text, secret| text.replace(secret, ""))
 }
 
 /// The newest frame that was not taken yet, as soon as there is one. It ends if the source does, or if a signal asks for that

@@ -537,18 +537,6 @@ mod tests {
         );
     }
 
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn no_zombie_is_left() {
-        let Ok(pictures) = Pictures::start(("ffmpeg", Path::new("missing.mp4")), &[], "", Use::Gray, PATIENCE) else {
-            return crate::missing::skipped("no_zombie_is_left", "no ffmpeg on the PATH");
-        };
-        let process = format!("/proc/{}", pictures.ffmpeg.process.id());
-        assert!(Path::new(&process).exists());
-        drop(pictures);
-        assert!(!Path::new(&process).exists());
-    }
-
     /// A program in place of ffmpeg.
     #[cfg(unix)]
     fn program(folder: &Path, script: &str) -> String {
