@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -114,9 +114,13 @@ impl Process {
     /// All that it complains about, when standard error is closed: a child of its own may keep that open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
-        if let Some(complaints) = self.complaints() {
-            // Everything is read, or the writer would block.
-            thread::spawn(move || sender.send(String::from_utf8_lossy(&all_of(complaints)).into_owned()));
+        if let Some(mut complaints) = self.complaints() {
+            thread::spawn(move || {
+                let mut bytes = Vec::new();
+                // Everything is read, or the writer would block. What came before an error is all there is.
+                let _ = complaints.read_to_end(&mut bytes);
+                sender.send(String::from_utf8_lossy(&bytes).into_owned())
+            });
         }
         said
     }
@@ -139,20 +143,6 @@ impl Process {
             thread::sleep(Duration::from_millis(1));
         }
     }
-
-    /// Waits for the end, with all that it has written to what is piped.
-    pub fn finish(self) -> io::Result<Output> {
-        let (said, stdout) = (self.said(), self.output().map_or(Vec::new(), all_of));
-        let status = self.wait_while(|_| true)?.ok_or(io::ErrorKind::TimedOut)?;
-        Ok(Output { status, stdout, stderr: said.recv().unwrap_or_default().into_bytes() })
-    }
-}
-
-/// What came before an error is all there is.
-fn all_of(mut stream: impl Read) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let _ = stream.read_to_end(&mut bytes);
-    bytes
 }
 
 impl Drop for Process {
@@ -241,7 +231,6 @@ pub fn yield_to_signal() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::process::Stdio;
 
     // Windows renames no folder in which a file is open.
     #[cfg(unix)]
@@ -258,15 +247,6 @@ mod tests {
             assert!(writer.join().unwrap().is_err());
         });
         assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn what_a_program_writes_and_how_it_ends() {
-        let mut command = Command::new("sh");
-        command.args(["-c", "echo out; echo complaint >&2; exit 3"]).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let Output { status, stdout, stderr } = Process::start(&mut command).unwrap().finish().unwrap();
-        assert_eq!((status.code(), &stdout[..], &stderr[..]), (Some(3), &b"out\n"[..], &b"complaint\n"[..]));
     }
 
     #[cfg(unix)]

@@ -192,16 +192,7 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic;
     use super::*;
-
-    #[test]
-    fn without_colors_frames_are_gray() {
-        let gray = synthetic::frames().next().unwrap();
-        let (frame, moment) = Colors::None.open(1, Duration::ZERO).next(&gray);
-        assert_eq!((frame.width, frame.pixels.len(), moment), (gray.width, gray.pixels.len(), None));
-        assert_eq!(frame.pixels[77], [gray.pixels[77]; 3]);
-    }
 
     #[test]
     fn pictures_keep_their_colors_and_get_the_size_of_the_gray_ones() {

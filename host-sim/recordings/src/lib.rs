@@ -145,16 +145,9 @@ impl Sequence {
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
         truth: Vec<Option<BoundingBox>>,
     ) -> Self {
-        Self {
-            name: name.to_owned(),
-            length: Some(frames.len()),
-            frames: Box::new(frames.map(Ok)),
-            first: 1,
-            init: truth.first().copied().flatten(),
-            truth: Some(truth),
-            colors: Colors::None,
-            notes: Vec::new(),
-        }
+        let (length, init) = (Some(frames.len()), truth.first().copied().flatten());
+        let frames = Self::streamed(name.to_owned(), frames.map(Ok), Colors::None);
+        Self { length, init, truth: Some(truth), ..frames }
     }
 
     /// Frames as they come, without boxes.

@@ -200,12 +200,8 @@ impl Header {
         );
         let rate = field('F').and_then(|rate| rate.split_once(':'));
         let rate = rate.and_then(|(frames, seconds)| Some((frames.parse().ok()?, seconds.parse().ok()?)));
-        Ok(Self {
-            size,
-            frame_bytes,
-            chroma,
-            rate: rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0),
-        })
+        let rate = rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0);
+        Ok(Self { size, frame_bytes, chroma, rate })
     }
 }
 
