@@ -324,7 +324,7 @@ fn folder_name(folder: &Path) -> String {
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Those at a place, without boxes.
+/// A recording of pictures that lie `at` a place, without boxes.
 fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
     let length = Some(pictures.len());
     pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
