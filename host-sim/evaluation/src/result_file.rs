@@ -2,7 +2,8 @@
 
 use super::{Score, Trajectory};
 use anyhow::{Context, Result};
-use smr_recordings::{BoundingBox, FrameRange, RESULTS, boxes};
+use smr_recordings::boxes::Form;
+use smr_recordings::{BoundingBox, FrameRange, RESULTS};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +19,7 @@ impl ResultFile {
     /// answer from there on; lines beyond the last frame are ignored. Published files have both faults.
     /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
-        let mut answers = boxes::read_tld(path)?;
+        let mut answers = Form::Tld.read(path)?;
         if let Some(part) = part {
             answers = part.of(answers);
         }

@@ -145,46 +145,49 @@ impl Form {
             Self::Vot => format!("{x},{y},{width},{height}"),
         }
     }
-}
 
-/// Reads a file in TLD form: one box a line, `None` for NaN.
-pub fn read_tld(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
-    read(path, tld_entry)
-}
+    /// Reads a file of this form, one box a line. In TLD form `None` stands for NaN, else also for a box without area. Beside a file in the form of VOT
+    /// `absence.label` is read, too.
+    pub fn read(self, path: &Path) -> Result<Vec<Option<BoundingBox>>> {
+        let mut truth = read(path, |line| self.entry(line))?;
+        let labels = path.with_file_name("absence.label");
+        if self == Self::Vot && is_named(&labels) {
+            let absent = read(&labels, absent)?;
+            let (found, expected, at) = (absent.len(), truth.len(), labels.display());
+            ensure!(found == expected, "{at} has {found} lines: expected {expected}, as groundtruth.txt beside it");
+            truth.iter_mut().zip(absent).filter(|(_, absent)| *absent).for_each(|(entry, _)| *entry = None);
+        }
+        Ok(truth)
+    }
 
-/// Reads a file in OTB form: one box a line, `None` for NaN and for a box without area.
-pub fn read_otb(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
-    read(path, otb_entry)
+    fn entry(self, line: &str) -> Result<Option<BoundingBox>> {
+        let expected = match self {
+            Self::Tld => "x1,y1,x2,y2 or NaN,NaN,NaN,NaN",
+            Self::Otb => "x,y,width,height",
+            Self::Vot => return Ok(region(line)?.filter(BoundingBox::has_area)),
+        };
+        let numbers = four_numbers(line).ok_or_else(|| anyhow!("expected {expected}, found {}", shown(line)))?;
+        if numbers.iter().any(|number| number.is_nan()) {
+            return Ok(None);
+        }
+        if self == Self::Otb {
+            let [x, y, width, height] = numbers;
+            return Ok(Some(BoundingBox { x: x - 1.0, y: y - 1.0, width, height }).filter(BoundingBox::has_area));
+        }
+        let found = BoundingBox::from_corners(numbers);
+        ensure!(found.width >= 0.0 && found.height >= 0.0, "expected x1 <= x2 and y1 <= y2, found {}", shown(line));
+        Ok(Some(found))
+    }
 }
-
-type Read = fn(&Path) -> Result<Vec<Option<BoundingBox>>>;
 
 /// The ground truth in `folder`, if there is any.
 pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
-    let forms: [(&str, Read); 3] = [("gt.txt", read_tld), ("groundtruth_rect.txt", read_otb), (VOT, read_vot)];
-    let found = forms.into_iter().find(|(name, _)| is_named(&folder.join(name)));
-    found.map(|(name, read)| read(&folder.join(name))).transpose()
+    let forms = TRUTH.map(|(form, name)| (form, folder.join(name)));
+    forms.iter().find(|(_, file)| is_named(file)).map(|(form, file)| form.read(file)).transpose()
 }
 
-const VOT: &str = "groundtruth.txt";
-
-/// Reads a file in the form of VOT and GOT-10k, and `absence.label` if it lies beside it.
-pub fn read_vot(path: &Path) -> Result<Vec<Option<BoundingBox>>> {
-    let mut truth = read(path, |line| Ok(region(line)?.filter(BoundingBox::has_area)))?;
-    let labels = path.with_file_name("absence.label");
-    if is_named(&labels) {
-        let absent = read(&labels, absent)?;
-        ensure!(
-            absent.len() == truth.len(),
-            "{} has {} lines: expected {}, as {VOT} beside it",
-            labels.display(),
-            absent.len(),
-            truth.len()
-        );
-        truth.iter_mut().zip(absent).filter(|(_, absent)| *absent).for_each(|(entry, _)| *entry = None);
-    }
-    Ok(truth)
-}
+const TRUTH: [(Form, &str); 3] =
+    [(Form::Tld, "gt.txt"), (Form::Otb, "groundtruth_rect.txt"), (Form::Vot, "groundtruth.txt")];
 
 fn absent(line: &str) -> Result<bool> {
     match line.trim() {
@@ -200,15 +203,15 @@ pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     if !is_named(&file) {
         return Ok(None);
     }
-    let first = read_tld(&file)?.into_iter().next().flatten();
+    let first = Form::Tld.read(&file)?.into_iter().next().flatten();
     let init = first.filter(BoundingBox::has_area);
     init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
 }
 
 /// True of the names of the files that lie beside recordings.
 pub fn is_known(file: &Path) -> bool {
-    let names = ["init.txt", "gt.txt", "groundtruth_rect.txt", VOT, "absence.label"];
-    file.file_name().is_some_and(|name| names.iter().any(|known| name == *known))
+    let mut names = ["init.txt", "absence.label"].into_iter().chain(TRUTH.map(|(_, name)| name));
+    file.file_name().is_some_and(|name| names.any(|known| name == known))
 }
 
 /// True if there is something of this name: a link to nothing is not passed over, but an error when it is read.
@@ -216,37 +219,16 @@ fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
 
-fn read<T>(path: &Path, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
+fn read<T>(path: &Path, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
     let text = input::text(path, &input::BOXES).with_context(|| format!("cannot read {}", path.display()))?;
     parse(&text, entry).with_context(|| path.display().to_string())
 }
 
-fn parse<T>(text: &str, entry: fn(&str) -> Result<T>) -> Result<Vec<T>> {
+fn parse<T>(text: &str, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
     // Lines end with LF, CR LF or CR. Some editors begin a file with a byte order mark, and many end it with empty lines.
     let text = text.replace("\r\n", "\n").replace('\r', "\n");
     let lines = text.trim_start_matches('\u{feff}').trim_end().lines();
     lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
-}
-
-fn tld_entry(line: &str) -> Result<Option<BoundingBox>> {
-    let expected = || anyhow!("expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found {}", shown(line));
-    let corners = four_numbers(line).ok_or_else(expected)?;
-    if corners.iter().any(|number| number.is_nan()) {
-        return Ok(None);
-    }
-    let found = BoundingBox::from_corners(corners);
-    ensure!(found.width >= 0.0 && found.height >= 0.0, "expected x1 <= x2 and y1 <= y2, found {}", shown(line));
-    Ok(Some(found))
-}
-
-fn otb_entry(line: &str) -> Result<Option<BoundingBox>> {
-    let expected = || anyhow!("expected x,y,width,height, found {}", shown(line));
-    let numbers @ [x, y, width, height] = four_numbers(line).ok_or_else(expected)?;
-    if numbers.iter().any(|number| number.is_nan()) {
-        return Ok(None);
-    }
-    let found = BoundingBox { x: x - 1.0, y: y - 1.0, width, height };
-    Ok(found.has_area().then_some(found))
 }
 
 /// The box of a region as VOT writes it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
@@ -275,33 +257,25 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
 /// The box around a mask: pixels row after row in a part of the picture, in runs that do not and do belong to the target, in turn. The outer
 /// `None` says that it is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
-    let mut fields = text.split(',').map(|field| field.trim().parse::<u32>().ok());
-    let mut field = || fields.next().flatten();
-    let (x, y, width, height) = (field()?, field()?, field()?, field()?);
-    let all = u64::from(u16::try_from(width).ok()?) * u64::from(u16::try_from(height).ok()?);
-    let (mut at, mut corners) = (0, Vec::new());
-    for (index, run) in fields.enumerate() {
-        let (begin, end) = (at, at + u64::from(run?));
-        at = end;
-        if end > all {
+    let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
+    let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
+    let (width, height) = (u64::from(u16::try_from(width).ok()?), u64::from(u16::try_from(height).ok()?));
+    let (mut end, mut corners) = (0, Vec::new());
+    for (index, &run) in runs.iter().enumerate() {
+        let begin = end;
+        end += u64::from(run);
+        if end > width * height {
             return None;
         }
-        if index % 2 == 1 && begin < end {
-            let width = u64::from(width);
-            let (top, bottom) = (begin / width, (end - 1) / width + 1);
+        if index % 2 == 1 && run > 0 {
+            let (top, bottom) = (begin / width, (end - 1) / width);
             // A run that goes on in the next row touches both sides.
-            let one_row = bottom - top == 1;
-            let (left, right) = if one_row { (begin % width, (end - 1) % width + 1) } else { (0, width) };
-            corners.extend([[left, top], [right, bottom]]);
+            let (left, right) = if top == bottom { (begin % width, (end - 1) % width + 1) } else { (0, width) };
+            let place = |column: u64, row: u64| [(column + u64::from(x)) as f64, (row + u64::from(y)) as f64];
+            corners.extend([place(left, top), place(right, bottom + 1)]);
         }
     }
-    let place = |[column, row]: [u64; 2]| -> Option<[f64; 2]> {
-        let in_picture =
-            |value: u64, start: u32| u32::try_from(value).map(|value| f64::from(value) + f64::from(start)).ok();
-        Some([in_picture(column, x)?, in_picture(row, y)?])
-    };
-    let corners: Option<Vec<[f64; 2]>> = corners.into_iter().map(place).collect();
-    Some(BoundingBox::around(&corners?))
+    Some(BoundingBox::around(&corners))
 }
 
 /// Four numbers, each of which may be NaN but not infinite.
@@ -337,31 +311,34 @@ mod tests {
         BoundingBox { x, y, width, height }
     }
 
-    fn message(error: anyhow::Error) -> String {
-        format!("{error:#}")
+    fn parsed(form: Form, text: &str) -> Result<Vec<Option<BoundingBox>>> {
+        parse(text, |line| form.entry(line))
     }
 
     #[test]
-    fn tld_form() {
+    fn each_form_is_read_with_every_separator_and_end_of_line() {
         let text = "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\nNaN,NaN,NaN,NaN\r\nnan nan nan nan\r\n\r\n";
         let expected = [Some(boxed(165.0, 93.0, 51.0, 54.0)), Some(boxed(164.5, 93.25, 51.0, 54.0)), None, None];
-        assert_eq!(parse(text, tld_entry).unwrap(), expected);
-    }
-
-    #[test]
-    fn otb_form_with_every_separator() {
+        assert_eq!(parsed(Form::Tld, text).unwrap(), expected);
         let text = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
         let one = Some(boxed(128.0, 79.0, 64.0, 78.0));
-        assert_eq!(parse(text, otb_entry).unwrap(), [one, one, one, one, None, None]);
-    }
-
-    #[test]
-    fn lines_end_as_on_any_system() {
+        assert_eq!(parsed(Form::Otb, text).unwrap(), [one, one, one, one, None, None]);
+        let text = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\n";
+        let (first, polygon, last) =
+            (boxed(1.0, 2.0, 3.0, 4.0), boxed(10.5, 20.0, 19.5, 20.0), boxed(5.0, 6.0, 7.0, 8.0));
+        assert_eq!(parsed(Form::Vot, text).unwrap(), [Some(first), Some(polygon), None, None, None, Some(last)]);
         let one = Some(boxed(1.0, 2.0, 2.0, 2.0));
-        for text in ["1,2,3,4\n1,2,3,4", "1,2,3,4\r\n1,2,3,4\r\n", "1,2,3,4\r1,2,3,4\r", "\u{feff}1,2,3,4\r1 2 3 4\n\n"]
-        {
-            assert_eq!(parse(text, tld_entry).unwrap(), [one, one], "{text:?}");
+        for text in ["1,2,3,4\n1,2,3,4", "1,2,3,4\r1,2,3,4\r", "\u{feff}1,2,3,4\r1 2 3 4\n\n"] {
+            assert_eq!(parsed(Form::Tld, text).unwrap(), [one, one], "{text:?}");
         }
+        let (square, wide) = (Some(boxed(1.0, 2.0, 3.0, 4.0)), Some(boxed(0.0, 0.0, 1.0, 1.0)));
+        for text in ["1, 2, 3, 4", " 1,  2,3, 4", "1,2,3,4,", "1 \t 2\t3\t\t4", "  1   2 3 4 "] {
+            assert_eq!(region(text).unwrap(), square, "{text:?}");
+        }
+        for text in ["0,0,1,0,1,1,0,1", "0, 0, 1, 0, 1, 1, 0, 1", "0 0 1 0 1 1 0 1"] {
+            assert_eq!(region(text).unwrap(), wide, "{text:?}");
+        }
+        assert_eq!(region("nan,1,2,3,4,5").unwrap(), None);
     }
 
     /// Decimal commas would be taken for other numbers.
@@ -378,162 +355,71 @@ mod tests {
             "1 000\t2 000\t40\t40",
             "1,,2,3,4",
         ] {
-            let refused = [tld_entry as fn(&str) -> _, otb_entry, region].map(|entry| entry(text).is_err());
-            assert_eq!(refused, [true; 3], "{text:?}");
+            assert!(TRUTH.iter().all(|(form, _)| form.entry(text).is_err()), "{text:?}");
         }
-        let error = message(region("60,5 80,5 40,0 40,0").unwrap_err());
+        let error = region("60,5 80,5 40,0 40,0").unwrap_err().to_string();
         assert!(error.ends_with("numbers need decimal points, and one separator in a line"), "{error}");
-        let (square, wide) = (Some(boxed(1.0, 2.0, 3.0, 4.0)), Some(boxed(0.0, 0.0, 1.0, 1.0)));
-        for text in ["1, 2, 3, 4", " 1,  2,3, 4", "1,2,3,4,", "1 \t 2\t3\t\t4", "  1   2 3 4 "] {
-            assert_eq!(region(text).unwrap(), square, "{text:?}");
-        }
-        for text in ["0,0,1,0,1,1,0,1", "0, 0, 1, 0, 1, 1, 0, 1", "0 0 1 0 1 1 0 1"] {
-            assert_eq!(region(text).unwrap(), wide, "{text:?}");
-        }
     }
 
     #[test]
     fn errors_name_line_and_expectation() {
-        let error = message(parse("1,2,3,4\n1,2,3\n", tld_entry).unwrap_err());
-        assert_eq!(error, "line 2: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3\"");
-        let error = message(parse("1,2,3,4\n\n1,2,3,4", otb_entry).unwrap_err());
-        assert_eq!(error, "line 2: expected x,y,width,height, found \"\"");
-        let error = message(parse("10,2,3,4", tld_entry).unwrap_err());
-        assert_eq!(error, "line 1: expected x1 <= x2 and y1 <= y2, found \"10,2,3,4\"");
-        assert!(parse("1,2,3,inf", tld_entry).is_err());
-        assert!(parse("1,2,3,4,5", tld_entry).is_err());
-    }
-
-    #[test]
-    fn errors_name_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("gt.txt");
-        fs::write(&file, "1,2,3,x").unwrap();
-        let error = message(find_truth(folder.path()).unwrap_err());
-        assert_eq!(
-            error,
-            format!("{}: line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,x\"", file.display())
-        );
-    }
-
-    #[test]
-    fn a_start_needs_an_area() {
-        let folder = tempfile::tempdir().unwrap();
-        assert_eq!(find_init(folder.path()).unwrap(), None);
-        for text in ["", "NaN,NaN,NaN,NaN", "4,4,4,8"] {
-            fs::write(folder.path().join("init.txt"), text).unwrap();
-            assert!(message(find_init(folder.path()).unwrap_err()).ends_with("a box with an area"), "{text}");
+        for (form, text, expected) in [
+            (Form::Tld, "1,2,3,4\n1,2,3\n", "line 2: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3\""),
+            (Form::Otb, "1,2,3,4\n\n1,2,3,4", "line 2: expected x,y,width,height, found \"\""),
+            (Form::Tld, "10,2,3,4", "line 1: expected x1 <= x2 and y1 <= y2, found \"10,2,3,4\""),
+            (Form::Tld, "1,2,3,inf", "line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,inf\""),
+            (Form::Tld, "1,2,3,4,5", "line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,4,5\""),
+        ] {
+            assert_eq!(format!("{:#}", parsed(form, text).unwrap_err()), expected);
         }
-        fs::write(folder.path().join("init.txt"), "4,4,5,8").unwrap();
-        assert_eq!(find_init(folder.path()).unwrap(), Some(boxed(4.0, 4.0, 1.0, 4.0)));
-    }
-
-    #[test]
-    fn typed_boxes() {
-        assert_eq!("1,2.5,3,4".parse::<BoundingBox>().unwrap(), boxed(1.0, 2.5, 3.0, 4.0));
+        for text in ["", "1,2", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "1,2,-3,4", "a,b,c,d", "nan,1,nan"] {
+            let error = region(text).unwrap_err().to_string();
+            assert!(error.starts_with("expected ") && error.contains("found "), "{text}: {error}");
+        }
+        for text in ["m", "m1,2,3", "m-1,2,3,4,5", "m1,2,3,4,5.5", "m1,2,70000,4", "m1,2,3,4,5,", "m10,10,3,4,13"] {
+            let error = region(text).unwrap_err().to_string();
+            assert!(error.starts_with("expected a mask mX,Y,WIDTH,HEIGHT"), "{text}: {error}");
+        }
         for text in ["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,NaN", "NaN,2,3,4", "1,2,3,4,5", "a,b,c,d", "1 2 3 4"] {
-            let error = message(text.parse::<BoundingBox>().unwrap_err());
-            assert_eq!(
-                error, "expected x,y,width,height: four numbers with commas, width and height above 0",
-                "{text}"
-            );
+            let error = text.parse::<BoundingBox>().unwrap_err().to_string();
+            let expected = "expected x,y,width,height: four numbers with commas, width and height above 0";
+            assert_eq!(error, expected, "{text}");
         }
+    }
+
+    #[test]
+    fn files_of_boxes_are_found_and_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let fails = |expected: &str| {
+            let found = find_truth(folder.path()).and(find_init(folder.path()).map(|_| ()));
+            let error = format!("{:#}", found.unwrap_err()).replace(&folder.path().display().to_string(), "@");
+            assert_eq!(error, expected);
+        };
+        assert_eq!((find_truth(folder.path()).unwrap(), find_init(folder.path()).unwrap()), (None, None));
+        for text in ["", "NaN,NaN,NaN,NaN", "4,4,4,8"] {
+            fs::write(place("init.txt"), text).unwrap();
+            fails("@/init.txt: expected x1,y1,x2,y2, a box with an area");
+        }
+        fs::write(place("init.txt"), "4,4,5,8").unwrap();
+        assert_eq!(find_init(folder.path()).unwrap(), Some(boxed(4.0, 4.0, 1.0, 4.0)));
+        fs::write(place("groundtruth.txt"), "1,2,3,4\n5,6,7,8\n0").unwrap();
+        fs::write(place("absence.label"), "0\n1\n1\n").unwrap();
+        let absent = vec![Some(boxed(1.0, 2.0, 3.0, 4.0)), None, None];
+        assert_eq!(find_truth(folder.path()).unwrap(), Some(absent));
+        fs::write(place("absence.label"), "0\n2\n").unwrap();
+        fails("@/absence.label: line 2: expected 0 or 1, found \"2\"");
+        fs::write(place("absence.label"), "0\n").unwrap();
+        fails("@/absence.label has 1 lines: expected 3, as groundtruth.txt beside it");
+        fs::write(place("gt.txt"), "1,2,3,x").unwrap();
+        fails("@/gt.txt: line 1: expected x1,y1,x2,y2 or NaN,NaN,NaN,NaN, found \"1,2,3,x\"");
     }
 
     #[test]
     fn whole_pixels() {
         assert_eq!(boxed(-3.4, 1.5, 9.6, 2.4).to_rect(), Some(Rect::new(-3, 2, 10, 2)));
-        assert_eq!(boxed(0.0, 0.0, 0.4, 5.0).to_rect(), None);
-        assert_eq!(boxed(0.0, 0.0, 65536.0, 5.0).to_rect(), None);
-        assert_eq!(boxed(0.0, 0.0, -1.0, 5.0).to_rect(), None);
-        assert_eq!(boxed(1e12, 0.0, 1.0, 5.0).to_rect(), None);
-        assert_eq!(boxed(f64::NAN, 0.0, 1.0, 5.0).to_rect(), None);
-    }
-
-    /// Numbers that binary fractions hold exactly, so that x + width - x is width.
-    fn sixteenths() -> impl Strategy<Value = f64> {
-        (-1_000_000_i32..1_000_000).prop_map(|number| f64::from(number) / 16.0)
-    }
-
-    prop_compose! {
-        fn any_box()(x in sixteenths(), y in sixteenths(), w in sixteenths(), h in sixteenths()) -> BoundingBox {
-            boxed(x, y, w.abs(), h.abs())
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn arbitrary_text_never_panics(text in "m?[0-9aNinf,.\t\r\n \u{0}\u{e9}-]*|.*") {
-            let _ = parse(&text, tld_entry);
-            let _ = parse(&text, otb_entry);
-            let _ = parse(&text, region);
-            let _ = text.parse::<BoundingBox>();
-        }
-
-        #[test]
-        fn what_is_written_is_read_back(entries in proptest::collection::vec(proptest::option::of(any_box()), 0..20)) {
-            let lines: Vec<String> = entries.iter().map(|entry| Form::Tld.line(entry.as_ref())).collect();
-            prop_assert_eq!(parse(&lines.join("\n"), tld_entry).unwrap(), entries);
-        }
-
-        #[test]
-        fn typed_and_printed_are_the_same(typed in any_box()) {
-            prop_assume!(typed.has_area());
-            prop_assert_eq!(typed.to_string().parse::<BoundingBox>().unwrap(), typed);
-        }
-
-        #[test]
-        fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
-            let _ = boxed(x, y, width, height).to_rect();
-        }
-    }
-
-    #[test]
-    fn each_form_reads_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let entries = [Some(boxed(10.5, -2.0, 30.0, 40.25)), None, Some(boxed(0.0, 0.0, 1.0, 1.0))];
-        for (form, read) in [(Form::Tld, read_tld as fn(&Path) -> _), (Form::Otb, read_otb), (Form::Vot, read_vot)] {
-            let file = folder.path().join("boxes.txt");
-            let lines: String = entries.iter().map(|entry| form.line(entry.as_ref()) + "\n").collect();
-            fs::write(&file, lines).unwrap();
-            assert_eq!(read(&file).unwrap(), entries, "{form:?}");
-        }
-        assert_eq!(Form::Otb.line(Some(&boxed(0.0, 4.0, 5.0, 6.0))), "1,5,5,6");
-    }
-
-    #[test]
-    fn vot_and_got10k_form() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join(VOT);
-        let text = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\n";
-        fs::write(&file, text).unwrap();
-        let (first, polygon, last) =
-            (boxed(1.0, 2.0, 3.0, 4.0), boxed(10.5, 20.0, 19.5, 20.0), boxed(5.0, 6.0, 7.0, 8.0));
-        assert_eq!(read_vot(&file).unwrap(), [Some(first), Some(polygon), None, None, None, Some(last)]);
-
-        let labels = folder.path().join("absence.label");
-        fs::write(&labels, "0\n1\n1\n0\n0\n0\n").unwrap();
-        let absent = vec![Some(first), None, None, None, None, Some(last)];
-        assert_eq!(find_truth(folder.path()).unwrap(), Some(absent));
-        fs::write(&labels, "0\n2\n").unwrap();
-        let found = message(read_vot(&file).unwrap_err());
-        assert_eq!(found, format!("{}: line 2: expected 0 or 1, found \"2\"", labels.display()));
-        fs::write(&labels, "0\n").unwrap();
-        assert!(message(read_vot(&file).unwrap_err()).contains("absence.label has 1 lines: expected 6"));
-    }
-
-    #[test]
-    fn what_is_no_region_is_refused_in_words() {
-        for text in
-            ["", "1,2", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "1,2,-3,4", "a,b,c,d", "m10,10,3,4,13", "nan,1,nan"]
-        {
-            let error = message(region(text).unwrap_err());
-            assert!(error.contains("found ") && error.contains("expected"), "{text}: {error}");
-        }
-        assert_eq!(region("nan,1,2,3,4,5").unwrap(), None);
-        for text in ["m", "m1,2,3", "m-1,2,3,4,5", "m1,2,3,4,5.5", "m1,2,70000,4", "m1,2,3,4,5,"] {
-            let error = message(region(text).unwrap_err());
-            assert!(error.starts_with("expected a mask mX,Y,WIDTH,HEIGHT"), "{text}: {error}");
+        for [x, width] in [[0.0, 0.4], [0.0, 65536.0], [0.0, -1.0], [1e12, 1.0], [f64::NAN, 1.0]] {
+            assert_eq!(boxed(x, 0.0, width, 5.0).to_rect(), None, "{x} {width}");
         }
     }
 
@@ -547,5 +433,32 @@ mod tests {
         assert_eq!(region("m10,7,20,13,5,255").unwrap(), expected);
         assert_eq!(region("m0,0,0,0,0").unwrap(), None);
         assert_eq!(region("m5,6,4,3,5,2,5").unwrap(), Some(boxed(6.0, 7.0, 2.0, 1.0)));
+    }
+
+    prop_compose! {
+        /// A box with an area, of numbers that binary fractions hold exactly, so that x + width - x is width.
+        fn any_box()(x in -1_000_000_i32..1_000_000, y in -1_000_000_i32..1_000_000, w in 1_i32..1_000_000, h in 1_i32..1_000_000)
+            -> BoundingBox {
+            let [x, y, width, height] = [x, y, w, h].map(|number| f64::from(number) / 16.0);
+            boxed(x, y, width, height)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_back(entries in proptest::collection::vec(proptest::option::of(any_box()), 0..20)) {
+            for (form, _) in TRUTH {
+                let lines: Vec<String> = entries.iter().map(|entry| form.line(entry.as_ref())).collect();
+                prop_assert_eq!(parsed(form, &lines.join("\n")).unwrap(), &entries[..], "{:?}", form);
+            }
+            for entry in entries.iter().flatten() {
+                prop_assert_eq!(entry.to_string().parse::<BoundingBox>().unwrap(), *entry);
+            }
+        }
+
+        #[test]
+        fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
+            let _ = boxed(x, y, width, height).to_rect();
+        }
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Output};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,8 +12,7 @@ use std::time::{Duration, Instant};
 use std::{fs, thread};
 
 enum Thing {
-    File(PathBuf),
-    Folder(PathBuf),
+    Path(PathBuf),
     Process(Arc<Mutex<Child>>),
 }
 
@@ -48,7 +47,7 @@ fn asks_to_stop(signal: i32) -> bool {
 }
 
 /// Whatever a thread that panicked held is still to be removed.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -70,14 +69,9 @@ fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing
     Ok((made, Kept(number)))
 }
 
-/// Makes a file that is removed if this program is ended before the file has its name.
-pub fn file(make: impl FnOnce() -> io::Result<tempfile::NamedTempFile>) -> io::Result<(tempfile::NamedTempFile, Kept)> {
-    keep(make, |file| Thing::File(file.path().to_owned()))
-}
-
-/// The same of a folder.
-pub fn folder(make: impl FnOnce() -> io::Result<tempfile::TempDir>) -> io::Result<(tempfile::TempDir, Kept)> {
-    keep(make, |folder| Thing::Folder(folder.path().to_owned()))
+/// Makes a file or a folder that is removed if this program is ended before it has its name.
+pub fn keep_path<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Kept)> {
+    keep(make, |made| Thing::Path(made.as_ref().to_owned()))
 }
 
 /// Does something that a signal must not interrupt: one that comes meanwhile ends this program afterwards.
@@ -102,10 +96,6 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    pub fn id(&self) -> u32 {
-        locked(&self.child).id()
-    }
-
     /// What it reads, if that is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
@@ -124,9 +114,13 @@ impl Process {
     /// All that it complains about, when standard error is closed: a child of its own may keep that open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
-        if let Some(complaints) = self.complaints() {
-            // Everything is read, or the writer would block.
-            thread::spawn(move || sender.send(String::from_utf8_lossy(&all_of(complaints)).into_owned()));
+        if let Some(mut complaints) = self.complaints() {
+            thread::spawn(move || {
+                let mut bytes = Vec::new();
+                // Everything is read, or the writer would block. What came before an error is all there is.
+                let _ = complaints.read_to_end(&mut bytes);
+                sender.send(String::from_utf8_lossy(&bytes).into_owned())
+            });
         }
         said
     }
@@ -149,24 +143,6 @@ impl Process {
             thread::sleep(Duration::from_millis(1));
         }
     }
-
-    /// Waits for the end, with all that it has written to what is piped.
-    pub fn finish(self) -> io::Result<Output> {
-        fn all(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
-            thread::spawn(move || stream.map_or(Vec::new(), all_of))
-        }
-        let (out, complaints) = (all(self.output()), all(self.complaints()));
-        let status = self.wait_while(|_| true)?.ok_or(io::ErrorKind::TimedOut)?;
-        let read = |thread: thread::JoinHandle<Vec<u8>>| thread.join().unwrap_or_default();
-        Ok(Output { status, stdout: read(out), stderr: read(complaints) })
-    }
-}
-
-/// What came before an error is all there is.
-fn all_of(mut stream: impl Read) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let _ = stream.read_to_end(&mut bytes);
-    bytes
 }
 
 impl Drop for Process {
@@ -228,23 +204,21 @@ fn end_by(signal: i32) -> ! {
         }
     }
     for thing in things.values() {
-        // What is not there any more has its name, or is gone already.
-        let _ = match thing {
-            Thing::File(file) => fs::remove_file(file),
-            Thing::Folder(folder) => remove_folder(folder),
-            Thing::Process(_) => Ok(()),
-        };
+        if let Thing::Path(path) = thing {
+            // What is not there any more has its name, or is gone already.
+            let _ = remove(path);
+        }
     }
     std::process::exit(128 + signal)
 }
 
-/// Removes a folder into which other threads may still write: under its new name they do not find it.
-fn remove_folder(folder: &Path) -> io::Result<()> {
-    let gone = folder.with_extension("gone");
-    match fs::rename(folder, &gone) {
-        Ok(()) => fs::remove_dir_all(gone),
-        Err(_) => fs::remove_dir_all(folder),
+/// Removes a file, or a folder into which other threads may still write: under its new name they do not find it.
+fn remove(path: &Path) -> io::Result<()> {
+    if path.is_file() {
+        return fs::remove_file(path);
     }
+    let gone = path.with_extension("gone");
+    fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
 /// To be called before an error is told: once a signal has come, errors are those of what it removed, and it ends this program.
@@ -257,23 +231,6 @@ pub fn yield_to_signal() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::process::Stdio;
-
-    #[test]
-    fn what_has_its_name_is_kept_no_longer() {
-        let folder = tempfile::tempdir().unwrap();
-        let count = || {
-            locked(&THINGS)
-                .values()
-                .filter(|thing| matches!(thing, Thing::File(file) if file.starts_with(folder.path())))
-                .count()
-        };
-        let (made, kept) = file(|| tempfile::NamedTempFile::new_in(folder.path())).unwrap();
-        assert_eq!(count(), 1);
-        made.persist(folder.path().join("name")).unwrap();
-        drop(kept);
-        assert_eq!(count(), 0);
-    }
 
     // Windows renames no folder in which a file is open.
     #[cfg(unix)]
@@ -286,7 +243,7 @@ mod tests {
         (0..100).try_for_each(write).unwrap();
         thread::scope(|scope| {
             let writer = scope.spawn(|| (100..50_000).try_for_each(write));
-            remove_folder(&folder).unwrap();
+            remove(&folder).unwrap();
             assert!(writer.join().unwrap().is_err());
         });
         assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
@@ -294,19 +251,10 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_program_writes_and_how_it_ends() {
-        let mut command = Command::new("sh");
-        command.args(["-c", "echo out; echo complaint >&2; exit 3"]).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let Output { status, stdout, stderr } = Process::start(&mut command).unwrap().finish().unwrap();
-        assert_eq!((status.code(), &stdout[..], &stderr[..]), (Some(3), &b"out\n"[..], &b"complaint\n"[..]));
-    }
-
-    #[cfg(unix)]
-    #[test]
     fn a_program_that_is_not_waited_for_is_ended() {
         let process = Process::start(Command::new("sleep").arg("600")).unwrap();
         assert!(process.wait_while(|waited| waited < Duration::from_millis(20)).unwrap().is_none());
-        let id = process.id().to_string();
+        let id = locked(&process.child).id().to_string();
         drop(process);
         // The shell's own: not every system has a program for it.
         assert!(!crate::missing::runs(Command::new("sh").args(["-c", "kill -0 \"$0\"", &id])));

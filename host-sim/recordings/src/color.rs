@@ -4,9 +4,10 @@ use super::live::LiveFrame;
 use super::resize::resized;
 use super::video::{self, Moment};
 use super::{ColorFrame, GrayFrame, Picture, frame_times};
+use crate::cleanup::locked;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 impl From<&GrayFrame> for ColorFrame {
@@ -36,10 +37,6 @@ pub enum Colors {
 pub struct Time(Arc<Mutex<Option<f64>>>);
 
 impl Time {
-    fn now(&self) -> MutexGuard<'_, Option<f64>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// The frames alone. Their times are told to whoever asks.
     pub(super) fn told_by<F: Iterator<Item = Result<(GrayFrame, Option<f64>)>>>(
         &self,
@@ -48,7 +45,7 @@ impl Time {
         let time = self.clone();
         frames.map(move |frame| {
             let (frame, now) = frame?;
-            *time.now() = now;
+            *locked(&time.0) = now;
             Ok(frame)
         })
     }
@@ -66,22 +63,18 @@ struct Last {
 }
 
 impl Now {
-    fn last(&self) -> MutexGuard<'_, Last> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub(super) fn set(&self, frame: Option<LiveFrame>, dropped: usize, ended: Option<String>) {
-        let mut last = self.last();
+        let mut last = locked(&self.0);
         *last = Last { frame: frame.or(last.frame.take()), dropped, ended };
     }
 
     /// Its number and its time.
     fn tick(&self) -> Option<(usize, f64)> {
-        self.last().frame.as_ref().map(|frame| (frame.number, frame.seconds))
+        locked(&self.0).frame.as_ref().map(|frame| (frame.number, frame.seconds))
     }
 
     fn color(&self) -> Option<(ColorFrame, Option<Moment>)> {
-        let last = self.last();
+        let last = locked(&self.0);
         let frame = last.frame.as_ref()?;
         #[allow(clippy::cast_possible_truncation)] // it saturates
         let time = (frame.seconds * 1e6) as i64;
@@ -90,12 +83,12 @@ impl Now {
 
     /// How many frames came that nobody took.
     pub fn dropped(&self) -> usize {
-        self.last().dropped
+        locked(&self.0).dropped
     }
 
     /// Why it has ended, if that is known.
     pub fn ended(&self) -> Option<String> {
-        self.last().ended.clone()
+        locked(&self.0).ended.clone()
     }
 }
 
@@ -111,7 +104,7 @@ impl Clock {
         self.next += 1;
         match &self.of {
             Colors::Live(now) => now.tick().map_or((self.next - 1, None), |(number, seconds)| (number, Some(seconds))),
-            Colors::Video(_, time) => (self.next - 1, *time.now()),
+            Colors::Video(_, time) => (self.next - 1, *locked(&time.0)),
             _ => (self.next - 1, None),
         }
     }
@@ -199,16 +192,7 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::synthetic;
     use super::*;
-
-    #[test]
-    fn without_colors_frames_are_gray() {
-        let gray = synthetic::frames().next().unwrap();
-        let (frame, moment) = Colors::None.open(1, Duration::ZERO).next(&gray);
-        assert_eq!((frame.width, frame.pixels.len(), moment), (gray.width, gray.pixels.len(), None));
-        assert_eq!(frame.pixels[77], [gray.pixels[77]; 3]);
-    }
 
     #[test]
     fn pictures_keep_their_colors_and_get_the_size_of_the_gray_ones() {

@@ -60,44 +60,25 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::folder;
 
     #[test]
-    fn a_folder_of_recordings_is_taken_in_natural_order() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in ["s10", "s2"] {
-            fs::create_dir(folder.path().join(name)).unwrap();
-            fs::write(folder.path().join(name).join("frames.y4m"), "").unwrap();
-        }
-        fs::create_dir(folder.path().join("empty")).unwrap();
-        fs::write(folder.path().join("README.md"), "").unwrap();
-        let expected = ["s2", "s10"].map(|name| folder.path().join(name));
-        assert_eq!(of_path(folder.path()).unwrap(), expected);
-        assert_eq!(of_path(&expected[0]).unwrap(), expected[..1]);
-    }
-
-    #[test]
-    fn folders_of_folders_are_looked_into() {
-        let above = tempfile::tempdir().unwrap();
-        let names = ["more/vot/bag/color", "more/Man/img", "tld", "a/.hidden", "a/b/c/d"];
-        for name in names {
-            fs::create_dir_all(above.path().join(name)).unwrap();
-            fs::write(above.path().join(name).join("1.png"), "").unwrap();
-        }
-        fs::create_dir(above.path().join("tld/trackers")).unwrap();
-        #[cfg(unix)]
-        std::os::unix::fs::symlink(above.path(), above.path().join("a/b/again")).unwrap();
-        let found = of_path(above.path()).unwrap();
-        let expected = ["a/b/c/d", "more/Man", "more/vot/bag", "tld"].map(|name| above.path().join(name));
-        assert_eq!(found, expected);
+    fn recordings_in_folders_of_folders_come_in_natural_order() {
+        let names =
+            "more/vot/bag/color/1.png more/Man/img/1.png tld/1.png tld/trackers/x=1 a/.hidden/1.png a/b/c/d/1.png";
+        let link = if cfg!(unix) { "a/b/again->../.." } else { "" };
+        let above = folder(&format!("{names} {link} s10/frames.y4m s2/frames.y4m empty/notes=1 README.md=1"));
+        let expected = ["a/b/c/d", "more/Man", "more/vot/bag", "s2", "s10", "tld"].map(|name| above.path().join(name));
+        assert_eq!(of_path(above.path()).unwrap(), expected);
+        assert_eq!(of_path(&expected[3]).unwrap(), expected[3..4]);
     }
 
     #[test]
     fn a_path_without_a_recording_is_named() {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder("");
         let error = of_path(folder.path()).unwrap_err().to_string();
-        assert!(error.starts_with(&folder.path().display().to_string()), "{error}");
-        assert!(error.contains("no recording in it"), "{error}");
-        let missing = folder.path().join("missing");
-        assert!(format!("{:#}", of_path(&missing).unwrap_err()).contains("missing: neither a recording nor a folder"));
+        assert!(error.starts_with(&format!("{}: no recording in it", folder.path().display())), "{error}");
+        let missing = format!("{:#}", of_path(&folder.path().join("missing")).unwrap_err());
+        assert!(missing.contains("missing: neither a recording nor a folder"), "{missing}");
     }
 }

@@ -1,7 +1,7 @@
 //! A part of a recording: some of its frames, with their boxes.
 
 use super::{Frames, GrayFrame, Sequence};
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
 
@@ -28,11 +28,6 @@ impl FrameRange {
     /// These frames from the one of this number on, if they began with the first.
     pub fn begun_at(self, first: usize) -> Self {
         Self { first: if self.first == 1 { first } else { self.first }, ..self }
-    }
-
-    /// True if it begins with the first frame, which the box to start from is in.
-    pub const fn begins_with_the_first(&self) -> bool {
-        self.first == 1
     }
 
     /// The first is 1.
@@ -63,14 +58,10 @@ impl FromStr for FrameRange {
 
     fn from_str(text: &str) -> Result<Self> {
         let expected = "expected frames like 20..80, 20.. or ..80; the first is 1";
-        let Some((first, last)) = text.split_once("..") else { bail!(expected) };
-        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0);
-        let first = if first.is_empty() { Some(1) } else { number(first) };
-        let (Some(first), Ok(last)) =
-            (first, if last.is_empty() { Ok(None) } else { number(last).map(Some).ok_or(()) })
-        else {
-            bail!(expected)
-        };
+        let (first, last) = text.split_once("..").context(expected)?;
+        let number = |text: &str| text.parse().ok().filter(|&number: &usize| number > 0).context(expected);
+        let first = if first.is_empty() { 1 } else { number(first)? };
+        let last = if last.is_empty() { None } else { Some(number(last)?) };
         ensure!(last.is_none_or(|last| last >= first), "{expected}; the second not below the first");
         Ok(Self { first, last })
     }
@@ -94,8 +85,7 @@ impl Sequence {
     /// the ground truth, if there is any. `option`: the words that asked for them, for errors.
     pub fn part(self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
-        let init =
-            if range.begins_with_the_first() { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
+        let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| range.length_of(length));
         let part = part([self.name.clone(), option.to_owned()], self.frames, range);
         Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
@@ -176,25 +166,5 @@ mod tests {
         assert_eq!(whole.frames.count(), synthetic::LENGTH);
         let rest = synthetic_part(&format!("{}..9999", synthetic::LENGTH));
         assert_eq!((rest.length, rest.frames.count()), (Some(1), 1));
-    }
-
-    #[test]
-    fn ground_truth_that_begins_later() {
-        let mut late = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
-        late.truth.as_mut().unwrap().drain(..10);
-        let (truth, length) = (late.truth.clone(), late.length.unwrap());
-        let part = late.with_truth_from(11).part(FrameRange::from(11), "--truth-from");
-        assert_eq!((part.first, part.length, part.init), (11, Some(length - 10), synthetic::truth(10)));
-        assert_eq!(part.truth, truth);
-        assert_eq!(range("13..20").counted_from(11).to_string(), "3..10");
-    }
-
-    #[test]
-    fn a_part_beyond_the_end_is_named() {
-        let mut part = synthetic_part("9000..");
-        let error = part.frames.next().unwrap().unwrap_err().to_string();
-        let expected = format!("synthetic: there is no frame 9000 (--frames): expected 1 to {}", synthetic::LENGTH);
-        assert_eq!((error, part.length, part.truth), (expected, Some(0), Some(vec![])));
-        assert!(part.frames.next().is_none());
     }
 }

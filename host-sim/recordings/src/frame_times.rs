@@ -2,12 +2,12 @@
 //!
 //! They come from packets if each is one frame and times grow; else the file is decoded whole, and read from its beginning.
 
-use super::video::{self, FROM_ZERO, Patient, Pictures, Use};
+use super::video::{self, FROM_ZERO, Patient, Use};
 use super::y4m;
-use crate::cleanup::Process;
+use crate::cleanup::{Process, locked};
 use std::io::BufRead;
 use std::path::Path;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -62,23 +62,19 @@ impl Index {
     }
 
     fn change(&self, change: impl FnOnce(&mut Found)) {
-        change(&mut self.lock());
+        change(&mut locked(&self.found));
         self.grown.notify_all();
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Found> {
-        self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// All times, once they are known.
     pub fn times(&self) -> Option<Vec<f64>> {
-        let found = self.lock();
+        let found = locked(&self.found);
         (found.is_whole && !found.times.is_empty()).then(|| found.times.clone())
     }
 
     /// The time to seek a frame by; `None` if it has to be read from the beginning. Waits until that is known.
     pub fn sought(&self, number: usize) -> Option<f64> {
-        let mut found = self.lock();
+        let mut found = locked(&self.found);
         while !found.is_whole && found.can_seek != Some(false) && found.times.len() < number {
             found = self.grown.wait(found).unwrap_or_else(PoisonError::into_inner);
         }
@@ -92,7 +88,7 @@ impl Index {
 
     /// True if there is no frame with this number, for certain.
     pub fn ends_before(&self, number: usize) -> bool {
-        let found = self.lock();
+        let found = locked(&self.found);
         found.is_whole && found.can_seek == Some(true) && found.times.len() < number
     }
 }
@@ -107,8 +103,7 @@ pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
 
 /// The times of the frames that are decoded.
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
-    let mut pictures = Pictures::start(("ffmpeg", file), &[], "", Use::Times, patience).ok();
-    std::iter::from_fn(move || pictures.as_mut()?.next().ok()??.seconds())
+    video::good(file, &[], Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
 /// Frames, as far as packets tell.

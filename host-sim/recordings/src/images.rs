@@ -114,12 +114,6 @@ pub(super) fn frames(pictures: Vec<Picture>, first: usize) -> impl Iterator<Item
     })
 }
 
-/// One picture.
-pub fn read_picture(file: &Path) -> Result<GrayFrame> {
-    let bytes = input::bytes(file, &input::PICTURE);
-    bytes.and_then(|bytes| decode_picture(&bytes)).with_context(|| format!("cannot read {}", file.display()))
-}
-
 /// One picture as the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)
@@ -157,31 +151,31 @@ fn next(bytes: &[u8]) -> Option<usize> {
 
 /// The kind of a picture that is not read, whatever its name.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let kind = |&(magic, kind): &(&[u8], _)| bytes.starts_with(magic).then_some(kind);
-    let in_box = |(brands, kind): (&[&[u8]], _)| {
-        let brand = bytes.get(4..12).and_then(|head| head.strip_prefix(b"ftyp"))?;
-        brands.contains(&brand).then_some(kind)
-    };
-    let is_webp = bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP");
-    is_webp
-        .then_some("a WebP picture")
-        .or_else(|| FOREIGN_MAGIC.iter().find_map(kind))
-        .or_else(|| in_box((&[b"heic", b"heix", b"hevc", b"mif1", b"msf1"], "a HEIC picture")))
-        .or_else(|| in_box((&[b"avif", b"avis"], "an AVIF picture")))
+    let is = |(at, magic, _): &&(usize, &[u8], _)| bytes.get(*at..).is_some_and(|bytes| bytes.starts_with(magic));
+    FOREIGN_MAGIC.iter().find(is).map(|(_, _, kind)| *kind)
 }
 
-const FOREIGN_MAGIC: [(&[u8], &str); 11] = [
-    (b"BM", "a BMP picture"),
-    (b"II*\0", "a TIFF picture"),
-    (b"MM\0*", "a TIFF picture"),
-    (b"GIF8", "a GIF picture"),
-    (b"\0\0\0\x0CJXL ", "a JPEG XL picture"),
-    (b"\xFF\x0A", "a JPEG XL picture"),
-    (b"\0\0\0\x0CjP  ", "a JPEG 2000 picture"),
-    (b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
-    (b"\x76\x2F\x31\x01", "an OpenEXR picture"),
-    (b"Pf", "a picture of floating-point numbers (PFM)"),
-    (b"PF", "a picture of floating-point numbers (PFM)"),
+/// Bytes at a place, and the kind that has them.
+const FOREIGN_MAGIC: [(usize, &[u8], &str); 19] = [
+    (0, b"BM", "a BMP picture"),
+    (0, b"II*\0", "a TIFF picture"),
+    (0, b"MM\0*", "a TIFF picture"),
+    (0, b"GIF8", "a GIF picture"),
+    (8, b"WEBP", "a WebP picture"),
+    (4, b"ftypheic", "a HEIC picture"),
+    (4, b"ftypheix", "a HEIC picture"),
+    (4, b"ftyphevc", "a HEIC picture"),
+    (4, b"ftypmif1", "a HEIC picture"),
+    (4, b"ftypmsf1", "a HEIC picture"),
+    (4, b"ftypavif", "an AVIF picture"),
+    (4, b"ftypavis", "an AVIF picture"),
+    (0, b"\0\0\0\x0CJXL ", "a JPEG XL picture"),
+    (0, b"\xFF\x0A", "a JPEG XL picture"),
+    (0, b"\0\0\0\x0CjP  ", "a JPEG 2000 picture"),
+    (0, b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
+    (0, b"\x76\x2F\x31\x01", "an OpenEXR picture"),
+    (0, b"Pf", "a picture of floating-point numbers (PFM)"),
+    (0, b"PF", "a picture of floating-point numbers (PFM)"),
 ];
 
 /// Facts of a PNG's chunks besides pixels.

@@ -51,7 +51,7 @@ pub use color::{Clock, ColorFrames, Colors, Now, Time};
 pub use damage::Damaged;
 pub use folders::recordings;
 pub use frame_range::{FrameRange, misfit};
-pub use images::{Picture, decode_colors, decode_picture, read_picture};
+pub use images::{Picture, decode_colors, decode_picture};
 pub use levels::Levels;
 pub use live::{Live, LiveFrame, is_live};
 pub use resize::{Resize, Scalable, resized};
@@ -145,16 +145,19 @@ impl Sequence {
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
         truth: Vec<Option<BoundingBox>>,
     ) -> Self {
-        Self {
-            name: name.to_owned(),
-            length: Some(frames.len()),
-            frames: Box::new(frames.map(Ok)),
-            first: 1,
-            init: truth.first().copied().flatten(),
-            truth: Some(truth),
-            colors: Colors::None,
-            notes: Vec::new(),
-        }
+        let (length, init) = (Some(frames.len()), truth.first().copied().flatten());
+        let frames = Self::streamed(name.to_owned(), frames.map(Ok), Colors::None);
+        Self { length, init, truth: Some(truth), ..frames }
+    }
+
+    /// Frames as they come, without boxes.
+    fn streamed(
+        name: String,
+        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
+        colors: Colors,
+    ) -> Self {
+        let frames = damage::frames(frames, name.clone());
+        Self { name, frames, length: None, first: 1, init: None, truth: None, colors, notes: Vec::new() }
     }
 
     /// The box to start from in whole pixels, as every tracker takes it.
@@ -206,8 +209,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
         let name = "standard input".to_owned();
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
-        let frames = damage::frames(frames, name.clone());
-        Sequence { name, frames, length: None, first: 1, init: None, truth: None, colors: Colors::None, notes: vec![] }
+        Sequence::streamed(name, frames, Colors::None)
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
         ensure!(
@@ -286,7 +288,7 @@ fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 
 fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let source = if images::is_picture(file) && options.size.is_none() {
-        Source::pictures(Picture::all_in(file), file, options)
+        pictures(Picture::all_in(file), file, options)
     } else {
         source_of(file, options)?
     };
@@ -294,10 +296,9 @@ fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     with_boxes(name, source, file.parent().unwrap_or(Path::new("")))
 }
 
-fn with_boxes(name: String, source: Source, folder: &Path) -> Result<Sequence> {
+fn with_boxes(name: String, sequence: Sequence, folder: &Path) -> Result<Sequence> {
     let (truth, init) = boxes_in(folder)?;
-    let Source { frames, length, colors, notes } = source;
-    Ok(Sequence { name, frames, length, first: 1, init, truth, colors, notes })
+    Ok(Sequence { name, init, truth, ..sequence })
 }
 
 /// The box of each frame.
@@ -323,30 +324,16 @@ fn folder_name(folder: &Path) -> String {
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Frames whose boxes have not been looked for yet.
-struct Source {
-    frames: Frames,
-    length: Option<usize>,
-    colors: Colors,
-    notes: Vec<String>,
+/// A recording of pictures that lie `at` a place, without boxes.
+fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
+    let length = Some(pictures.len());
+    pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
+    let notes = levels::note(&pictures).into_iter().collect();
+    let colors = Colors::Pictures(pictures.clone());
+    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), images::frames(pictures, 1), colors) }
 }
 
-impl Source {
-    fn new(frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, length: Option<usize>, at: &Path) -> Self {
-        let frames = damage::frames(frames, at.display().to_string());
-        Self { frames, length, colors: Colors::None, notes: Vec::new() }
-    }
-
-    fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Self {
-        let length = pictures.len();
-        pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
-        let notes = levels::note(&pictures).into_iter().collect();
-        let colors = Colors::Pictures(pictures.clone());
-        Self { colors, notes, ..Self::new(images::frames(pictures, 1), Some(length), at) }
-    }
-}
-
-fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
+fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     let files = files_in(folder)?;
     let pictures = pictures_in(folder, &files)?;
     if pictures.is_empty() {
@@ -368,7 +355,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Source> {
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
-    Ok(Source::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
+    Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
 /// The pictures of a folder in the order of their names; `files` are those in it.
@@ -429,40 +416,38 @@ fn is_recording(file: &Path) -> bool {
     y4m::is_y4m(file) || raw::is_raw(file) || video::is_video(file)
 }
 
-fn source_of(file: &Path, options: &OpenOptions) -> Result<Source> {
+fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
+    let name = file.display().to_string();
     // ffmpeg would show some of these pictures as a video of one frame. A GIF is read by it: it may be a film.
     if !has_extension(file, &["gif"]) {
         images::check_kind(file)?;
     }
-    let data = fs::metadata(file).with_context(|| format!("cannot open {}", file.display()))?;
+    let data = fs::metadata(file).with_context(|| format!("cannot open {name}"))?;
     // A pipe has no length, and may be read all the same.
-    ensure!(!data.is_file() || data.len() > 0, "{} is empty: expected a recording", file.display());
+    ensure!(!data.is_file() || data.len() > 0, "{name} is empty: expected a recording");
     let is_other = video::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
-    ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {} is none", file.display());
+    ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {name} is none");
     if options.size.is_some() || raw::is_raw(file) {
-        let size = options.size.with_context(|| {
-            format!("{} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)", file.display())
-        })?;
+        let size = options
+            .size
+            .with_context(|| format!("{name} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)"))?;
         let (frames, length) = raw::open(file, size)?;
-        return Ok(Source::new(frames, length, file));
+        return Ok(Sequence { length, ..Sequence::streamed(name, frames, Colors::None) });
     }
     #[cfg(unix)]
     if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
-        bail!("{} is a device, and host-sim reads files: {LIVE}", file.display());
+        bail!("{name} is a device, and host-sim reads files: {LIVE}");
     }
     // A pipe is read once.
     let time = Time::default();
     let colors = if data.is_file() { Colors::Video(file.to_owned(), time.clone()) } else { Colors::None };
     if y4m::is_y4m(file) {
-        return Ok(Source { colors, ..Source::new(time.told_by(y4m::open(file)?.from(1)), None, file) });
+        return Ok(Sequence::streamed(name, time.told_by(y4m::open(file)?.from(1)), colors));
     }
     // ffmpeg would draw text as a video of a terminal.
-    ensure!(
-        !has_extension(file, &["txt"]),
-        "{} is a text file: expected a recording (a video, Y4M or pictures)",
-        file.display()
-    );
-    Ok(Source { colors, ..Source::new(time.told_by(video::open(file, options.patience())?), None, file) })
+    ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
+    let frames = video::open("ffmpeg", file, options.patience())?;
+    Ok(Sequence::streamed(name, time.told_by(frames), colors))
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.
@@ -491,6 +476,12 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
 /// The paper's tracker, which must do in the built-in scenes what they are there for.
 #[cfg(test)]
 type Paper = smr_core::Paper<65536, 4096>;
+
+/// Whoever changes a pixel changes what others have measured: not without notice.
+#[cfg(test)]
+fn fnv(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))
+}
 
 #[cfg(test)]
 mod tests;

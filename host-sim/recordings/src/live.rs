@@ -3,13 +3,13 @@
 use super::color::Now;
 use super::video::{self, Ffmpeg};
 use super::y4m::{self, Planes};
-use super::{Colors, Sequence, damage};
-use crate::cleanup;
+use super::{Colors, Sequence};
+use crate::cleanup::{self, locked};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::Path;
 use std::process::Command;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -117,7 +117,7 @@ impl Live {
 
     /// How many came that nobody took.
     pub fn dropped(&self) -> usize {
-        let state = self.newest.lock();
+        let state = locked(&self.newest.state);
         state.came - state.taken - usize::from(state.frame.is_some())
     }
 
@@ -131,17 +131,7 @@ impl Live {
             at.set(frame, self.dropped(), self.ended.clone());
             gray
         });
-        let frames = damage::frames(frames, name.clone());
-        Sequence {
-            name,
-            frames,
-            length: None,
-            first: 1,
-            init: None,
-            truth: None,
-            colors: Colors::Live(now),
-            notes: vec![],
-        }
+        Sequence::streamed(name, frames, Colors::Live(now))
     }
 }
 
@@ -156,11 +146,8 @@ fn command(address: &Path) -> Command {
     command
 }
 
-fn without(mut text: String, secrets: &[String]) -> String {
-    for secret in secrets {
-        text = text.replace(secret, "");
-    }
-    text
+fn without(text: String, secrets: &[String]) -> String {
+    secrets.iter().fold(text, |text, secret| text.replace(secret, ""))
 }
 
 /// The newest frame that was not taken yet, as soon as there is one. It ends if the source does, or if a signal asks for that
@@ -170,7 +157,7 @@ impl Iterator for Live {
 
     fn next(&mut self) -> Option<LiveFrame> {
         let newest = Arc::clone(&self.newest);
-        let mut state = newest.lock();
+        let mut state = locked(&newest.state);
         while !cleanup::is_stopped() {
             if let Some(frame) = state.frame.take() {
                 state.taken += 1;
@@ -189,13 +176,9 @@ impl Iterator for Live {
 }
 
 impl Newest {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn add(&self, planes: Planes) {
         let arrived = Instant::now();
-        let mut state = self.lock();
+        let mut state = locked(&self.state);
         state.came += 1;
         // The first one, in which targets are, waits until it is taken.
         if state.taken == 0 && state.frame.is_some() {
@@ -207,7 +190,7 @@ impl Newest {
     }
 
     fn end(&self, reason: Option<String>) {
-        let mut state = self.lock();
+        let mut state = locked(&self.state);
         (state.is_over, state.reason) = (true, reason);
         self.changed.notify_all();
     }

@@ -13,7 +13,7 @@ pub struct Output {
     /// As it was asked for.
     name: PathBuf,
     file: BufWriter<fs::File>,
-    /// `None` of a device or a pipe, which cannot be replaced.
+    /// `None` of a device or a pipe, which cannot be replaced, and in a [`Folder`].
     whole: Option<Whole>,
 }
 
@@ -28,12 +28,7 @@ impl Output {
     /// Begins the file `name`. To be called before the work of which it will hold the result.
     /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
-        Self::at(name, name)
-    }
-
-    /// The same of a file that is at `place` for now.
-    fn at(place: &Path, name: &Path) -> Result<Self> {
-        let target = behind_links(place).with_context(|| cannot_write(name))?;
+        let target = behind_links(name);
         let folder = folder_of(&target);
         ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
         let (file, whole) = open(target).with_context(|| cannot_write(name))?;
@@ -80,18 +75,13 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Where links lead, whether there is something or not. A link stays one: what it names is written.
-pub fn behind_links(name: &Path) -> io::Result<PathBuf> {
-    let mut target = name.to_owned();
-    // As many as Linux follows.
-    for _ in 0..40 {
-        match fs::read_link(&target) {
-            Ok(next) if fs::metadata(&target).is_err() => target = folder_of(&target).join(next),
-            // Links to pipes, as in /proc, have no other name.
-            _ => return Ok(fs::canonicalize(&target).unwrap_or(target)),
-        }
+/// The place that a link leads to, whether there is something or not. A link stays one: what it names is written.
+pub fn behind_links(name: &Path) -> PathBuf {
+    match fs::read_link(name) {
+        Ok(next) if fs::metadata(name).is_err() => folder_of(name).join(next),
+        // Links to pipes, as in /proc, have no other name.
+        _ => fs::canonicalize(name).unwrap_or_else(|_| name.to_owned()),
     }
-    Err(io::Error::other("its links lead to no end"))
 }
 
 fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
@@ -108,7 +98,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     // Not for the eyes of the user alone, as temporary files are, but as any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let (made, _kept) = cleanup::file(|| builder.tempfile_in(folder_of(&target)))?;
+    let (made, _kept) = cleanup::keep_path(|| builder.tempfile_in(folder_of(&target)))?;
     if let Ok(data) = there {
         fs::set_permissions(made.path(), data.permissions())?;
     }
@@ -120,7 +110,7 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     Output::create(name)?.end(bytes)
 }
 
-/// A new folder under way, or one that is there and empty. Until [`Folder::finish`] nothing is in it.
+/// A new folder under way, or one that is there and empty. Until [`Folder::finish`] nothing of it is seen.
 pub struct Folder {
     name: PathBuf,
     target: PathBuf,
@@ -132,36 +122,31 @@ impl Folder {
     /// Begins the folder `name`, with all folders above it.
     /// Errors: There is something in it, or it cannot be made.
     pub fn create(name: &Path) -> Result<Self> {
-        let target = behind_links(name).with_context(|| cannot_make(name))?;
+        let target = behind_links(name);
         let is_there = fs::symlink_metadata(&target).is_ok();
         if is_there {
             let mut entries = fs::read_dir(&target).with_context(|| cannot_make(name))?;
             let empty = entries.next().is_none();
             ensure!(empty, "{} is not empty: expected an empty or a new folder", name.display());
         }
-        let above = folder_of(&target);
-        fs::create_dir_all(above).with_context(|| cannot_make(name))?;
-        let make = |place: &Path| cleanup::folder(|| tempfile::Builder::new().prefix(".smr-").tempdir_in(place));
-        let made = match make(if is_there && stays(&target) { &target } else { above }) {
-            // Only the empty folder is the user's.
-            Err(_) if is_there => make(&target),
-            made => made,
-        };
-        let (made, _kept) = made.with_context(|| cannot_make(name))?;
+        let place = if is_there { &target } else { folder_of(&target) };
+        fs::create_dir_all(place).with_context(|| cannot_make(name))?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".smr-");
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
+        let (made, _kept) = cleanup::keep_path(|| builder.tempdir_in(place)).with_context(|| cannot_make(name))?;
         Ok(Self { name: name.to_owned(), target, made, _kept })
     }
 
-    /// Where its files are written until it has its name.
-    pub fn path(&self) -> &Path {
-        self.made.path()
-    }
-
     pub fn file(&self, name: &str) -> Result<Output> {
-        Output::at(&self.path().join(name), &self.name.join(name))
+        let (place, name) = (self.made.path().join(name), self.name.join(name));
+        let file = fs::File::create(place).with_context(|| cannot_write(&name))?;
+        Ok(Output { name, file: BufWriter::new(file), whole: None })
     }
 
     pub fn folder(&self, name: &str) -> Result<()> {
-        fs::create_dir(self.path().join(name)).with_context(|| cannot_make(&self.name.join(name)))
+        fs::create_dir(self.made.path().join(name)).with_context(|| cannot_make(&self.name.join(name)))
     }
 
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
@@ -172,59 +157,18 @@ impl Folder {
         let Self { name, target, made, _kept } = self;
         let finish = || -> io::Result<()> {
             if made.path().parent() == Some(&target) {
-                return fill(made.path(), &target);
+                for entry in fs::read_dir(made.path())?.collect::<io::Result<Vec<_>>>()? {
+                    fs::rename(entry.path(), target.join(entry.file_name()))?;
+                }
+                return Ok(());
             }
-            #[cfg(unix)]
-            {
-                use std::os::unix::fs::PermissionsExt;
-                // As the folder that it replaces, or as a new one: the temporary one is closed to others.
-                let like = fs::Permissions::from_mode(0o777);
-                let like = tempfile::Builder::new().permissions(like).tempdir_in(made.path())?;
-                let like = fs::metadata(&target).or_else(|_| fs::metadata(like.path()))?;
-                fs::set_permissions(made.path(), like.permissions())?;
-            }
-            // The system replaces an empty folder at once.
             fs::rename(made.path(), &target)?;
             // There is nothing to remove under the former name.
             let _ = made.keep();
             Ok(())
         };
-        finish().with_context(|| cannot_make(&name))
+        cleanup::undisturbed(finish).with_context(|| cannot_make(&name))
     }
-}
-
-/// True of a folder that cannot be replaced, or should not be: the root of a file system, or the folder that this program was started in.
-fn stays(folder: &Path) -> bool {
-    let Ok(folder) = fs::canonicalize(folder) else { return true };
-    let is_current = std::env::current_dir().is_ok_and(|current| current == folder);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        let device = |folder: &Path| fs::metadata(folder).map(|data| data.dev()).ok();
-        is_current || folder.parent().is_none_or(|above| device(above) != device(&folder))
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = is_current;
-        true
-    }
-}
-
-/// Moves all that is in `from` into `to`. After an error nothing of it is there.
-fn fill(from: &Path, to: &Path) -> io::Result<()> {
-    let entries = fs::read_dir(from)?.collect::<io::Result<Vec<_>>>()?;
-    cleanup::undisturbed(|| {
-        for (count, entry) in entries.iter().enumerate() {
-            if let Err(error) = fs::rename(entry.path(), to.join(entry.file_name())) {
-                for moved in &entries[..count] {
-                    // What cannot be moved back cannot be removed either.
-                    let _ = fs::rename(to.join(moved.file_name()), moved.path());
-                }
-                return Err(error);
-            }
-        }
-        Ok(())
-    })
 }
 
 /// A folder of this user alone for what this program and another one exchange. Dropped, it is removed.
@@ -241,7 +185,7 @@ impl Exchange {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
         let make = || builder.tempdir();
-        let (made, _kept) = cleanup::folder(make).context("cannot make a temporary folder")?;
+        let (made, _kept) = cleanup::keep_path(make).context("cannot make a temporary folder")?;
         Ok(Self { made, _kept })
     }
 
@@ -324,31 +268,37 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn links_devices_and_permissions_stay() {
-        use std::os::unix::fs::PermissionsExt;
+        use std::os::unix::fs::{PermissionsExt, symlink};
         let folder = tempfile::tempdir().unwrap();
-        let (file, link, plain) = (folder.path().join("file"), folder.path().join("link"), folder.path().join("plain"));
-        fs::write(&file, "former").unwrap();
-        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
-        std::os::unix::fs::symlink(&file, &link).unwrap();
-        write(&link, b"new").unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::read(&file).unwrap(), b"new");
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
-        assert_eq!(mode(&file) & 0o777, 0o640);
-        fs::write(&plain, "").unwrap();
-        write(&folder.path().join("fresh"), b"").unwrap();
-        assert_eq!(mode(&folder.path().join("fresh")), mode(&plain));
+        let path = |name: &str| folder.path().join(name);
+        let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode() & 0o777;
+        fs::write(path("file"), "former").unwrap();
+        fs::set_permissions(path("file"), fs::Permissions::from_mode(0o640)).unwrap();
+        for (link, target) in [("link", "file"), ("new", "fresh"), ("nowhere", "no/file"), ("pictures", "made")] {
+            symlink(target, path(link)).unwrap();
+        }
+        write(&path("link"), b"new").unwrap();
+        write(&path("new"), b"").unwrap();
+        assert!(path("link").is_symlink() && path("new").is_symlink());
+        assert_eq!((fs::read(path("file")).unwrap(), mode("file")), (b"new".to_vec(), 0o640));
+        fs::write(path("plain"), "").unwrap();
+        assert_eq!(mode("fresh"), mode("plain"));
         write(Path::new("/dev/null"), b"gone").unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_full_disk_is_named() {
-        let mut output = Output::create(Path::new("/dev/full")).unwrap();
-        output.write(b"1").unwrap();
-        let error = format!("{:#}", output.finish().unwrap_err());
-        assert!(error.starts_with("cannot write /dev/full: No space left"), "{error}");
+        let error = format!("{:#}", write(&path("nowhere"), b"").unwrap_err());
+        let begins = format!("cannot write {}: there is no folder ", path("nowhere").display());
+        assert!(error.starts_with(&begins) && error.ends_with("/no"), "{error}");
+        for _ in 0..2 {
+            let made = Folder::create(&path("pictures")).unwrap();
+            made.write("1", b"").unwrap();
+            made.finish().unwrap();
+            assert!(path("pictures").is_symlink());
+            assert_eq!(names(&path("made")), ["1"]);
+            // Empty, it is there the next time.
+            fs::remove_file(path("made/1")).unwrap();
+        }
+        fs::create_dir(path("plain folder")).unwrap();
+        assert_eq!(mode("made"), mode("plain folder"));
     }
 
     #[test]
@@ -356,71 +306,15 @@ mod tests {
         let above = tempfile::tempdir().unwrap();
         let name = above.path().join("new").join("folder");
         let folder = Folder::create(&name).unwrap();
-        fs::write(folder.path().join("1"), "").unwrap();
+        folder.write("1", b"").unwrap();
         assert!(!name.exists());
         folder.finish().unwrap();
         assert_eq!((names(&name), names(&above.path().join("new"))), (vec!["1".to_owned()], vec!["folder".to_owned()]));
         let error = format!("{:#}", Folder::create(&name).err().unwrap());
         assert_eq!(error, format!("{} is not empty: expected an empty or a new folder", name.display()));
 
-        let empty = above.path().join("empty");
-        fs::create_dir(&empty).unwrap();
-        drop(Folder::create(&empty).unwrap());
-        let folder = Folder::create(&empty).unwrap();
-        fs::write(folder.path().join("1"), "").unwrap();
-        folder.finish().unwrap();
-        assert_eq!(names(&empty), ["1"]);
-    }
-
-    /// Something else is in the folder when it is to be filled.
-    #[test]
-    fn a_folder_that_was_empty_is_filled_whole_or_not_at_all() {
-        let above = tempfile::tempdir().unwrap();
-        let name = above.path().join("empty");
-        fs::create_dir(&name).unwrap();
-        let folder = Folder::create(&name).unwrap();
+        fs::remove_file(name.join("1")).unwrap();
+        drop(Folder::create(&name).unwrap());
         assert_eq!(names(&name), [""; 0]);
-        let numbers = || (0..100).map(|number: u8| number.to_string());
-        numbers().for_each(|number| folder.write(&number, b"").unwrap());
-        fs::create_dir_all(name.join("50").join("other")).unwrap();
-        let error = format!("{:#}", folder.finish().unwrap_err());
-        assert!(error.starts_with(&format!("cannot make the folder {}: ", name.display())), "{error}");
-        assert_eq!((names(&name), names(above.path())), (vec!["50".to_owned()], vec!["empty".to_owned()]));
-
-        // A folder that stays gets what is moved into it.
-        let made = tempfile::tempdir_in(above.path()).unwrap();
-        numbers().for_each(|number| fs::write(made.path().join(number), "").unwrap());
-        assert!(fill(made.path(), &name).is_err());
-        assert_eq!((names(&name), names(made.path()).len()), (vec!["50".to_owned()], 100));
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn what_a_link_names_is_made() {
-        use std::os::unix::fs::symlink;
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
-        fs::create_dir(path("below")).unwrap();
-        symlink("below/file", path("first")).unwrap();
-        symlink("first", path("second")).unwrap();
-        write(&path("second"), b"new").unwrap();
-        assert!(path("first").is_symlink() && path("second").is_symlink());
-        assert_eq!(fs::read(path("below/file")).unwrap(), b"new");
-        symlink("below/no/file", path("nowhere")).unwrap();
-        let error = format!("{:#}", write(&path("nowhere"), b"").unwrap_err());
-        let begins = format!("cannot write {}: there is no folder ", path("nowhere").display());
-        assert!(error.starts_with(&begins) && error.ends_with("below/no"), "{error}");
-        symlink("below/folder", path("pictures")).unwrap();
-        for _ in 0..2 {
-            let made = Folder::create(&path("pictures")).unwrap();
-            made.write("1", b"").unwrap();
-            made.finish().unwrap();
-            assert!(path("pictures").is_symlink());
-            assert_eq!((names(&path("below/folder")), names(&path("below")).len()), (vec!["1".to_owned()], 2));
-            // Empty, it is there the next time.
-            fs::remove_file(path("below/folder/1")).unwrap();
-        }
-        symlink("circle", path("circle")).unwrap();
-        assert!(Output::create(&path("circle")).is_err() && Folder::create(&path("circle")).is_err());
     }
 }

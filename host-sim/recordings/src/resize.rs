@@ -60,14 +60,9 @@ impl Resize {
 impl Sequence {
     /// All frames in another size, and the boxes with them. Where they get smaller, pixels are averaged (with the weights of a triangle).
     ///
-    /// Reads the first frame, which tells the size.
+    /// Reads the first frame, which tells the size. Also returns how many times as wide and high the frames are now.
     /// Errors: The new size is too large, or the first frame cannot be read.
-    pub fn resized(self, resize: Resize) -> Result<Self> {
-        self.resized_by(resize).map(|(resized, _)| resized)
-    }
-
-    /// The same, and how many times as wide and high the frames are now.
-    pub fn resized_by(self, resize: Resize) -> Result<(Self, (f64, f64))> {
+    pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
         let (width, height) = resize.size(first.width, first.height)?;
@@ -78,33 +73,25 @@ impl Sequence {
         let scale = (f64::from(width) / f64::from(first.width), f64::from(height) / f64::from(first.height));
         let frames = std::iter::once(Ok(first)).chain(frames);
         let frames = frames.map(move |frame: Result<GrayFrame>| Ok(resized(frame?, width, height)));
-        let init = self.init.map(|init| init.scaled(scale));
-        let scaled = |truth: Vec<Option<super::BoundingBox>>| {
-            truth.iter().map(|entry| entry.map(|entry| entry.scaled(scale))).collect()
-        };
-        let truth = self.truth.map(scaled);
+        let scaled = |entry: Option<super::BoundingBox>| entry.map(|entry| entry.scaled(scale));
+        let init = scaled(self.init);
+        let truth = self.truth.map(|truth| truth.into_iter().map(scaled).collect());
         Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
     }
 }
 
 /// A pixel that a frame in another size is made of.
 pub trait Scalable: Copy {
-    const BLACK: Self;
-
     fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]);
 }
 
 impl Scalable for u8 {
-    const BLACK: Self = 0;
-
     fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]) {
         scale(resize::Pixel::Gray8, from, source.as_gray(), to, target.as_gray_mut());
     }
 }
 
 impl Scalable for [u8; 3] {
-    const BLACK: Self = [0; 3];
-
     fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]) {
         let (source, target) = (source.as_flattened().as_rgb(), target.as_flattened_mut().as_rgb_mut());
         scale(resize::Pixel::RGB8, from, source, to, target);
@@ -116,7 +103,7 @@ pub fn resized<P: Scalable>(frame: Raster<P>, width: u16, height: u16) -> Raster
     if (frame.width, frame.height) == (width, height) {
         return frame;
     }
-    let mut pixels = vec![P::BLACK; usize::from(width) * usize::from(height)];
+    let mut pixels = vec![frame.pixels[0]; usize::from(width) * usize::from(height)];
     P::scale((frame.width, frame.height), &frame.pixels, (width, height), &mut pixels);
     Raster { width, height, pixels }
 }
@@ -141,7 +128,7 @@ mod tests {
 
     fn synthetic_as(text: &str) -> Sequence {
         let sequence = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
-        sequence.resized(text.parse().unwrap()).unwrap()
+        sequence.resized(text.parse().unwrap()).unwrap().0
     }
 
     #[test]

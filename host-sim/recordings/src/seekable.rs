@@ -135,19 +135,16 @@ mod tests {
 
     #[test]
     fn pictures_and_made_frames_are_read_from_any_place_on() {
-        let folder = tempfile::tempdir().unwrap();
-        for number in 1..=12_u8 {
-            let file = folder.path().join(format!("{number}.ppm"));
-            std::fs::write(file, [b"P6 4 2 255\n".as_slice(), &[number, number, number].repeat(8)].concat()).unwrap();
-        }
+        let names: Vec<String> = (1..=12).map(|number| format!("{number}.png")).collect();
+        let folder = crate::tests::folder(&names.join(" "));
         let (recording, sequence) = Seekable::open(folder.path(), &OpenOptions::default()).unwrap();
         assert_eq!((recording.known(), sequence.frames.count()), ((Some(12), vec![]), 12));
         assert_eq!((gray(&recording, 1).pixels[0], gray(&recording, 11).pixels[0]), (1, 11));
         assert_eq!(recording.color_from(12, 100).unwrap().map(|frame| frame.pixels[0]).collect::<Vec<_>>(), [[12; 3]]);
         assert_eq!(recording.color_from(13, 100).unwrap().count() + recording.gray_from(13).unwrap().count(), 0);
-        std::fs::write(folder.path().join("9.ppm"), "P6 4 2 255\n").unwrap();
+        std::fs::write(folder.path().join("9.png"), "P6 4 2 255\n").unwrap();
         let error = format!("{:#}", recording.gray_from(8).unwrap().nth(1).unwrap().unwrap_err());
-        assert!(error.contains("9.ppm (frame 9)"), "{error}");
+        assert!(error.contains("9.png (frame 9)"), "{error}");
         let (recording, _) = Seekable::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         assert_eq!(gray(&recording, 100), synthetic::frame(99));
     }

@@ -161,17 +161,4 @@ mod tests {
         assert_eq!((targets.len(), frames(0), frames(1)), (2, vec![100, 300], vec![120]));
         assert_eq!(targets[0].starts[0].1, start("1,1,9,9").bbox);
     }
-
-    #[test]
-    fn what_cannot_be_told_apart_is_refused() {
-        for (starts, why) in [
-            (["1,2,3,4", "5,6,7,8"], "--init: two boxes of one target in frame 10"),
-            (["a=1,2,3,4", "a@10=5,6,7,8"], "--init: two boxes of a in frame 10"),
-            (["a=1,2,3,4", "5,6,7,8"], "--init: of several targets each needs a name"),
-            (["a=1,2,3,4", "a=5,6,7,8@9"], "--init: frame 9 is not read: expected 10 or later"),
-        ] {
-            let error = Target::all(&starts.map(start), 10).unwrap_err().to_string();
-            assert!(error.starts_with(why), "{starts:?}: {error}");
-        }
-    }
 }

@@ -73,17 +73,8 @@ fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
 /// The endless recording `synthetic:SEED`; `None` of another name.
 pub(super) fn seeded(name: &str) -> Option<Sequence> {
     let seed = name.strip_prefix(NAME)?.strip_prefix(':')?.parse().ok()?;
-    let frames = Box::new(endless(seed).map(Ok));
-    Some(Sequence {
-        name: name.to_owned(),
-        frames,
-        length: None,
-        first: 1,
-        init: truth(0),
-        truth: None,
-        colors: Colors::None,
-        notes: Vec::new(),
-    })
+    let frames = endless(seed).map(Ok);
+    Some(Sequence { init: truth(0), ..Sequence::streamed(name.to_owned(), frames, Colors::None) })
 }
 
 /// Where the target is in frame `index`; `None` where more than half of it is hidden or outside.
@@ -234,12 +225,10 @@ mod tests {
         range.collect()
     }
 
-    /// Whoever changes a pixel changes what others have measured: not without notice.
     #[test]
     fn every_pixel_is_as_it_was() {
         let bytes = frames().flat_map(|frame| frame.pixels);
-        let fnv =
-            bytes.fold(0xCBF2_9CE4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3));
+        let fnv = crate::fnv(bytes);
         assert_eq!(fnv, 0xB71D_F7BB_FDEB_9A1D, "{fnv:#X}");
     }
 
@@ -258,27 +247,16 @@ mod tests {
     }
 
     #[test]
-    fn the_motion_is_smooth() {
+    fn the_motion_is_smooth_and_the_background_does_not_repeat() {
         for index in 1..LENGTH {
             let (before, after) = (Scene::at(index - 1), Scene::at(index));
             let step = (after.target_x - before.target_x).abs().max((after.target_y - before.target_y).abs());
             let most = if index <= 80 { 3 } else { 4 };
             assert!(step <= most * PIXEL, "frame {index}: {step} sixteenths");
+            let inside = |pan: i32, side: u16| pan >= 0 && pan / PIXEL + i32::from(side) < 255;
+            assert!(inside(after.pan_x, WIDTH) && inside(after.pan_y, HEIGHT), "frame {index}");
         }
-    }
-
-    #[test]
-    fn the_texture_of_the_background_does_not_repeat() {
-        for index in 0..LENGTH {
-            let scene = Scene::at(index);
-            assert!(scene.pan_x >= 0 && scene.pan_x / PIXEL + i32::from(WIDTH) < 255, "frame {index}");
-            assert!(scene.pan_y >= 0 && scene.pan_y / PIXEL + i32::from(HEIGHT) < 255, "frame {index}");
-        }
-    }
-
-    #[test]
-    fn it_stands_still_at_the_end() {
-        assert_eq!(truth(LENGTH - 1), truth(usize::MAX));
+        assert_eq!(truth(LENGTH - 1), truth(usize::MAX), "it stands still at the end");
     }
 
     /// What makes it a recording to check with: every state of the tracker occurs, and the target is found again.

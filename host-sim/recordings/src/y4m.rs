@@ -182,8 +182,10 @@ impl Header {
         let size = (side('W', field('W'))?, side('H', field('H'))?);
         let (across, down) = chroma(field('C').unwrap_or("420"))?;
         let chroma = Chroma { across, down, is_full: across == 0 || fields.contains("XCOLORRANGE=FULL") };
-        let frame_bytes = frame_bytes(size, chroma);
         let (width, height) = size;
+        let plane =
+            |across: usize, down: usize| usize::from(width).div_ceil(across) * usize::from(height).div_ceil(down);
+        let frame_bytes = plane(1, 1) as u64 + if across == 0 { 0 } else { 2 * plane(across, down) as u64 };
         ensure!(
             frame_bytes <= MOST_PIXELS,
             "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
@@ -198,12 +200,8 @@ impl Header {
         );
         let rate = field('F').and_then(|rate| rate.split_once(':'));
         let rate = rate.and_then(|(frames, seconds)| Some((frames.parse().ok()?, seconds.parse().ok()?)));
-        Ok(Self {
-            size,
-            frame_bytes,
-            chroma,
-            rate: rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0),
-        })
+        let rate = rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0);
+        Ok(Self { size, frame_bytes, chroma, rate })
     }
 }
 
@@ -213,12 +211,6 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-fn frame_bytes((width, height): (u16, u16), chroma: Chroma) -> u64 {
-    let (width, height) = (u64::from(width), u64::from(height));
-    let plane = |across: usize, down: usize| width.div_ceil(across as u64) * height.div_ceil(down as u64);
-    width * height + if chroma.across == 0 { 0 } else { 2 * plane(chroma.across, chroma.down) }
-}
-
 /// How many pixels, across and down, have one color.
 fn chroma(colour: &str) -> Result<(usize, usize)> {
     Ok(match colour {
@@ -226,15 +218,13 @@ fn chroma(colour: &str) -> Result<(usize, usize)> {
         "420" | "420jpeg" | "420paldv" | "420mpeg2" => (2, 2),
         "422" => (2, 1),
         "444" => (1, 1),
-        _ => bail!("{}", unsupported(colour)),
+        _ => {
+            // mono12, 420p10: the depth stands at the end.
+            let family = ["mono", "420p", "422p", "444p"].into_iter().find_map(|family| colour.strip_prefix(family));
+            if let Some(depth) = family.and_then(|depth| depth.parse::<u8>().ok()) {
+                bail!("its pixels have {depth} bits (C{colour}): expected 8");
+            }
+            bail!("its colour space is C{colour}: expected mono, 420, 422 or 444 with 8 bits");
+        }
     })
-}
-
-fn unsupported(colour: &str) -> String {
-    // mono12, 420p10: the depth stands at the end.
-    let family = ["mono", "420p", "422p", "444p"].into_iter().find_map(|family| colour.strip_prefix(family));
-    match family.and_then(|depth| depth.parse::<u8>().ok()) {
-        Some(depth) => format!("its pixels have {depth} bits (C{colour}): expected 8"),
-        None => format!("its colour space is C{colour}: expected mono, 420, 422 or 444 with 8 bits"),
-    }
 }

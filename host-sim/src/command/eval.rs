@@ -293,7 +293,7 @@ impl Eval {
         let name = &sequence.name;
         let first = sequence.frames.next().with_context(|| format!("{name} holds no frame"))??;
         let mut other =
-            smr_recordings::open(other, &OpenOptions::default())?.resized(Resize::To(first.width, first.height))?;
+            smr_recordings::open(other, &OpenOptions::default())?.resized(Resize::To(first.width, first.height))?.0;
         let other = other.frames.next().with_context(|| format!("{} holds no frame", other.name))??;
         sequence.frames = Box::new(std::iter::once(Ok(first)).chain(sequence.frames));
         covered::measure(sequence, &other, variants)

@@ -104,7 +104,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
 
 /// A name without links; of what is not there yet, in the folder where it will be.
 fn real(path: &Path) -> PathBuf {
-    let path = &output::behind_links(path).unwrap_or_else(|_| path.to_owned());
+    let path = &output::behind_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_folder = || Some(fs::canonicalize(folder).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())

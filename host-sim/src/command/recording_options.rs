@@ -121,7 +121,7 @@ impl RecordingOptions {
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
             // Counting takes time, and what begins with the first frame is right as it is.
-            && !part.begins_with_the_first()
+            && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)
             && length != Some(boxes)
@@ -152,7 +152,7 @@ impl RecordingOptions {
             }
         }
         if let Some(resize) = self.resize {
-            let (resized, scale) = sequence.resized_by(resize)?;
+            let (resized, scale) = sequence.resized(resize)?;
             sequence = resized;
             for (_, bbox) in targets.iter_mut().flat_map(|target| &mut target.starts) {
                 *bbox = bbox.scaled(scale);

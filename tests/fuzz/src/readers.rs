@@ -2,7 +2,8 @@
 
 use smr_core::{Rect, Tracker};
 use smr_evaluation::robustness::Former;
-use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence, boxes};
+use smr_recordings::boxes::{self, Form};
+use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -79,8 +80,8 @@ pub(crate) fn boxes(bytes: &[u8]) {
         let folder = picture.parent().expect("it is in a folder");
         as_file(name, text, |file| {
             check(smr_recordings::open(folder, &OpenOptions::default()));
-            for read in [boxes::read_tld, boxes::read_otb, boxes::read_vot] {
-                let Ok(entries) = read(file) else { continue };
+            for form in [Form::Tld, Form::Otb, Form::Vot] {
+                let Ok(entries) = form.read(file) else { continue };
                 for entry in entries.into_iter().flatten() {
                     let _ = (entry.to_rect(), entry.pixels(), entry.scaled((0.5, 3.0)));
                     let overlap = entry.iou(&entry);

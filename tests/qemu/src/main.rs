@@ -131,9 +131,9 @@ impl Qemu {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");
             python.args(["-c", include_str!("../cycles.py")]).arg(self.elf.canonicalize()?).arg(&self.machine);
-            python.arg(calibrations.to_string()).stdin(trace).stdout(Stdio::piped()).stderr(Stdio::piped());
+            // Without QEMU it has nothing to read, and ends.
             let output =
-                Process::start(&mut python).and_then(Process::finish).context("--cycles: cannot run python3")?;
+                python.arg(calibrations.to_string()).stdin(trace).output().context("--cycles: cannot run python3")?;
             let [said, complaint] =
                 [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
             ensure!(output.status.success(), "{}", last_line(&complaint));
