@@ -19,10 +19,7 @@ impl ResultFile {
     /// answer from there on; lines beyond the last frame are ignored. Published files have both faults.
     /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
-        let mut answers = Form::Tld.read(path)?;
-        if let Some(part) = part {
-            answers = part.of(answers);
-        }
+        let mut answers = part.unwrap_or(FrameRange::from(1)).of(Form::Tld.read(path)?);
         let boxes = answers.len();
         let note = (boxes != frames).then(|| format!("{boxes} boxes for {frames} frames: {}", path.display()));
         answers.resize(frames, None);
