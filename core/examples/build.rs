@@ -12,7 +12,7 @@ fn main() {
         println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
     }
     if is("CARGO_CFG_TARGET_ARCH", "riscv32") && is("CARGO_CFG_TARGET_OS", "none") {
-        // Only these programs run on RISC-V. The footprints are linked without start-up code.
+        // Only these programs run on RISC-V. The footprint is linked without start-up code.
         let memory = concat!(env!("CARGO_MANIFEST_DIR"), "/replay/riscv.x");
         println!("cargo::rerun-if-changed=replay/riscv.x");
         for program in ["kernels", "replay"] {

@@ -10,7 +10,7 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The bytes of a text with `\n`, `\xNN` and the like.
+/// Resolves `\n`, `\xNN` and the like.
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
     while let [first, after @ ..] = rest {
@@ -99,7 +99,7 @@ fn fits(pattern: &str, text: &str) -> bool {
     rest.is_empty()
 }
 
-/// Runs a file of cases; the file as it would be right.
+/// Runs a file of cases. Returns it with what host-sim says now.
 fn run(file: &Path) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     let text = fs::read_to_string(file).expect("a file of cases");

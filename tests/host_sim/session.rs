@@ -1,4 +1,4 @@
-//! What `tests/cases` cannot show: a C compiler, live input, a terminal, each command's help.
+//! Outside of `tests/cases`: a C compiler, live input, a terminal, each command's help.
 
 use crate::missing::has_c_compiler;
 use crate::program::{PROGRAM, host_sim, utf8};

@@ -85,7 +85,7 @@ pub use tracker::*;
 pub use update::*;
 pub use version::*;
 
-/// The linker needs one, but no call can reach it: `.ci/c` fails if it is in a linked program.
+/// For the linker. No call reaches it: `.ci/c` fails if it is in a linked program.
 #[cfg(any(target_os = "none", target_family = "wasm"))]
 #[panic_handler]
 fn stop(_: &core::panic::PanicInfo<'_>) -> ! {

@@ -49,7 +49,7 @@ pub struct Areas<'a> {
 /// Compares all kernels of `backend`, and those of the instruction set that the program is compiled for.
 ///
 /// # Panics
-/// If one of them differs from the plain loop.
+/// If one differs.
 #[cfg(feature = "unstable")]
 pub fn all(backend: Backend, areas: &mut Areas<'_>) {
     scores(backend, areas);
@@ -88,7 +88,7 @@ impl Noise {
         ((self.bits() >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
     }
 
-    /// A level at most `most` above `level`.
+    /// A level less than `most` above `level`, modulo 256.
     fn near(&mut self, level: u8, most: u8) -> u8 {
         level.wrapping_add((self.bits() >> 9) as u8 % most)
     }
@@ -134,7 +134,7 @@ fn part_mut(memory: &mut [u8], last: bool, length: usize) -> &mut [u8] {
     &mut memory[from..][..length]
 }
 
-/// The same for numbers with a sign.
+/// Bytes as numbers with a sign.
 fn signed(bytes: &[u8]) -> &[i8] {
     // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
     unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
@@ -475,7 +475,7 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares sums of products: filters of all shapes with no more cells than they need, the largest sums, odd layouts.
+/// Compares sums of products: filters of all shapes with exactly their cells, the largest sums, odd layouts.
 #[inline(never)]
 pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     let odd = [(4, 4), (5, 40), (6, 32), (4, 50), (14, 14), (32, 6), (1, 1), (7, 9), (13, 15)];
@@ -640,13 +640,13 @@ fn weights() {
     }
 }
 
-/// Compares the largest number, and the coded ones for each shift with which they fit.
+/// Compares the largest number, and the coded numbers for every shift that fits.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
     let number = |factor, (&weight, &sum): (&i32, &i32)| {
         ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
     };
-    // Of a negative number the sign is removed first, then the number is rounded down.
+    // Negative numbers lose their sign first, then they are rounded down.
     let size = |pair: (&i32, &i32)| match number(factor, pair) {
         number @ 0.. => number,
         _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),

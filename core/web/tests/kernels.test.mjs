@@ -1,10 +1,9 @@
-// SIMD128 gives the integers of the plain loops, for boxes of every size from 1 to 80 and thresholds of every number of segments. Where the
-// module of `.ci/web` is that compares every call of a kernel with the plain loop, it does.
+// SIMD128 gives the integers of the plain loops, for boxes of every size from 1 to 80 and thresholds of every number of segments. With the
+// module of `.ci/web all` every kernel is also compared with its plain loop.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { load } from "../smr.js";
 import { frames, libraries, random } from "./library.mjs";
 
 const SIDES = Array.from({ length: 80 }, (_, number) => number + 1);

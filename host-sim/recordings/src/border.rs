@@ -14,7 +14,7 @@ const HEIGHT: u16 = 84;
 const TARGET: (i32, i32) = (24, 28);
 const TWIN: (i32, i32) = (30, 20);
 
-/// Left and top of the target in each frame, and how many hundredths of the twin's pixels are others; 100 is no twin at all.
+/// Left and top of the target in each frame, and the percentage of the twin's pixels that differ; 100 is no twin.
 const SCRIPT: [i32; 75] = [
     40, 30, 100, 20, 30, 100, 19, 30, 100, 25, 20, 100, 25, 19, 100, 60, 54, 100, 60, 55, 100, 86, 40, 100, 87, 40,
     100, 84, 41, 100, 92, 40, 100, 80, 42, 100, 78, 40, 100, 76, 44, 16, 75, 45, 16, 74, 45, 8, 400, 400, 100, 400,
@@ -22,7 +22,7 @@ const SCRIPT: [i32; 75] = [
 ];
 const NOWHERE: (i32, i32) = (400, 400);
 
-/// The place of the target, and the hundredths.
+/// `SCRIPT`, frame by frame.
 fn script() -> impl ExactSizeIterator<Item = ((i32, i32), i32)> + Send {
     SCRIPT.as_chunks().0.iter().map(|&[x, y, others]| ((x, y), others))
 }

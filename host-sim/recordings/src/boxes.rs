@@ -423,7 +423,7 @@ mod tests {
         }
     }
 
-    /// As vot-toolkit 0.9 writes the same mask: all of the picture, and as little as it needs.
+    /// One mask in both forms of vot-toolkit 0.9: as the whole picture, and cut.
     #[test]
     fn the_box_around_a_mask() {
         let rows = ",20,30".repeat(11);

@@ -69,7 +69,7 @@ fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing
     Ok((made, Kept(number)))
 }
 
-/// Makes a file or a folder that is removed if this program is ended before it has its name.
+/// Makes a file or a folder that a signal removes until it has its name.
 pub fn keep_path<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Kept)> {
     keep(make, |made| Thing::Path(made.as_ref().to_owned()))
 }
@@ -205,14 +205,14 @@ fn end_by(signal: i32) -> ! {
     }
     for thing in things.values() {
         if let Thing::Path(path) = thing {
-            // What is not there any more has its name, or is gone already.
+            // It may have its name by now, or be gone.
             let _ = remove(path);
         }
     }
     std::process::exit(128 + signal)
 }
 
-/// Removes a file, or a folder into which other threads may still write: under its new name they do not find it.
+/// Removes a file or a folder. A folder is renamed first, so that threads that still write do not find it.
 fn remove(path: &Path) -> io::Result<()> {
     if path.is_file() {
         return fs::remove_file(path);

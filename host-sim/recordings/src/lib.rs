@@ -477,7 +477,7 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
 #[cfg(test)]
 type Paper = smr_core::Paper<65536, 4096>;
 
-/// Whoever changes a pixel changes what others have measured: not without notice.
+/// A hash by which a test notices a changed pixel.
 #[cfg(test)]
 fn fnv(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))

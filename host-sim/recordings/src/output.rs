@@ -13,7 +13,7 @@ pub struct Output {
     /// As it was asked for.
     name: PathBuf,
     file: BufWriter<fs::File>,
-    /// `None` of a device or a pipe, which cannot be replaced, and in a [`Folder`].
+    /// `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
     whole: Option<Whole>,
 }
 
@@ -75,7 +75,7 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The place that a link leads to, whether there is something or not. A link stays one: what it names is written.
+/// Follows a link, also to a file that is not there yet: the link itself stays.
 pub fn behind_links(name: &Path) -> PathBuf {
     match fs::read_link(name) {
         Ok(next) if fs::metadata(name).is_err() => folder_of(name).join(next),
@@ -294,7 +294,7 @@ mod tests {
             made.finish().unwrap();
             assert!(path("pictures").is_symlink());
             assert_eq!(names(&path("made")), ["1"]);
-            // Empty, it is there the next time.
+            // The second round finds it empty.
             fs::remove_file(path("made/1")).unwrap();
         }
         fs::create_dir(path("plain folder")).unwrap();

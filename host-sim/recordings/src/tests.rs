@@ -229,13 +229,13 @@ mod pictures {
         jpeg_of(75, 96, jpeg_encoder::ColorType::Luma, &pixels)
     }
 
-    /// With a segment in front of the picture, behind the first two bytes.
+    /// A JPEG with one more segment behind its first two bytes.
     fn jpeg_with(marker: u8, data: &[u8]) -> Vec<u8> {
         let (whole, length) = (jpeg(), u16::try_from(data.len() + 2).unwrap().to_be_bytes());
         [&whole[..2], &[0xFF, marker], &length, data, &whole[2..]].concat()
     }
 
-    /// Colour by BT.601, of 16 bits the high byte, and small PNGs expanded.
+    /// Colors by BT.601, the high byte of 16 bits, and small PNGs expanded.
     #[test]
     fn every_kind_becomes_gray() {
         let dot = |color, depth, samples: &[u8]| png((1, 1), color, depth, samples);

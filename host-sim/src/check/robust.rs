@@ -243,9 +243,7 @@ mod tests {
         }
     }
 
-    /// Other numbers of the reference, each with a recording that needs it: a target that is seen all the time, one that jumps so far that the
-    /// filter errs by pixels and that then grows, light that changes, small, long and large targets, a target that is hidden and comes back
-    /// elsewhere, one behind noise, and a picture that is cut off at black and white.
+    /// Other numbers of the reference, each on frames that need it.
     #[test]
     fn other_numbers_are_noticed() {
         let seen = |numbers| checked(CHECKED[0], Config::refined(), numbers, 40);
@@ -290,7 +288,7 @@ mod tests {
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });
     }
 
-    /// The reference holds, and with each of the others it does not.
+    /// Fails if the reference differs, or if a changed number is not noticed.
     #[track_caller]
     fn noticed(report: impl Fn(Numbers) -> Report + Sync, others: &[Change<Numbers>]) {
         assert_eq!(report(Numbers::refined()).violation, None);
@@ -309,7 +307,7 @@ mod tests {
         through(lock("bounds", numbers, Config::refined(), &frame(0), target), std::iter::once(frame(1)))
     }
 
-    /// What is cut off at black and white, though it has contrast, shows nothing.
+    /// A picture of black and white alone has contrast, and shows nothing.
     fn cut_off(numbers: Numbers) -> Report {
         let cut = |mut frame: GrayFrame| {
             frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });

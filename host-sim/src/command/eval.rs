@@ -102,7 +102,7 @@ pub struct Eval {
     tracker: TrackerOptions,
 }
 
-/// How tables are printed: in words, as JSON, or as CSV.
+/// The form of the tables: words, JSON or CSV.
 #[derive(Debug, clap::Args)]
 struct TableOptions {
     /// Print JSON instead of tables: an object with the tables of --part, each an array of flat objects
@@ -111,7 +111,7 @@ struct TableOptions {
     /// text, itself JSON.
     #[arg(long)]
     json: bool,
-    /// How the tables are written
+    /// The form of the tables
     #[arg(long, value_enum, default_value_t, conflicts_with = "json")]
     format: Layout,
     /// With --format csv: which table of --json [default: measured]
@@ -333,8 +333,8 @@ impl Eval {
     }
 }
 
-/// Names what failed, and tells how much that is.
-/// Errors: All that was asked for is one thing, which failed: one line says it all.
+/// Prints the failures and returns their number.
+/// Errors: the only thing that was asked for has failed.
 fn count_failures(mut failures: Vec<Error>, all: bool) -> Result<usize> {
     if all && failures.len() == 1 { Err(failures.remove(0)) } else { Ok(say_what_failed(&failures)) }
 }
@@ -349,7 +349,7 @@ fn say_what_failed<'a>(errors: impl IntoIterator<Item = &'a Error>) -> usize {
     errors.into_iter().map(say).count()
 }
 
-/// The end of a command of which so many parts failed.
+/// The outcome of a command of which so many parts failed.
 /// Errors: one part or more failed.
 fn end(failed: usize) -> Result<Outcome> {
     if let Some(signal) = cleanup::stopped_by() {

@@ -9,7 +9,7 @@ pub struct Events(Vec<Seen>);
 #[derive(Clone, Default)]
 struct Seen {
     last: Option<State>,
-    /// How many frames it was in each of [`State::ALL`].
+    /// Frames in each of [`State::ALL`].
     frames: [usize; State::ALL.len()],
 }
 

@@ -128,9 +128,8 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// What to type next.
 fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
-    // As it was typed, so that the lines can be copied. cargo leaves a path like target/release/host-sim.
+    // As it was typed, to be copied: after `cargo run` it is a path like target/release/host-sim.
     let program = std::env::args().next().unwrap_or_else(|| "host-sim".to_owned());
     writeln!(
         out,
@@ -145,7 +144,7 @@ fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
     )
 }
 
-/// True of a line that names no command, but a recording, which is opened in the window.
+/// True of a line with a recording and no command: the window opens it.
 fn is_recording(arguments: &[OsString]) -> bool {
     let first = &arguments[1];
     let all = HostSim::command();

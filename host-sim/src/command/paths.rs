@@ -9,7 +9,7 @@ use std::{fmt, fs};
 pub struct Places<'a> {
     /// Paths of recordings, or of folders of recordings.
     recordings: Vec<&'a Path>,
-    /// Options, what is written by them, and, where the name says what that is, which names there are.
+    /// Each option with its output, and the names that it takes if the name says what it holds.
     outputs: Vec<(&'static str, &'a Path, Option<Taken>)>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Places<'a> {
         Self { recordings: recordings.into_iter().map(PathBuf::as_path).collect(), outputs: Vec::new() }
     }
 
-    /// With what an option writes, if it is given.
+    /// Adds the output of an option, if it is given.
     pub fn writes(mut self, option: &'static str, output: Option<&'a PathBuf>, taken: Option<Taken>) -> Self {
         self.outputs.extend(output.map(|output| (option, output.as_path(), taken)));
         self

@@ -50,13 +50,12 @@ impl Bar {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// One more is done.
     pub fn inc(&self) {
         let mut state = self.state();
         state.done += 1;
         if !self.is_hidden && state.shown.elapsed() >= PAUSE {
             state.shown = Instant::now();
-            // What cannot be written is not shown.
+            // A line that cannot be written is left out.
             let _ = write!(stderr(), "{ERASE}{}{}\x1b[?7h", self.name, self.line(&state));
         }
     }
@@ -65,7 +64,7 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // By the rate of all that was done: that of the last moment says more of the last recording than of those that are left.
+                // By the mean rate: the latest one would be that of one recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }

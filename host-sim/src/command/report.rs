@@ -67,7 +67,7 @@ pub struct Report {
 struct Written {
     file: PathBuf,
     bytes: usize,
-    /// Of a figure: the frames whose pictures are in it; the first is 1.
+    /// Frames whose pictures are in a figure; the first is 1.
     frames: Option<Vec<usize>>,
 }
 

@@ -264,7 +264,7 @@ impl Pass {
     }
 }
 
-/// What became of each target.
+/// A line for each target: its states, counted.
 fn ends(targets: &[Follower], events: &Events) -> String {
     let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()

@@ -80,7 +80,7 @@ pub struct TrackerOptions {
     /// Look for the runner-up in every frame, not only where the gate's decision depends on it
     #[arg(long)]
     runner_up_always: bool,
-    /// What it does not do; several are separated by commas [robust]
+    /// Parts to turn off, separated by commas [robust]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     without: Vec<Part>,
     /// How far the target is looked for to each side, in cells, 4 to 8 [robust] [default: 8]
@@ -124,7 +124,7 @@ fn taken_by(option: &str) -> &'static [MethodKind] {
     }
 }
 
-/// What the robust tracker does unless it is told not to.
+/// Parts of the robust tracker that `--without` turns off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 enum Part {

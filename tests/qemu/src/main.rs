@@ -131,7 +131,7 @@ impl Qemu {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");
             python.args(["-c", include_str!("../cycles.py")]).arg(self.elf.canonicalize()?).arg(&self.machine);
-            // Without QEMU it has nothing to read, and ends.
+            // Without QEMU its input ends.
             let output =
                 python.arg(calibrations.to_string()).stdin(trace).output().context("--cycles: cannot run python3")?;
             let [said, complaint] =

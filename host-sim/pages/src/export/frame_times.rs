@@ -1,4 +1,4 @@
-//! When the frames of a video are shown: at the times that they have in the recording, or 25 a second where it has none.
+//! Times of the frames of a video: those of the recording, or 25 a second where it has none.
 
 use smr_recordings::Moment;
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 pub struct Film {
     pub name: String,
-    /// Of several targets there is each method once for each, under the name of both.
+    /// With several targets each method stands once for each target, under the name of both.
     pub methods: Vec<Variant>,
     /// The place of the target of each method.
     pub(super) of: Vec<usize>,

@@ -1,4 +1,4 @@
-//! What people look at: methods side by side on recordings, as one page or as figures.
+//! Methods side by side on recordings, as one page or as figures.
 
 mod axes;
 pub(crate) mod canvas;

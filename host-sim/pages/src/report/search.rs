@@ -1,4 +1,4 @@
-//! What a method looked at in a frame, for pictures: its box, whether believed or not, and what it compared.
+//! A method's box in a frame, believed or not, and the pixels that it compared.
 
 use super::difference::Difference;
 use anyhow::{Context, Result};

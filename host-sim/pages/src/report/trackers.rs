@@ -22,7 +22,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),
         title: film.title(index),
-        // Of several targets each method has its own.
+        // With several targets each method has its own look.
         look: if film.targets.len() == 1 { look_of_method(method.kind) } else { look_of_file(index) },
         answers: film.trajectory(index),
         method: Some(index),

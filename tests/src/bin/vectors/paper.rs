@@ -79,7 +79,7 @@ fn camera() -> Case {
     Case { name: "camera", numbers: Numbers::camera(), size, target: (18, 12, 9, 8), frames }
 }
 
-/// Every number another one. The scale has a case of its own, because only Rust takes another one.
+/// Every number another one; the scale in a case of its own, because only Rust takes another table.
 fn others(name: &'static str, scale: f64, frames: usize) -> Case {
     let mut numbers = Numbers { scale, ..Numbers::paper() };
     numbers.k = (7.0, 20.0);

@@ -5,7 +5,7 @@ pub(crate) mod dense;
 pub(crate) mod products;
 pub(crate) mod scores;
 
-/// True if the machine has it, or without `std` and outside of tests if the program is compiled for it.
+/// True if the machine has it; without `std` and outside of tests, if the program is compiled for it.
 pub(crate) fn is_available() -> bool {
     #[cfg(any(test, feature = "std"))]
     return std::is_x86_feature_detected!("avx2");
