@@ -9,7 +9,10 @@ fn main() {
         // The script of cortex-m-rt includes memory.x. The linker finds it in its working folder, which is the folder
         // of the workspace.
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
-        println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
+        // `kernels` prints text.
+        for program in ["conformance", "cycles", "footprint", "minimal", "record", "replay"] {
+            println!("cargo::rustc-link-arg-bin={program}=-Tdefmt.x");
+        }
     }
     if is("CARGO_CFG_TARGET_ARCH", "riscv32") && is("CARGO_CFG_TARGET_OS", "none") {
         // Only these programs run on RISC-V. The footprint is linked without start-up code.

@@ -29,6 +29,7 @@ pub fn of_io(error: &io::Error) -> String {
         ErrorKind::NotADirectory => "it is no folder, or a part of its path is none",
         ErrorKind::IsADirectory => "it is a folder: expected a file",
         ErrorKind::AlreadyExists => "there is something of that name: expected another",
+        ErrorKind::DirectoryNotEmpty => "it is not empty any more: expected an empty or a new folder",
         ErrorKind::UnexpectedEof => "it ends too early",
         _ => {
             let text = error.to_string();
@@ -44,8 +45,15 @@ pub fn plain(text: &str) -> String {
     written_out(text, |letter| letter == '\n' || letter == '\t')
 }
 
+/// The text as one line. Users and passwords of addresses are left out.
 pub fn line(text: &str) -> String {
-    written_out(text, |_| false)
+    let mut parts = text.split("://");
+    let first = parts.next().unwrap_or_default().to_owned();
+    let public = |part: &str| {
+        let host = part.find(|letter: char| letter.is_whitespace() || "/?\"'".contains(letter)).unwrap_or(part.len());
+        format!("://{}", &part[part[..host].rfind('@').map_or(0, |at| at + 1)..])
+    };
+    written_out(&parts.fold(first, |text, part| text + &public(part)), |_| false)
 }
 
 fn written_out(text: &str, stays: impl Fn(char) -> bool) -> String {

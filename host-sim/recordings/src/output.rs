@@ -4,7 +4,7 @@ use crate::cleanup::{self, Kept};
 use crate::messages;
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
 
@@ -28,7 +28,7 @@ impl Output {
     /// Begins the file `name`. To be called before the work of which it will hold the result.
     /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
-        let target = behind_links(name);
+        let target = if is_open(name) { name.to_owned() } else { behind_links(name) };
         let folder = folder_of(&target);
         ensure!(folder.is_dir(), "{}: there is no folder {}", cannot_write(name), folder.display());
         let (file, whole) = open(target).with_context(|| cannot_write(name))?;
@@ -84,12 +84,23 @@ pub fn behind_links(name: &Path) -> PathBuf {
     }
 }
 
+/// True of a name by which the system gives a file that is open already, such as /dev/stdout: its former content stays.
+fn is_open(name: &Path) -> bool {
+    let behind = fs::read_link(name).unwrap_or_default();
+    [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))
+}
+
 fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     let there = fs::metadata(&target);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-        Ok(data) if !data.is_file() => {
-            return Ok((fs::OpenOptions::new().write(true).open(target)?, None));
+        // Opened anew, a file that is standard output would have two ends.
+        #[cfg(unix)]
+        Ok(_) if is_open(&target) && target.ends_with("stdout") => {
+            return Ok((std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into(), None));
+        }
+        Ok(data) if !data.is_file() || is_open(&target) => {
+            return Ok((fs::OpenOptions::new().append(true).open(target)?, None));
         }
         _ => {}
     }
@@ -157,6 +168,9 @@ impl Folder {
         let Self { name, target, made, _kept } = self;
         let finish = || -> io::Result<()> {
             if made.path().parent() == Some(&target) {
+                if fs::read_dir(&target)?.count() > 1 {
+                    return Err(ErrorKind::DirectoryNotEmpty.into());
+                }
                 for entry in fs::read_dir(made.path())?.collect::<io::Result<Vec<_>>>()? {
                     fs::rename(entry.path(), target.join(entry.file_name()))?;
                 }
@@ -219,7 +233,15 @@ pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
 /// Says something on standard error, in one line.
 #[allow(clippy::print_stderr)] // the one place
 pub fn complain(text: &str) {
-    eprintln!("{}", messages::line(text));
+    eprintln!("{}{}", if has_cursor() { ERASE } else { "" }, messages::line(text));
+}
+
+/// Erases a line of progress on a terminal.
+pub const ERASE: &str = "\r\x1b[2K";
+
+/// True if standard error is a terminal whose lines can be erased.
+pub fn has_cursor() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
 }
 
 fn cannot_write(name: &Path) -> String {

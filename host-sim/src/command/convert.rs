@@ -41,7 +41,7 @@ pub struct Convert {
 struct Report {
     version: &'static str,
     sequence: String,
-    out: PathBuf,
+    out: String,
     format: String,
     #[serde(flatten)]
     written: Written,
@@ -85,7 +85,7 @@ impl Convert {
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),
             sequence: name,
-            out: self.out,
+            out: self.out.display().to_string(),
             format: choice_name(&format),
             written,
             init,
@@ -110,7 +110,7 @@ impl Convert {
 fn line(report: &Report) -> String {
     let Report { out, written: Written { frames, width, height, bytes, boxes, list, config }, format, init, .. } =
         report;
-    let mut line = format!("{}: {frames} frames of {width}x{height}, {bytes} bytes", out.display());
+    let mut line = format!("{out}: {frames} frames of {width}x{height}, {bytes} bytes");
     if format == "raw" {
         line += &format!(", read with --size {width}x{height}");
     }

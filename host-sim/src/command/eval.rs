@@ -168,7 +168,9 @@ impl Eval {
         for evaluation in self.evaluate(&found, &variants, self.compare || table) {
             match evaluation {
                 Ok(mut evaluation) => {
+                    // A run that was stopped is no failure.
                     failures.append(&mut evaluation.failures);
+                    failures.retain(|_| !cleanup::is_stopped());
                     evaluations.push(evaluation);
                 }
                 Err(error) => failures.push(error),
@@ -368,7 +370,7 @@ fn is_published(path: &Path) -> bool {
 
 fn say_if_stopped() {
     if cleanup::is_stopped() {
-        complain("stopped: these are the results of the recordings that were done");
+        complain("stopped: the results are those of the recordings that were done");
     }
 }
 

@@ -1,14 +1,15 @@
 //! The progress of a command: one line on standard error, only if it is a terminal.
 
 use smr_recordings::messages;
-use std::io::{IsTerminal, Write, stderr};
+use smr_recordings::output::{ERASE, has_cursor};
+use std::io::{Write, stderr};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The shortest time between two lines.
 const PAUSE: Duration = Duration::from_millis(100);
-/// Erases the line. What is too long is cut by the terminal instead of wrapped.
-const ERASE: &str = "\r\x1b[2K\x1b[?7l";
+/// Between them the terminal cuts a line that is too long, instead of wrapping it.
+const CUT: [&str; 2] = ["\x1b[?7l", "\x1b[?7h"];
 
 /// A counted line: `car: 120 of 300 frames, 4 s left`.
 pub struct Bar {
@@ -34,12 +35,14 @@ pub fn bar(name: &str, frames: Option<usize>) -> Bar {
 pub fn of(name: &str, count: Option<usize>, what: &'static str) -> Bar {
     let now = Instant::now();
     let state = Mutex::new(State { done: 0, all: count.map(|count| count as u64), shown: now });
-    Bar { name: messages::line(name), what, is_hidden: !stderr().is_terminal(), began: now, state }
+    Bar { name: messages::line(name), what, is_hidden: !has_cursor(), began: now, state }
 }
 
 impl Bar {
     pub fn hidden() -> Self {
-        Self { is_hidden: true, ..of("", None, "") }
+        let mut hidden = of("", None, "");
+        hidden.is_hidden = true;
+        hidden
     }
 
     pub const fn is_hidden(&self) -> bool {
@@ -56,7 +59,7 @@ impl Bar {
         if !self.is_hidden && state.shown.elapsed() >= PAUSE {
             state.shown = Instant::now();
             // A line that cannot be written is left out.
-            let _ = write!(stderr(), "{ERASE}{}{}\x1b[?7h", self.name, self.line(&state));
+            let _ = write!(stderr(), "{ERASE}{}{}{}{}", CUT[0], self.name, self.line(&state), CUT[1]);
         }
     }
 
@@ -84,8 +87,14 @@ impl Bar {
 
     pub fn clear(&self) {
         if !self.is_hidden {
-            let _ = write!(stderr(), "{ERASE}\x1b[?7h");
+            let _ = write!(stderr(), "{ERASE}");
         }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.clear();
     }
 }
 

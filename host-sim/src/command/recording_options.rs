@@ -70,7 +70,7 @@ impl RecordingOptions {
         let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
         ensure!(
             one,
-            "--init: several targets and boxes in later frames are for `track` and `report`: expected one box X,Y,W,H"
+            "--init: several targets and boxes in later frames are for `track` and the page of `report`: expected one box X,Y,W,H"
         );
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }

@@ -65,7 +65,7 @@ pub struct Report {
 
 #[derive(serde::Serialize)]
 struct Written {
-    file: PathBuf,
+    file: String,
     bytes: usize,
     /// Frames whose pictures are in a figure; the first is 1.
     frames: Option<Vec<usize>>,
@@ -131,7 +131,7 @@ impl Report {
         }
         let text = report::page(&mut films, &self.about(&title, methods)?, self.budget_bytes())?;
         output.end(text.as_bytes())?;
-        Ok((films, vec![Written { file: page, bytes: text.len(), frames: None }]))
+        Ok((films, vec![Written { file: page.display().to_string(), bytes: text.len(), frames: None }]))
     }
 
     /// Draws the paper's figures into `folder`; returns the files, and why others are left out.
@@ -173,7 +173,7 @@ impl Report {
                 let file = folder.join(format!("{}.{ending}", plan.figure));
                 output::write(&file, &bytes)?;
                 let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
-                files.push(Written { file, bytes: bytes.len(), frames });
+                files.push(Written { file: file.display().to_string(), bytes: bytes.len(), frames });
             }
         }
         Ok((files, left_out))
@@ -261,7 +261,7 @@ fn lines(films: &[Film], files: &[Written]) -> String {
             Some([frame]) => format!("frame {frame}"),
             Some(frames) => format!("frames {}", frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
         };
-        format!("{}: {frames}, {} kB\n", file.display(), bytes.div_ceil(1000))
+        format!("{file}: {frames}, {} kB\n", bytes.div_ceil(1000))
     };
     files.iter().map(line).collect()
 }
