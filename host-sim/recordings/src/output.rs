@@ -96,7 +96,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
         // Opened anew, a file that is standard output would have two ends.
         #[cfg(unix)]
-        Ok(_) if is_open(&target) && target.ends_with("stdout") => {
+        Ok(_) if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| target == Path::new(name)) => {
             return Ok((std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into(), None));
         }
         Ok(data) if !data.is_file() || is_open(&target) => {
