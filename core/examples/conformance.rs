@@ -62,12 +62,11 @@ mod firmware {
             return false;
         };
         let steps = follow(tracker, text, buffer, |tracker, frame| {
-            let mut update = tracker.begin(frame).ok()?;
             loop {
-                let (done, ticks) = timer.measure(|| update.step(STEP));
+                let (step, ticks) = timer.measure(|| tracker.update_step(frame, STEP));
                 longest = longest.max(ticks);
-                if done {
-                    return Some(update.finish());
+                if let Some(answer) = step.ok()? {
+                    return Some(answer);
                 }
             }
         });

@@ -125,6 +125,6 @@ pub use track::paper::{self, Paper};
 pub use track::record;
 pub use track::robust::{self, Robust};
 pub use track::{
-    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, Setting, State, Steps, Target,
-    Tracker, Update, UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, Setting, State, Steps, Target, Tracker,
+    UpdateError,
 };

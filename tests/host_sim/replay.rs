@@ -81,7 +81,7 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
             // Begun, but not finished.
             let shown = asked_for(whole, &tracker);
             let Ok(()) = recorder.window(tracker.target(), &shown);
-            tracker.begin(&shown).expect("it has what it asks for").step(1);
+            tracker.update_step(&shown, 1).expect("it has what it asks for");
         }
         if index == 20 {
             let mut saved = vec![0; T::SAVED_SIZE];

@@ -61,13 +61,12 @@ fn passes_text<T: Vectors>(text: &str, update: fn(&mut Tracker<T>, &Frame<'_>) -
     assert!(cases >= least.0 && answers >= least.1, "{}: {cases} cases, {answers} answers", T::FORM);
 }
 
-/// First begins an update and drops it, then resumes an update in the middle.
 fn stepwise<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
-    tracker.begin(frame).ok()?.step(100);
-    tracker.begin(frame).ok()?.step(5000);
-    let mut update = tracker.resume(frame).ok()?;
-    while !update.step(777) {}
-    Some(update.finish())
+    loop {
+        if let Some(answer) = tracker.update_step(frame, 777).ok()? {
+            return Some(answer);
+        }
+    }
 }
 
 /// Every frame goes to a new tracker, restored from the saved one.

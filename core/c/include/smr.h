@@ -234,7 +234,7 @@ enum smr_status
    */
   SMR_ERROR_NOT_LOCKED = 23,
   /**
-   * The frame has another size than the one of #smr_lock or #smr_begin_lock.
+   * The frame has another size than the one of #smr_lock.
    */
   SMR_ERROR_FRAME_SIZE_CHANGED = 24,
   /**
@@ -242,10 +242,9 @@ enum smr_status
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
   /**
-   * No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
-   * changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
+   * A step has done its work, and more is left: call #smr_update_step or #smr_lock_step again. Not an error.
    */
-  SMR_ERROR_NOT_BEGUN = 26,
+  SMR_UNDER_WAY = 26,
   /**
    * The memory for the result is too small.
    */
@@ -1007,7 +1006,7 @@ smr_status smr_init(void *storage,
  * @param tracker  Made by #smr_init.
  * @param width    Width of the frame.
  * @param height   Height of the frame.
- * @param target   The box, completely inside the frame.
+ * @param bbox     The box, completely inside the frame.
  * @param window   Is set to a rectangle, always inside the frame. The paper's tracker: the box. The robust tracker: the box and its
  *                 surroundings. Unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
@@ -1016,7 +1015,7 @@ smr_status smr_init(void *storage,
 smr_status smr_lock_window(const struct smr_tracker *tracker,
                            uint16_t width,
                            uint16_t height,
-                           const struct smr_rect *target,
+                           const struct smr_rect *bbox,
                            struct smr_rect *window);
 
 /**
@@ -1024,44 +1023,35 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * pixels in #smr_lock_window.
  *
  * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
- * as much as 11 to 14 updates. #smr_begin_lock, #smr_step and #smr_finish_lock do the same in steps.
+ * as much as 11 to 14 updates. #smr_lock_step does the same in steps.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
- * @param target   The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
+ * @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
- *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker keeps its previous target and an update that
- *                 is under way.
+ *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker keeps its previous target.
  */
 smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_frame *frame,
-                    const struct smr_rect *target);
+                    const struct smr_rect *bbox);
 
 /**
- * Begins a lock in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
- * #smr_finish_lock. The tracker has no target until the lock is finished.
+ * Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
+ * size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
+ * no target until then. Units of work: see #smr_update_step; a lock takes at most 50.5 million. The paper's tracker does
+ * all work in one step.
  *
  * @param tracker  Made by #smr_init.
- * @param frame    As for #smr_lock. Its pixels must not change until #smr_finish_lock.
- * @param target   As for #smr_lock.
- * @return         As #smr_lock.
+ * @param frame    As for #smr_lock. Its pixels are the same in every step.
+ * @param bbox     As for #smr_lock.
+ * @param work     Units of work to do; 0 means 1.
+ * @return         #SMR_UNDER_WAY, or as #smr_lock.
  */
-smr_status smr_begin_lock(struct smr_tracker *tracker,
-                          const struct smr_frame *frame,
-                          const struct smr_rect *target);
-
-/**
- * Does the rest of the lock that #smr_begin_lock has begun. After it the tracker has a target.
- *
- * @param tracker  As for #smr_begin_lock.
- * @param frame    The same frame with the same pixels.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
- *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_BEGUN, #SMR_ERROR_FRAME_SIZE_CHANGED or
- *                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY. After an error the lock is still under way.
- */
-smr_status smr_finish_lock(struct smr_tracker *tracker,
-                           const struct smr_frame *frame);
+smr_status smr_lock_step(struct smr_tracker *tracker,
+                         const struct smr_frame *frame,
+                         const struct smr_rect *bbox,
+                         uint32_t work);
 
 /**
  * Finds the target in the next frame.
@@ -1071,8 +1061,8 @@ smr_status smr_finish_lock(struct smr_tracker *tracker,
  * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
  * in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
  * in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
- * the same in every frame, at most 894 products for each of at most 2000 weights. #smr_begin, #smr_step and
- * #smr_finish do the same in steps.
+ * the same in every frame, at most 894 products for each of at most 2000 weights. #smr_update_step
+ * does the same in steps.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
@@ -1086,47 +1076,27 @@ smr_status smr_update(struct smr_tracker *tracker,
                       struct smr_answer *answer);
 
 /**
- * Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
- * #smr_finish. The answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in
- * this workspace.
- *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
- * @return         As #smr_update.
- */
-smr_status smr_begin(struct smr_tracker *tracker,
-                     const struct smr_frame *frame);
-
-/**
- * Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
+ * Updates in steps of bounded work, for programs with a deadline: begins an update, or goes on with the one under way.
+ * Call it until it returns another status than #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the size of
+ * the steps. Every other call that may change the tracker ends the update, and so does another tracker that uses the
+ * workspace; the next step then begins a new one.
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
  *   of a row of #smr_window) + 7 * #SMR_SPAN.
- * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5
- *   million. A step may exceed `work` by at most 128,000.
+ * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
+ *   `work` by at most 128,000.
  *
- * @param tracker  As for #smr_begin or #smr_begin_lock. @param frame    The same frame with the same pixels. @param
- * work     Units of work to do; 0 means 1. @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left
- * to call, else to 0; unchanged after an error. @return         As #smr_update or #smr_finish_lock, or
- * #SMR_ERROR_NOT_BEGUN.
+ * @param tracker  Made by #smr_init, locked by #smr_lock.
+ * @param frame    As for #smr_update. Its pixels are the same in every step.
+ * @param work     Units of work to do; 0 means 1.
+ * @param answer   Is set to the answer; unchanged unless the status is #SMR_OK.
+ * @return         #SMR_UNDER_WAY, or as #smr_update.
  */
-smr_status smr_step(struct smr_tracker *tracker,
-                    const struct smr_frame *frame,
-                    uint32_t work,
-                    uint8_t *done);
-
-/**
- * Does the rest of the update that #smr_begin has begun, and returns its answer.
- *
- * @param tracker  As for #smr_begin.
- * @param frame    The same frame with the same pixels.
- * @param answer   Is set to the answer; unchanged after an error.
- * @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
- */
-smr_status smr_finish(struct smr_tracker *tracker,
-                      const struct smr_frame *frame,
-                      struct smr_answer *answer);
+smr_status smr_update_step(struct smr_tracker *tracker,
+                           const struct smr_frame *frame,
+                           uint32_t work,
+                           struct smr_answer *answer);
 
 /**
  * The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in

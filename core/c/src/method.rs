@@ -11,7 +11,7 @@ use crate::config::{smr_config, smr_method};
 use crate::pointer::{self, Out};
 #[cfg(feature = "unstable")]
 use crate::status::SMR_ERROR_OTHER_METHOD;
-use crate::status::{SMR_ERROR_NOT_BEGUN, SMR_ERROR_NOT_INITIALISED, smr_status};
+use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
 use crate::tracker::{Known, Tracked, smr_tracker};
 #[cfg(feature = "unstable")]
 use crate::unstable::ResponseMap;
@@ -19,7 +19,7 @@ use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
-use smr_core::calls::{self, Kind, Owner};
+use smr_core::calls;
 use smr_core::{Frame, Rect, Robust, Target};
 
 /// A tracker of `smr-core` that C can use.
@@ -96,6 +96,8 @@ struct Held<T: Method> {
 struct Scratch<T: Method> {
     /// [`Scratch::mark_of`] its own address, to recognise memory that is not a workspace of this method.
     mark: usize,
+    /// The address of the [`Held`] target that used the workspace last: only its calls go on.
+    owner: usize,
     workspace: T::Workspace,
 }
 
@@ -135,6 +137,7 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
         (&raw mut (*storage).held.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
         (&raw mut (*workspace).workspace).write(T::EMPTY);
+        (&raw mut (*workspace).owner).write(0);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }
     Ok(())
@@ -153,15 +156,18 @@ impl<T: Method> Held<T> {
         NonNull::new(workspace)
     }
 
-    /// The target, its workspace, in which an update of another tracker may be under way, and whose one of this tracker
-    /// is: a tracker stays where it is.
-    #[inline(always)] // only the call of `marked` remains
-    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace, Owner), smr_status> {
-        let owner = Owner::at(ptr::from_ref(self).addr());
-        let mut workspace = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
+    /// The target and its workspace. A call of another tracker that was under way there ends.
+    #[inline(never)] // one copy in flash
+    fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
+        let owner = ptr::from_ref(self).addr();
+        let mut scratch = self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?;
         // SAFETY: the mark shows that a workspace of this type is there; the caller of each call ensures that nobody
         // else uses it.
-        Ok((&mut self.target, unsafe { &mut workspace.as_mut().workspace }, owner))
+        let Scratch { owner: last, workspace, .. } = unsafe { scratch.as_mut() };
+        if core::mem::replace(last, owner) != owner {
+            calls::end::<T>(workspace);
+        }
+        Ok((&mut self.target, workspace))
     }
 }
 
@@ -180,35 +186,20 @@ impl<T: Method> Tracked for Held<T> {
         self.target.lock_window(bounds, target)
     }
 
-    fn begin_lock(&mut self, frame: &Frame<'_>, rect: Rect) -> Result<(), smr_status> {
-        Ok(calls::begin_lock(self.parts()?, frame, rect)?)
-    }
-
-    fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        Ok(calls::begin(self.parts()?, frame)?)
-    }
-
-    fn step(&mut self, frame: &Frame<'_>, work: u32, of: Option<Kind>) -> Option<Result<(), smr_status>> {
-        let step = |(target, workspace, owner): (&mut T, &mut T::Workspace, Owner)| {
-            let done = match calls::under_way::<T>(workspace, owner) {
-                kind if of.is_some_and(|of| of != kind) => return Err(SMR_ERROR_NOT_BEGUN),
-                Kind::Nothing => return Err(SMR_ERROR_NOT_BEGUN),
-                Kind::Lock => calls::step_lock(target, workspace, frame, work)?,
-                Kind::Update => calls::step(target, workspace, frame, work)?,
-            };
-            Ok(done.then_some(()))
-        };
-        self.parts().and_then(step).transpose()
-    }
-
-    fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        let (target, workspace, _) = self.parts()?;
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<(), smr_status> {
+        let (target, workspace) = self.parts()?;
+        if !calls::step_lock(target, workspace, frame, bbox, work)? {
+            return Err(SMR_UNDER_WAY);
+        }
         calls::commit_lock(target, workspace, frame);
         Ok(())
     }
 
-    fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
-        let (target, workspace, _) = self.parts()?;
+    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
+        let (target, workspace) = self.parts()?;
+        if !calls::step(target, workspace, frame, work)? {
+            return Err(SMR_UNDER_WAY);
+        }
         out.write(calls::commit(target, workspace, frame).into());
         Ok(())
     }
@@ -229,14 +220,14 @@ impl<T: Method> Tracked for Held<T> {
 
     fn cancel(&mut self) {
         // Without a workspace nothing is under way.
-        if let Ok((_, workspace, owner)) = self.parts() {
-            calls::cancel::<T>(workspace, owner);
+        if let Ok((_, workspace)) = self.parts() {
+            calls::end::<T>(workspace);
         }
     }
 
     #[cfg(feature = "unstable")]
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status> {
-        let (target, workspace, _) = self.parts()?;
+        let (target, workspace) = self.parts()?;
         Method::response_map(target, workspace, frame)
     }
 }

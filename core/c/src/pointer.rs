@@ -33,13 +33,13 @@ pub(crate) struct Out<T>(*mut T);
 
 impl<T> Out<T> {
     /// # Safety
-    /// A `to` that passes [`check`] points to memory for a `T`, until [`Out::write`].
+    /// A `to` that passes [`check`] points to memory for a `T` while the result lives.
     pub(crate) unsafe fn new(to: *mut T) -> Result<Self, smr_status> {
         check(to)?;
         Ok(Self(to))
     }
 
-    pub(crate) fn write(self, value: T) {
+    pub(crate) fn write(&self, value: T) {
         // SAFETY: `new` has checked the pointer, and its caller ensures that there is memory for a T.
         unsafe { self.0.write(value) }
     }

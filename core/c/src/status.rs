@@ -76,13 +76,12 @@ statuses! {
     SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 22,
     /// There is no target yet: call #smr_lock first.
     SMR_ERROR_NOT_LOCKED = 23,
-    /// The frame has another size than the one of #smr_lock or #smr_begin_lock.
+    /// The frame has another size than the one of #smr_lock.
     SMR_ERROR_FRAME_SIZE_CHANGED = 24,
     /// The parts in memory do not cover #smr_window and #smr_sweep_window.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
-    /// No update or lock of this tracker is under way in its workspace: none was begun, it is finished, the tracker has
-    /// changed since, or another tracker has used the workspace. Call #smr_begin or #smr_begin_lock first.
-    SMR_ERROR_NOT_BEGUN = 26,
+    /// A step has done its work, and more is left: call #smr_update_step or #smr_lock_step again. Not an error.
+    SMR_UNDER_WAY = 26,
     /// The memory for the result is too small.
     SMR_ERROR_BUFFER_TOO_SMALL = 27,
     /// These are not the bytes of a saved target.
@@ -172,15 +171,12 @@ called! {
         BoxOutsideFrame => SMR_ERROR_BOX_OUTSIDE_FRAME,
         BoxTooLarge => SMR_ERROR_BOX_TOO_LARGE,
         WindowTooLarge => SMR_ERROR_WINDOW_TOO_LARGE,
-        LockWindowNotInMemory => SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY,
-        FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
-        NotBegun => SMR_ERROR_NOT_BEGUN, .._
+        LockWindowNotInMemory => SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY, .._
     }
     UpdateError {
         NotLocked => SMR_ERROR_NOT_LOCKED,
         FrameSizeChanged => SMR_ERROR_FRAME_SIZE_CHANGED,
-        WindowNotInMemory => SMR_ERROR_WINDOW_NOT_IN_MEMORY,
-        NotBegun => SMR_ERROR_NOT_BEGUN, .._
+        WindowNotInMemory => SMR_ERROR_WINDOW_NOT_IN_MEMORY, .._
     }
     SaveError {
         NotLocked => SMR_ERROR_NOT_LOCKED,

@@ -4,10 +4,9 @@ use crate::answer::smr_answer;
 use crate::capacity::PaperTarget;
 use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_NOT_INITIALISED, smr_status};
+use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
-use smr_core::calls::Kind;
 use smr_core::{Frame, Rect, Robust};
 
 /// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target
@@ -63,15 +62,11 @@ pub(crate) trait Tracked {
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    fn begin_lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<(), smr_status>;
-    fn begin(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
-    /// Continues what is under way; `of` a kind, only if it is of that kind. `None` until only `conclude` or
-    /// `conclude_lock` is left. This result fits in a register.
-    fn step(&mut self, frame: &Frame<'_>, work: u32, of: Option<Kind>) -> Option<Result<(), smr_status>>;
-    fn conclude_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status>;
+    /// [`SMR_UNDER_WAY`] while work is left, as for an update.
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
-    fn conclude(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status>;
-    /// Ends what is under way, after a call on the [`Known`] target that has changed it.
+    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
+    /// Ends what is under way.
     fn cancel(&mut self);
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
@@ -81,26 +76,12 @@ pub(crate) trait Tracked {
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status>;
 }
 
-impl dyn Tracked + '_ {
-    /// Does the rest of a lock.
-    #[inline(never)] // one copy in flash
-    pub(crate) fn finish_lock(&mut self, frame: &Frame<'_>) -> Result<(), smr_status> {
-        self.complete(frame, Kind::Lock)?;
-        self.conclude_lock(frame)
-    }
-
-    /// Does the rest of an update.
-    #[inline(never)] // one copy in flash
-    pub(crate) fn finish(&mut self, frame: &Frame<'_>, out: Out<smr_answer>) -> Result<(), smr_status> {
-        self.complete(frame, Kind::Update)?;
-        self.conclude(frame, out)
-    }
-
-    fn complete(&mut self, frame: &Frame<'_>, of: Kind) -> Result<(), smr_status> {
-        loop {
-            if let Some(result) = self.step(frame, u32::MAX, Some(of)) {
-                return result;
-            }
+/// Repeats a step until no work is left.
+pub(crate) fn whole(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {
+    loop {
+        match step() {
+            Err(SMR_UNDER_WAY) => {}
+            result => return result,
         }
     }
 }

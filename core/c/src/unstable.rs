@@ -11,7 +11,7 @@ pub(crate) const RESPONSE_SPAN: usize = 17;
 /// See [`smr_response_map`].
 pub(crate) type ResponseMap = [[i32; RESPONSE_SPAN]; RESPONSE_SPAN];
 
-/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_step`.
+/// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
 /// Another tracker may have done it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {

@@ -4,7 +4,7 @@ use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::Out;
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{Known, ask, borrow, each, smr_tracker, with_frame};
+use crate::tracker::{Known, ask, borrow, each, smr_tracker, whole, with_frame};
 use smr_core::Target;
 
 /// Finds the target in the next frame.
@@ -14,8 +14,8 @@ use smr_core::Target;
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
 /// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
 /// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
-/// the same in every frame, at most 894 products for each of at most 2000 weights. #smr_begin, #smr_step and
-/// #smr_finish do the same in steps.
+/// the same in every frame, at most 894 products for each of at most 2000 weights. #smr_update_step
+/// does the same in steps.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
@@ -33,69 +33,39 @@ pub unsafe extern "C" fn smr_update(
     status_of(unsafe {
         with_frame(tracker, frame, |tracker, frame| {
             let out = Out::new(answer)?;
-            tracker.begin(frame)?;
-            tracker.finish(frame, out)
+            tracker.cancel();
+            whole(|| tracker.update_step(frame, u32::MAX, &out))
         })
     })
 }
 
-/// Begins an update in steps of bounded work, for programs with a deadline: call #smr_step until it is done, then
-/// #smr_finish. The answer is that of #smr_update, whatever the size of the steps. It cancels an unfinished update in
-/// this workspace.
-///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param frame    As for #smr_update. Its pixels must not change until #smr_finish.
-/// @return         As #smr_update.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_begin(tracker: *mut smr_tracker, frame: *const smr_frame) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.begin(frame)) })
-}
-
-/// Continues the update that #smr_begin has begun, or the lock that #smr_begin_lock has begun.
+/// Updates in steps of bounded work, for programs with a deadline: begins an update, or goes on with the one under way.
+/// Call it until it returns another status than #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the size of
+/// the steps. Every other call that may change the tracker ends the update, and so does another tracker that uses the
+/// workspace; the next step then begins a new one.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
 ///   of a row of #smr_window) + 7 * #SMR_SPAN.
-/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units, a lock 50.5
-///   million. A step may exceed `work` by at most 128,000.
+/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
+///   `work` by at most 128,000.
 ///
-/// @param tracker  As for #smr_begin or #smr_begin_lock. @param frame    The same frame with the same pixels. @param
-/// work     Units of work to do; 0 means 1. @param done     Is set to 1 if only #smr_finish or #smr_finish_lock is left
-/// to call, else to 0; unchanged after an error. @return         As #smr_update or #smr_finish_lock, or
-/// #SMR_ERROR_NOT_BEGUN.
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    As for #smr_update. Its pixels are the same in every step.
+/// @param work     Units of work to do; 0 means 1.
+/// @param answer   Is set to the answer; unchanged unless the status is #SMR_OK.
+/// @return         #SMR_UNDER_WAY, or as #smr_update.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_step(
+pub unsafe extern "C" fn smr_update_step(
     tracker: *mut smr_tracker,
     frame: *const smr_frame,
     work: u32,
-    done: *mut u8,
-) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| {
-            let out = Out::new(done)?;
-            let done = tracker.step(frame, work, None).transpose()?;
-            out.write(done.is_some().into());
-            Ok(())
-        })
-    })
-}
-
-/// Does the rest of the update that #smr_begin has begun, and returns its answer.
-///
-/// @param tracker  As for #smr_begin.
-/// @param frame    The same frame with the same pixels.
-/// @param answer   Is set to the answer; unchanged after an error.
-/// @return         As #smr_update, or #SMR_ERROR_NOT_BEGUN.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_finish(
-    tracker: *mut smr_tracker,
-    frame: *const smr_frame,
     answer: *mut smr_answer,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { with_frame(tracker, frame, |tracker, frame| tracker.finish(frame, Out::new(answer)?)) })
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| tracker.update_step(frame, work, &Out::new(answer)?))
+    })
 }
 
 /// The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in

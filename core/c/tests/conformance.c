@@ -392,17 +392,15 @@ static smr_tracker *made(storage *memory, const smr_config *config)
 static void update_in_steps(smr_tracker *tracker, const smr_frame *frame, smr_answer *answer)
 {
     uint32_t work = robust ? 5000 : 50;
-    uint8_t done = 0;
-    unsigned steps = 0;
-    must(smr_begin(tracker, frame));
-    while (!done) {
-        must(smr_step(tracker, frame, work, &done));
+    unsigned steps = 1;
+    smr_status status;
+    while ((status = smr_update_step(tracker, frame, work, answer)) == SMR_UNDER_WAY) {
         steps++;
     }
+    must(status);
     if (robust && steps < 2) {
         stop("an update was not cut");
     }
-    must(smr_finish(tracker, frame, answer));
 }
 
 static void save_and_restore(smr_tracker *tracker, const smr_config *config)

@@ -184,7 +184,6 @@ static void one(uint32_t start)
         smr_state state = SMR_TRACKING;
         smr_image image;
         smr_status status = SMR_OK;
-        uint8_t over = 0;
         uint8_t *read[2];
 
         memset(&frame, 0, sizeof frame);
@@ -233,25 +232,15 @@ static void one(uint32_t start)
             break;
         case 8:
         case 9:
-            status = smr_begin(tracker, &frame);
-            while (status == SMR_OK && !over && !rarely()) {
-                status = smr_step(tracker, &frame, any() >> below(32), rarely() ? NULL : &over);
-            }
-            status = rarely() ? status : smr_finish(tracker, &frame, &answer);
+            do {
+                status = smr_update_step(tracker, &frame, any() >> below(32), rarely() ? NULL : &answer);
+            } while (status == SMR_UNDER_WAY && !rarely());
             break;
         case 12:
-            status = smr_begin_lock(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target);
-            while (status == SMR_OK && !over && !rarely()) {
-                status = smr_step(tracker, &frame, any() >> below(32), &over);
-            }
-            status = rarely() ? status : smr_finish_lock(tracker, &frame);
+            do {
+                status = smr_lock_step(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &target, any() >> below(32));
+            } while (status == SMR_UNDER_WAY && !rarely());
             smr_quality(tracker, rarely() ? NULL : &quality);
-            break;
-        case 10:
-            status = smr_step(tracker, &frame, any(), &over);
-            break;
-        case 11:
-            status = smr_finish(tracker, &frame, rarely() ? NULL : &answer);
             break;
         default:
             status = smr_update(tracker, rarely() ? NULL : &frame, rarely() ? NULL : &answer);

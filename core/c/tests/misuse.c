@@ -269,12 +269,10 @@ static void no_updates(smr_tracker *tracker, smr_status wanted)
     smr_frame frame = good_frame();
     smr_rect box = rect(10, 10, 12, 12);
     smr_answer answer;
-    uint8_t done;
     EXPECT(smr_lock(tracker, &frame, &box), wanted);
+    EXPECT(smr_lock_step(tracker, &frame, &box, 1), wanted);
     EXPECT(smr_update(tracker, &frame, &answer), wanted);
-    EXPECT(smr_begin(tracker, &frame), wanted);
-    EXPECT(smr_step(tracker, &frame, 1, &done), wanted);
-    EXPECT(smr_finish(tracker, &frame, &answer), wanted);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), wanted);
 }
 
 static void no_tracker(smr_tracker *tracker, smr_status wanted)
@@ -320,20 +318,17 @@ static void shared_workspaces(void)
     smr_config config = good_config();
     smr_tracker *one = locked_tracker(), *two = tracker_in(&second, &config);
     smr_frame frame = good_frame();
-    smr_rect box = rect(26, 22, 8, 8);
+    smr_rect elsewhere = rect(12, 10, 8, 8);
     smr_answer answer;
-    uint8_t done;
-    EXPECT(smr_lock(two, &frame, &box), SMR_OK); /* the same box, so that only their addresses differ */
-    EXPECT(smr_begin(one, &frame), SMR_OK);
-    EXPECT(smr_step(two, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_finish(two, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_step(one, &frame, 1, &done), SMR_OK);
-    EXPECT(smr_begin(two, &frame), SMR_OK);
-    EXPECT(smr_finish(one, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_finish(two, &frame, &answer), SMR_OK);
+    /* A step of one is no step of the other: each follows its own box. */
+    EXPECT(smr_lock(two, &frame, &elsewhere), SMR_OK);
+    EXPECT(smr_update_step(one, &frame, 50, &answer), SMR_UNDER_WAY);
+    EXPECT(smr_update_step(two, &frame, 50, &answer), SMR_UNDER_WAY);
+    EXPECT(smr_update_step(one, &frame, UINT32_MAX, &answer), SMR_OK);
     HOLD(answer.bbox.x == 26 && answer.bbox.y == 22);
-    EXPECT(smr_update(one, &frame, &answer), SMR_OK);
-    HOLD(answer.bbox.x == 26 && answer.bbox.y == 22);
+    EXPECT(smr_update_step(one, &frame, 50, &answer), SMR_UNDER_WAY);
+    EXPECT(smr_update_step(two, &frame, UINT32_MAX, &answer), SMR_OK);
+    HOLD(answer.bbox.x == 12 && answer.bbox.y == 10);
     robust = !robust;
     config = good_config();
     tracker_in(&other, &config);
@@ -372,7 +367,6 @@ static void pointers(void)
     smr_state states[2];
     smr_answer answers[2];
     smr_image images[2];
-    uint8_t done;
     frames[0] = good_frame();
     rects[0] = rect(26, 22, 8, 8);
     EXPECT(smr_lock(tracker, NULL, rects), SMR_ERROR_NULL);
@@ -388,13 +382,11 @@ static void pointers(void)
     EXPECT(smr_update(tracker, frames, NULL), SMR_ERROR_NULL);
     EXPECT(smr_update(tracker, (smr_frame *)askew(frames), answers), SMR_ERROR_MISALIGNED);
     EXPECT(smr_update(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_begin(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_begin(tracker, frames), SMR_OK);
-    EXPECT(smr_step(tracker, NULL, 1, &done), SMR_ERROR_NULL);
-    EXPECT(smr_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_finish(tracker, NULL, answers), SMR_ERROR_NULL);
-    EXPECT(smr_finish(tracker, frames, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_finish(tracker, frames, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_update_step(tracker, NULL, 1, answers), SMR_ERROR_NULL);
+    EXPECT(smr_update_step(tracker, frames, 1, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_update_step(tracker, frames, 1, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_lock_step(tracker, NULL, rects, 1), SMR_ERROR_NULL);
+    EXPECT(smr_lock_step(tracker, frames, NULL, 1), SMR_ERROR_NULL);
     EXPECT(smr_window(tracker, NULL), SMR_ERROR_NULL);
     EXPECT(smr_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_sweep_window(tracker, NULL), SMR_ERROR_NULL);
@@ -420,12 +412,10 @@ static void refused(smr_tracker *tracker, const smr_frame *frame, smr_status wan
 {
     smr_rect box = rect(26, 22, 8, 8);
     smr_answer answer;
-    uint8_t done;
     EXPECT(smr_lock(tracker, frame, &box), wanted);
+    EXPECT(smr_lock_step(tracker, frame, &box, 1), wanted);
     EXPECT(smr_update(tracker, frame, &answer), wanted);
-    EXPECT(smr_begin(tracker, frame), wanted);
-    EXPECT(smr_step(tracker, frame, 1, &done), wanted);
-    EXPECT(smr_finish(tracker, frame, &answer), wanted);
+    EXPECT(smr_update_step(tracker, frame, 1, &answer), wanted);
 }
 
 static void frames(void)
@@ -563,19 +553,16 @@ static void order(void)
     smr_fine_rect fine = {-7, -7, 7, 7};
     smr_state state = SMR_LOST;
     smr_answer answer;
-    uint8_t done = 7;
     size_t written = 777;
     memset(&answer, 0x5A, sizeof answer);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_begin(tracker, &frame), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_sweep_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_moved(tracker, 1, 1), SMR_OK);
-    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && done == 7 && written == 777);
+    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && written == 777);
 
     EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
@@ -583,36 +570,25 @@ static void order(void)
     other.height = other.parts[0].height = HEIGHT - 1;
     EXPECT(smr_update(tracker, &other, &answer), SMR_ERROR_FRAME_SIZE_CHANGED);
 
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_step(tracker, &other, 1, &done), SMR_ERROR_FRAME_SIZE_CHANGED);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
-    HOLD(done == 0);
-    EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_UNDER_WAY);
+    EXPECT(smr_update_step(tracker, &other, 1, &answer), SMR_ERROR_FRAME_SIZE_CHANGED);
+    EXPECT(smr_update_step(tracker, &frame, UINT32_MAX, &answer), SMR_OK);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_UNDER_WAY);
     EXPECT(smr_moved(tracker, 2 * 256, -3 * 256), SMR_OK);
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
     HOLD(fine.x == 28 * 256 && fine.y == 19 * 256);
     EXPECT(smr_moved(tracker, INT32_MAX, INT32_MIN), SMR_OK);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
 }
 
-/* A call that fails changes neither the caller's memory nor an update that is under way. */
+/* A call that fails does not change the caller's memory. */
 static void failures(void)
 {
-    static target second;
-    smr_config config = good_config();
     smr_tracker *tracker = good_tracker();
     smr_frame frame = good_frame();
     smr_rect none = rect(26, 22, 0, 8), outside = rect(-1, 22, 8, 8), box = rect(26, 22, 8, 8);
     smr_answer answer;
     uint16_t quality = 777;
-    uint8_t done;
     size_t written = 777, at;
     memset(bytes, 0xA5, sizeof bytes);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
@@ -626,25 +602,14 @@ static void failures(void)
     }
     HOLD(written == 777);
 
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
     EXPECT(smr_lock(tracker, &frame, &none), SMR_ERROR_BOX_EMPTY);
     EXPECT(smr_lock(tracker, &frame, &outside), SMR_ERROR_BOX_OUTSIDE_FRAME);
-    EXPECT(smr_begin_lock(tracker, &frame, &none), SMR_ERROR_BOX_EMPTY);
-    EXPECT(smr_finish_lock(tracker, &frame), SMR_ERROR_NOT_BEGUN);
+    EXPECT(smr_lock_step(tracker, &frame, &none, 1), SMR_ERROR_BOX_EMPTY);
     EXPECT(smr_restore(tracker, bytes, sizeof bytes), SMR_ERROR_NOT_SAVED);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_UNDER_WAY);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_OK);
-    /* The tracker now has another target, locked on the same box. */
+    EXPECT(smr_update_step(tracker, &frame, UINT32_MAX, &answer), SMR_OK);
     EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-
-    /* A new tracker in the same storage has no update under way, whatever is in the workspace. */
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
-    EXPECT(smr_init(&second, sizeof second, &scratch, sizeof scratch, &config, &tracker), SMR_OK);
-    EXPECT(smr_restore(tracker, bytes, written), SMR_OK);
-    EXPECT(smr_step(tracker, &frame, 1, &done), SMR_ERROR_NOT_BEGUN);
 }
 
 /* A lock in steps gives the same result as a lock at once. */
@@ -652,36 +617,30 @@ static void locks_in_steps(void)
 {
     static uint8_t at_once[sizeof bytes], flat[sizeof pixels];
     smr_tracker *tracker = locked_tracker();
-    smr_frame frame = good_frame(), other = good_frame();
+    smr_frame frame = good_frame();
     smr_rect box = rect(26, 22, 8, 8), window;
     smr_fine_rect fine;
     smr_state state;
     smr_answer answer;
     uint16_t first = 777, quality = 777;
-    uint8_t done = 0;
     size_t size, written;
-    unsigned steps = 0;
+    smr_status status;
+    unsigned steps = 1;
     EXPECT(smr_quality(tracker, &first), SMR_OK);
     HOLD(first >= SMR_POOR_QUALITY);
     EXPECT(smr_save(tracker, at_once, sizeof at_once, &size), SMR_OK);
 
-    EXPECT(smr_begin_lock(tracker, &frame, &box), SMR_OK);
-    EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_finish(tracker, &frame, &answer), SMR_ERROR_NOT_BEGUN);
-    other.height = other.parts[0].height = HEIGHT - 1;
-    EXPECT(smr_step(tracker, &other, 1, &done), SMR_ERROR_FRAME_SIZE_CHANGED);
-    while (!done) {
-        EXPECT(smr_step(tracker, &frame, 100000, &done), SMR_OK);
+    while ((status = smr_lock_step(tracker, &frame, &box, 100000)) == SMR_UNDER_WAY) {
         steps++;
+        EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
+        EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
+        EXPECT(smr_quality(tracker, &quality), SMR_ERROR_NOT_LOCKED);
+        EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_ERROR_NOT_LOCKED);
     }
+    EXPECT(status, SMR_OK);
     HOLD(robust ? steps > 20 : steps == 1);
-    EXPECT(smr_quality(tracker, &quality), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_finish_lock(tracker, &frame), SMR_OK);
     EXPECT(smr_quality(tracker, &quality), SMR_OK);
     HOLD(quality == first);
-    EXPECT(smr_finish_lock(tracker, &frame), SMR_ERROR_NOT_BEGUN);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     HOLD(written == size && memcmp(bytes, at_once, size) == 0);
 
@@ -753,7 +712,7 @@ static void power(void)
     smr_answer answer;
     size_t size, second, cut;
     EXPECT(smr_save(tracker, older, sizeof older, &size), SMR_OK);
-    EXPECT(smr_begin(tracker, &frame), SMR_OK);
+    EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_UNDER_WAY);
     EXPECT(smr_save(tracker, newer, sizeof newer, &second), SMR_OK);
     HOLD(second == size && memcmp(older, newer, size) == 0); /* the update under way has changed nothing */
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);

@@ -4,7 +4,7 @@ use crate::host_file::HostFile;
 use crate::measure::{Timer, spin, stack};
 use semihosting::process::exit;
 use smr_core::similarity::Backend;
-use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, paper, robust};
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, Target, calls, paper, robust};
 
 const VERSION: u32 = 4;
 const HEADER: usize = 11 * 4;
@@ -195,17 +195,15 @@ fn update<T: Target>(
         let (answer, ticks) = timer.measure(|| target.update(workspace, frame));
         return Ok((answer.map_err(|_| Refusal::NoUpdate)?, ticks, ticks));
     }
-    let (update, first) = timer.measure(|| target.begin(workspace, frame));
-    let mut update = update.map_err(|_| Refusal::NoUpdate)?;
-    let (mut sum, mut longest) = (first, first);
+    let (mut sum, mut longest) = (0_u32, 0);
     loop {
-        let (done, ticks) = timer.measure(|| update.step(step));
+        let (done, ticks) = timer.measure(|| calls::step(target, workspace, frame, step));
         (sum, longest) = (sum.saturating_add(ticks), longest.max(ticks));
-        if done {
+        if done.map_err(|_| Refusal::NoUpdate)? {
             break;
         }
     }
-    let (answer, ticks) = timer.measure(|| update.finish());
+    let (answer, ticks) = timer.measure(|| calls::commit(target, workspace, frame));
     Ok((answer, sum.saturating_add(ticks), longest.max(ticks)))
 }
 

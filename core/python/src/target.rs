@@ -5,7 +5,7 @@ use crate::options;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, paper, robust};
+use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, calls, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
 use smr_recordings::messages;
 use std::cell::RefCell;
@@ -92,17 +92,12 @@ impl Target {
     }
 
     /// Checks whether `update` can be called with this frame. Changes nothing and reads no pixel.
-    pub fn check(&mut self, scratch: &mut Scratch, pixels: &Pixels<'_>) -> PyResult<()> {
+    pub fn check(&self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
-        let Scratch { paper, robust, .. } = scratch;
-        let begun = match self {
-            Self::Paper(of) => of.begin(paper.get_or_insert_default(), &frame).map(drop),
-            Self::Robust(of) => of.begin(robust.get_or_insert_default(), &frame).map(drop),
-        };
-        match begun {
+        match each!(self, of => calls::check(&**of, &frame)) {
             // The core checks this last, so everything else is right.
             Err(UpdateError::WindowNotInMemory) => Ok(()),
-            begun => begun.map_err(not_updated),
+            checked => checked.map_err(not_updated),
         }
     }
 

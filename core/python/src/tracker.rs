@@ -250,8 +250,8 @@ pub fn follow<'py>(
     let pixels = frame.pixels();
     let guards: PyResult<Vec<_>> = trackers.iter().map(|tracker| tracker.get().target()).collect();
     let mut guards = guards?;
-    let mut targets: Vec<&mut Target> = guards.iter_mut().map(|guard| &mut **guard).collect();
-    with_scratch(1, |scratch| targets.iter_mut().try_for_each(|target| target.check(&mut scratch[0], &pixels)))?;
+    let targets: Vec<&mut Target> = guards.iter_mut().map(|guard| &mut **guard).collect();
+    targets.iter().try_for_each(|target| target.check(&pixels))?;
     let threads = threads.clamp(1, targets.len().max(1));
     let answers = py.detach(|| with_scratch(threads, |scratch| side_by_side(targets, scratch, &pixels)))?;
     answers.iter().map(|one| answer::answer(py, one)).collect()

@@ -1,6 +1,6 @@
 //! The most work of a tracker, for planning deadlines.
 
-/// The most work of a tracker for any frame, in the units of [`Update::step`](crate::Update::step). Computed by
+/// The most work of a tracker for any frame, in the units of [`Tracker::update_step`](crate::Tracker::update_step). Computed by
 /// [`Target::most_work`](crate::Target::most_work).
 ///
 /// ```
@@ -24,7 +24,7 @@ pub struct MostWork {
     pub update: u64,
     /// The most work of a lock.
     pub lock: u64,
-    /// The most work by which a step exceeds its grant: its last piece of work cannot be divided. `begin` and
-    /// `begin_lock` do at most this much work.
+    /// The most work by which a step exceeds its grant: its last piece of work cannot be divided. The last step of a
+    /// call makes one more pass over the template and the weights.
     pub beyond_a_step: u32,
 }

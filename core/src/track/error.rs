@@ -49,11 +49,6 @@ pub enum LockError {
     WindowTooLarge,
     /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
     LockWindowNotInMemory,
-    /// The frame has another size than the one the lock was begun with.
-    FrameSizeChanged,
-    /// No lock of this target is under way in this workspace: none was begun, it was finished, the target changed, or
-    /// the workspace served another target.
-    NotBegun,
 }
 
 impl fmt::Display for LockError {
@@ -64,8 +59,6 @@ impl fmt::Display for LockError {
             Self::BoxTooLarge => "the box has more pixels than this tracker's template has room for",
             Self::WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
             Self::LockWindowNotInMemory => "the lock window is not wholly in memory",
-            Self::FrameSizeChanged => "the frame has another size than the one the lock was begun with",
-            Self::NotBegun => "no lock of this target is under way in this workspace",
         })
     }
 }
@@ -84,9 +77,6 @@ pub enum UpdateError {
     /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly
     /// in memory.
     WindowNotInMemory,
-    /// No update of this target is under way in this workspace: none was begun, it was finished, the target changed, or
-    /// the workspace served another target.
-    NotBegun,
 }
 
 impl fmt::Display for UpdateError {
@@ -95,7 +85,6 @@ impl fmt::Display for UpdateError {
             Self::NotLocked => "there is no target yet: lock first",
             Self::FrameSizeChanged => "the frame has another size than the one that was locked on",
             Self::WindowNotInMemory => "the search window is not wholly in memory",
-            Self::NotBegun => "no update of this target is under way in this workspace",
         })
     }
 }

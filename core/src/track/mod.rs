@@ -45,6 +45,6 @@ pub use quality::Quality;
 pub use saved::{RestoreError, SaveError, Setting};
 pub use target::Target;
 pub use tracker::Tracker;
+pub use update::Steps;
 #[doc(hidden)]
 pub use update::calls;
-pub use update::{Lock, Steps, Update};

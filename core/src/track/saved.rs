@@ -43,12 +43,6 @@ pub(super) struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    /// Calls `add` with the entries of the table, then with the other numbers.
-    pub(super) fn each(&self, add: impl FnMut(u16)) {
-        let numbers = self.numbers.iter().map(|&(_, number)| number);
-        self.table.entries().iter().copied().chain(numbers).for_each(add);
-    }
-
     fn table_sum(&self) -> u32 {
         let mut sum = Crc::new();
         self.table.entries().iter().for_each(|entry| sum.update(&entry.to_le_bytes()));

@@ -1,9 +1,7 @@
 //! The trait that both trackers implement, for generic code.
 
 use super::update::Steps;
-use super::{
-    Answer, ConfigError, Lock, LockError, MostWork, Quality, RestoreError, SaveError, State, Update, UpdateError,
-};
+use super::{Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
@@ -81,47 +79,19 @@ pub trait Target: Steps {
     /// The configuration.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels that [`Target::lock`] reads for the box `target` in a frame of the size of `bounds`. They lie inside
-    /// the frame; empty if the box cannot be locked.
-    fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
+    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of the size of `bounds`. They lie inside the frame;
+    /// empty if the box cannot be locked.
+    fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect;
 
-    /// Starts to follow the target in the box `target` and forgets the previous target. Returns how distinct the new
-    /// one is.
+    /// Starts to follow the target in `bbox` and forgets the previous target. Returns how distinct the new one is.
     ///
     /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two
     /// comparisons per pixel; [`Robust`](crate::Robust) takes as long as 11 to 16 updates.
     ///
     /// # Errors
-    /// [`LockError`]. The target and an update under way are then unchanged.
-    fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
-        super::update::lock(self, workspace, frame, target)
-    }
-
-    /// Begins a lock in steps of bounded work: see [`Lock`]. There is no target until the lock is finished.
-    ///
-    /// # Errors
-    /// Those of [`Target::lock`].
-    fn begin_lock<'a>(
-        &'a mut self,
-        workspace: &'a mut Self::Workspace,
-        frame: &Frame<'a>,
-        target: Rect,
-    ) -> Result<Lock<'a, Self>, LockError> {
-        Lock::begin(self, workspace, frame, target)
-    }
-
-    /// Continues a lock that was begun in this workspace and dropped before it was finished. The rule that says which
-    /// target may continue it, and the cost, are those of [`Target::resume`]. If the target has begun a lock again
-    /// since, the earlier lock continues only if box and learned weights are the same.
-    ///
-    /// # Errors
-    /// [`LockError::NotBegun`] if there is none, [`LockError::FrameSizeChanged`], [`LockError::LockWindowNotInMemory`].
-    fn resume_lock<'a>(
-        &'a mut self,
-        workspace: &'a mut Self::Workspace,
-        frame: &Frame<'a>,
-    ) -> Result<Lock<'a, Self>, LockError> {
-        Lock::resume(self, workspace, frame)
+    /// [`LockError`]. The target is then unchanged.
+    fn lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, bbox: Rect) -> Result<Quality, LockError> {
+        super::update::lock(self, workspace, frame, bbox)
     }
 
     /// The pixels of the frame that the next update may read; `None` before the first lock. Never empty, and inside the
@@ -144,8 +114,7 @@ pub trait Target: Steps {
     fn quality(&self) -> Option<Quality>;
 
     /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
-    /// `down`) in the next. Units of 1/256 pixel. Cancels a lock under way. Cancels an update under way unless the
-    /// target's place stays the same, because the move rounds to 0 or the place is at its limit.
+    /// `down`) in the next. Units of 1/256 pixel.
     ///
     /// The search window moves along. The box stays within reach of the frame. [`Paper`](crate::Paper) rounds to whole
     /// pixels.
@@ -192,58 +161,12 @@ pub trait Target: Steps {
     fn update(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
         super::update::update(self, workspace, frame)
     }
-
-    /// Begins an update in steps of bounded work: see [`Update`]. The answer does not depend on the steps. In addition
-    /// to the work of [`Target::update`] it reads the whole target once, to compute the fingerprint that
-    /// [`Target::resume`] compares.
-    ///
-    /// # Errors
-    /// [`UpdateError`]. The target is then unchanged.
-    fn begin<'a>(
-        &'a mut self,
-        workspace: &'a mut Self::Workspace,
-        frame: &Frame<'a>,
-    ) -> Result<Update<'a, Self>, UpdateError> {
-        Update::begin(self, workspace, frame)
-    }
-
-    /// Continues an update that was begun in this workspace and dropped before it was finished. The caller must pass
-    /// the pixels that it was begun with.
-    ///
-    /// The update belongs to the target that began it; both target and workspace may be moved in memory. It ends when
-    /// the target changes: by a lock, `restore`, [`Target::moved`] or a finished update. A target in the same state,
-    /// such as a restored copy, can take it over, because its answer is the same. States are compared by a fingerprint
-    /// of 64 bits of configuration, templates and track.
-    ///
-    /// Cost, in instructions of a Cortex-M0+: [`Robust`](crate::Robust) at most 40,000, a hundredth of an update;
-    /// [`Paper`](crate::Paper) 3,000 and 8 for each pixel of the template. If you take small steps, keep the
-    /// [`Update`].
-    ///
-    /// # Errors
-    /// [`UpdateError::NotBegun`] if no update of a target in this state is under way here; otherwise those of
-    /// [`Target::begin`].
-    fn resume<'a>(
-        &'a mut self,
-        workspace: &'a mut Self::Workspace,
-        frame: &Frame<'a>,
-    ) -> Result<Update<'a, Self>, UpdateError> {
-        Update::resume(self, workspace, frame)
-    }
 }
 
 /// Refuses a box that is empty or not wholly inside the frame.
-pub(super) fn lockable(bounds: Rect, target: Rect) -> Result<(), LockError> {
-    if target.is_empty() {
+pub(super) fn lockable(bounds: Rect, bbox: Rect) -> Result<(), LockError> {
+    if bbox.is_empty() {
         return Err(LockError::BoxEmpty);
     }
-    if bounds.contains(target) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
-}
-
-/// Refuses a frame with which a lock under way cannot continue. The lock was begun in a frame of the size of `bounds`
-/// and reads `window`.
-pub(super) fn lock_goes_on(frame: &Frame<'_>, bounds: Rect, window: Rect) -> Result<(), LockError> {
-    if frame.bounds() != bounds {
-        return Err(LockError::FrameSizeChanged);
-    }
-    if frame.covers(window) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
+    if bounds.contains(bbox) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }

@@ -1,8 +1,6 @@
 //! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the
 //! camera, saved targets, misuse.
 
-use belonging::whoever_moves_whatever_is_under_way_goes_on_with_its_own_target;
-
 use super::checksum::Crc;
 use super::record::Recorder;
 use super::update::Steps;
@@ -13,8 +11,6 @@ use super::{
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use std::{boxed::Box, collections::BTreeSet, format, string::ToString, vec, vec::Vec};
-
-mod belonging;
 
 type SmallPaper = Paper<1024, 161>;
 
@@ -116,14 +112,11 @@ for_both! {
     the_answer_does_not_depend_on_how_an_update_is_cut,
     an_update_that_was_given_up_leaves_nothing_behind,
     one_workspace_serves_many_targets,
-    a_step_in_a_workspace_that_served_another_is_refused,
-    what_is_under_way_is_of_every_equal_target,
-    an_update_does_not_outlive_the_state_that_began_it,
-    a_neighbour_does_not_take_over_what_is_under_way,
-    whoever_moves_whatever_is_under_way_goes_on_with_its_own_target,
-    a_lock_that_is_refused_leaves_the_update_under_way,
+    every_other_call_ends_what_is_under_way,
+    a_step_that_is_refused_leaves_what_is_under_way,
     a_lock_in_steps_is_that_at_once,
-    what_is_under_way_is_either_a_lock_or_an_update,
+    there_is_no_target_until_a_lock_in_steps_is_finished,
+    a_deadline_in_time_ends_a_call,
     a_flat_target_is_said_to_be_poor,
     a_turn_of_the_camera_is_followed,
     however_far_the_camera_turns_nothing_overflows,
@@ -188,45 +181,33 @@ fn a_pixel_less_is_refused<T: Target>(config: T::Config) {
 
 fn the_answer_does_not_depend_on_how_an_update_is_cut<T: Target>(config: T::Config) {
     for work in [1, 777, 50_000] {
-        let (mut cut, mut dropped) = (locked::<T>(config), locked::<T>(config));
+        let mut cut = locked::<T>(config);
         for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
             let frame = whole(pixels);
-            let mut update = cut.begin(&frame).unwrap();
             let mut before = 0;
-            while !update.step(work) {
-                assert!(update.work() > before, "every step makes progress");
-                before = update.work();
-            }
-            assert_eq!(update.finish(), expected);
-            let mut done = dropped.begin(&frame).unwrap().step(work);
-            while !done {
-                done = dropped.resume(&frame).unwrap().step(work);
-            }
-            assert_eq!(dropped.resume(&frame).unwrap().finish(), expected);
-            assert_eq!(dropped.resume(&frame).err(), Some(UpdateError::NotBegun));
+            let answer = loop {
+                if let Some(answer) = cut.update_step(&frame, work).unwrap() {
+                    break answer;
+                }
+                assert!(cut.work() > before, "every step makes progress");
+                before = cut.work();
+            };
+            assert_eq!(answer, expected);
         }
     }
 }
 
 fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Config) {
     let mut tracker = locked::<T>(config);
-    let (first, elsewhere) = (picture(TARGET.x, TARGET.y), picture(75, 50));
+    let elsewhere = picture(75, 50);
     for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        for work in [1, 5000, u32::MAX] {
+        for work in [1, 5000] {
             let before = saved(tracker.target());
-            tracker.begin(&whole(&elsewhere)).unwrap().step(work);
+            assert_eq!(tracker.update_step(&whole(&elsewhere), work).unwrap(), None);
             assert_eq!(saved(tracker.target()), before, "an unfinished update changes nothing");
         }
         assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
     }
-    tracker.begin(&whole(&elsewhere)).unwrap().step(5000);
-    tracker.lock(&whole(&first), TARGET).unwrap();
-    assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
-    tracker.begin(&whole(&elsewhere)).unwrap().step(5000);
-    tracker.moved(0, 0);
-    assert!(tracker.resume(&whole(&elsewhere)).is_ok(), "nothing has moved");
-    tracker.moved(256, 0);
-    assert_eq!(tracker.resume(&whole(&elsewhere)).err(), Some(UpdateError::NotBegun));
 }
 
 fn one_workspace_serves_many_targets<T: Target>(config: T::Config) {
@@ -243,157 +224,123 @@ fn one_workspace_serves_many_targets<T: Target>(config: T::Config) {
     }
 }
 
-fn a_step_in_a_workspace_that_served_another_is_refused<T: Target>(config: T::Config) {
-    let mut one = locked::<T>(config);
-    let mut other = T::new(config).unwrap();
-    let pixels = picture(62, 42);
-    let frame = whole(&pixels);
-    other.lock(one.parts().1, &frame, Rect::new(20, 20, 20, 20)).unwrap();
-    one.begin(&frame).unwrap().step(100);
-    assert_eq!(other.resume(one.parts().1, &frame).err(), Some(UpdateError::NotBegun));
-    other.begin(one.parts().1, &frame).unwrap().step(100);
-    assert_eq!(one.resume(&frame).err(), Some(UpdateError::NotBegun));
-    other.resume(one.parts().1, &frame).unwrap().step(100);
-    assert_eq!(one.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap());
-}
-
-/// Two cameras have seen the same, so the two targets are equal, bit for bit. Either of them may continue the update.
-fn what_is_under_way_is_of_every_equal_target<T: Target>(config: T::Config) {
-    let (mut left, mut right) = (locked::<T>(config), locked::<T>(config));
-    let (a, b) = (picture(62, 42), picture(58, 47));
-    let (a, b) = (whole(&a), whole(&b));
-    left.begin(&a).unwrap().step(3000);
-    right.begin(&b).unwrap().step(3000);
-    let crossed = [
-        right.parts().0.resume(left.parts().1, &a).unwrap().finish(),
-        left.parts().0.resume(right.parts().1, &b).unwrap().finish(),
+/// After half an update, or half a lock, each call is followed by the answer of a tracker that has made no step.
+fn every_other_call_ends_what_is_under_way<T: Target>(config: T::Config) {
+    let (first, half, next) = (picture(TARGET.x, TARGET.y), picture(75, 50), picture(62, 42));
+    let other = {
+        let mut other = locked::<T>(config);
+        other.update(&whole(&next)).unwrap();
+        saved(other.target())
+    };
+    type Call<T> = fn(&mut Tracker<T>, &[u8]);
+    let calls: [Call<T>; 7] = [
+        |tracker, other| tracker.restore(other).unwrap(),
+        |tracker, _| tracker.moved(256, 0),
+        |tracker, _| assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok()),
+        |tracker, _| assert!(tracker.lock_step(&whole(&picture(1, 1)), Rect::new(1, 1, 20, 20), u32::MAX).is_ok()),
+        |tracker, _| assert!(tracker.bbox().is_none() || tracker.update(&whole(&picture(63, 44))).is_ok()),
+        |tracker, other| tracker.parts().0.restore(other).unwrap(),
+        |tracker, _| *tracker.parts().1 = T::Workspace::default(),
     ];
-    assert_eq!(crossed, [&a, &b].map(|frame| locked::<T>(config).update(frame).unwrap()));
-    assert_eq!(left.resume(&a).err(), Some(UpdateError::NotBegun));
-}
+    for (number, call) in calls.into_iter().enumerate() {
+        let (mut stepped, mut plain) = (locked::<T>(config), locked::<T>(config));
+        stepped.update(&whole(&half)).unwrap();
+        plain.update(&whole(&half)).unwrap();
+        let most = stepped.work();
+        assert_eq!(stepped.update_step(&whole(&half), most / 2).unwrap(), None);
+        call(&mut stepped, &other);
+        call(&mut plain, &other);
+        assert_eq!(
+            stepped.update_step(&whole(&next), u32::MAX).ok(),
+            plain.update(&whole(&next)).map(Some).ok(),
+            "{number}"
+        );
 
-/// Every change of the target or workspace, and every replacement, ends the update.
-fn an_update_does_not_outlive_the_state_that_began_it<T: Target>(config: T::Config) {
-    let pixels = picture(62, 42);
-    let frame = whole(&pixels);
-    let mut other = locked::<T>(config);
-    other.update(&frame).unwrap();
-    let other = saved(other.target());
-    type Change<T> = fn(&mut Tracker<T>, &[u8], <T as Target>::Config);
-    let changes: [Change<T>; 5] = [
-        |tracker, other, _| tracker.restore(other).unwrap(),
-        |tracker, _, _| tracker.moved(256, 0),
-        |tracker, other, config| {
-            *tracker.parts().0 = T::new(config).unwrap();
-            tracker.restore(other).unwrap();
-        },
-        |tracker, _, _| assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok()),
-        |tracker, _, _| *tracker.parts().1 = T::Workspace::default(),
-    ];
-    for (number, change) in changes.into_iter().enumerate() {
-        let mut tracker = locked::<T>(config);
-        tracker.begin(&frame).unwrap().step(u32::MAX);
-        change(&mut tracker, &other, config);
-        assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun), "{number}");
-        assert!(tracker.update(&frame).is_ok());
-    }
-}
-
-/// Two targets change places. The workspace's update belongs to only one of them.
-fn a_neighbour_does_not_take_over_what_is_under_way<T: Target>(config: T::Config) {
-    let pixels = picture(TARGET.x, TARGET.y);
-    let frame = whole(&pixels);
-    let places = [Rect::new(131, 90, 27, 2), Rect::new(20, 3, 12, 57)];
-    for work in [1, 100, 3000, 40_000, 3_000_000] {
-        let mut workspace = Box::new(T::Workspace::default());
-        let mut targets: Vec<T> = (0..2).map(|_| T::new(config).unwrap()).collect();
-        for (target, place) in targets.iter_mut().zip(places) {
-            target.lock(&mut workspace, &frame, place).unwrap();
+        let mut stepped = locked::<T>(config);
+        let done = stepped.lock_step(&whole(&half), TARGET, 1).unwrap();
+        if done.is_none() {
+            stepped.restore(&other).unwrap();
+            let mut plain = locked::<T>(config);
+            plain.restore(&other).unwrap();
+            call(&mut stepped, &other);
+            call(&mut plain, &other);
+            let lock = |tracker: &mut Tracker<T>| tracker.lock_step(&whole(&first), TARGET, u32::MAX).unwrap();
+            assert_eq!(lock(&mut stepped), lock(&mut plain), "{number}");
+            assert_eq!(saved(stepped.target()), saved(plain.target()), "{number}");
         }
-        targets[1].begin(&mut workspace, &frame).unwrap().step(1);
-        targets[0].begin(&mut workspace, &frame).unwrap().step(work);
-        targets.swap(0, 1);
-        assert_eq!(targets[0].resume(&mut workspace, &frame).err(), Some(UpdateError::NotBegun));
-        assert_eq!(targets[1].resume(&mut workspace, &frame).unwrap().finish().bbox, places[0]);
-
-        targets[1].begin_lock(&mut workspace, &frame, places[1]).unwrap().step(1);
-        targets[0].begin_lock(&mut workspace, &frame, places[0]).unwrap().step(work);
-        let mut moved = targets.remove(0);
-        assert_eq!(targets[0].resume_lock(&mut workspace, &frame).err(), Some(LockError::NotBegun));
-        moved.resume_lock(&mut workspace, &frame).unwrap().finish();
-        assert_eq!(moved.bbox(), Some(places[0].into()));
     }
 }
 
-fn a_lock_that_is_refused_leaves_the_update_under_way<T: Target>(config: T::Config) {
+fn a_step_that_is_refused_leaves_what_is_under_way<T: Target>(config: T::Config) {
     let mut tracker = locked::<T>(config);
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
     let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
-    tracker.begin(&frame).unwrap().step(3000);
+    assert_eq!(tracker.update_step(&frame, 3000).unwrap(), None);
+    let work = tracker.work();
     for (frame, rect) in [(&frame, Rect::new(5, 5, 0, 7)), (&frame, Rect::new(-1, 5, 7, 7)), (&part, TARGET)] {
-        assert!(tracker.lock(frame, rect).is_err());
-        assert!(tracker.begin_lock(frame, rect).is_err());
+        assert!(tracker.lock_step(frame, rect, 1).is_err());
     }
-    assert!(tracker.restore(b"SMR").is_err());
-    assert!(tracker.begin(&part).is_err());
-    let answer = tracker.resume(&frame).unwrap().finish();
-    assert_eq!(answer, locked::<T>(config).update(&frame).unwrap());
+    assert_eq!(tracker.update_step(&part, 1).err(), Some(UpdateError::WindowNotInMemory));
+    assert_eq!(tracker.update_step(&frame, 1).unwrap(), None);
+    assert!(tracker.work() > work, "it goes on");
+    assert_eq!(tracker.update_step(&frame, u32::MAX).unwrap(), locked::<T>(config).update(&frame).ok());
 }
 
 fn a_lock_in_steps_is_that_at_once<T: Target>(config: T::Config) {
     let pixels = picture(TARGET.x, TARGET.y);
     let frame = whole(&pixels);
     let at_once = locked::<T>(config);
-    let quality = Tracker::<T>::new(config).unwrap().lock(&frame, TARGET).unwrap();
     for work in [0, 3000, 400_000] {
         let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
-        tracker.lock(&frame, Rect::new(20, 20, 10, 10)).unwrap();
-        let mut lock = tracker.begin_lock(&frame, TARGET).unwrap();
+        // Another box begins anew.
+        tracker.lock_step(&frame, Rect::new(20, 20, 10, 10), 5000).unwrap();
         let mut before = 0;
-        while !lock.step(work) {
-            assert!(lock.work() > before, "every step makes progress");
-            before = lock.work();
-        }
-        assert_eq!(lock.finish(), quality);
-        assert_eq!(saved(tracker.target()), saved(at_once.target()));
-
-        let mut done = tracker.begin_lock(&frame, TARGET).unwrap().step(work);
-        while !done {
-            done = tracker.resume_lock(&frame).unwrap().step(work);
-        }
-        assert_eq!(tracker.resume_lock(&frame).unwrap().finish(), quality);
-        assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+        let quality = loop {
+            if let Some(quality) = tracker.lock_step(&frame, TARGET, work).unwrap() {
+                break quality;
+            }
+            assert!(tracker.work() > before, "every step makes progress");
+            before = tracker.work();
+        };
+        assert_eq!(Some(quality), at_once.quality());
         assert_eq!(saved(tracker.target()), saved(at_once.target()));
     }
 }
 
-fn what_is_under_way_is_either_a_lock_or_an_update<T: Target>(config: T::Config) {
+fn there_is_no_target_until_a_lock_in_steps_is_finished<T: Target>(config: T::Config) {
+    let mut tracker = locked::<T>(config);
+    let pixels = picture(62, 42);
+    let (frame, turned) = (whole(&pixels), Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap()));
+    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    if tracker.lock_step(&frame, TARGET, 100).unwrap().is_some() {
+        return; // the paper's lock is one step
+    }
+    assert_eq!((tracker.bbox(), tracker.state(), tracker.window()), (None, None, None));
+    assert_eq!(tracker.update_step(&frame, 1).err(), Some(UpdateError::NotLocked));
+    assert_eq!(tracker.save(&mut []).err(), Some(SaveError::NotLocked));
+    assert_eq!(tracker.lock_step(&part, TARGET, 1).err(), Some(LockError::LockWindowNotInMemory));
+    assert_eq!(tracker.lock_step(&turned, Rect::new(100, 1, 30, 30), 1).err(), Some(LockError::BoxOutsideFrame));
+    assert!(tracker.lock_step(&frame, TARGET, u32::MAX).unwrap().is_some());
+    assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
+}
+
+fn a_deadline_in_time_ends_a_call<T: Target>(config: T::Config) {
     let mut tracker = locked::<T>(config);
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
-    tracker.begin(&frame).unwrap().step(100);
-    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
-    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
-    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun));
-    // There is no target until the lock is finished.
-    assert_eq!((tracker.bbox(), tracker.state(), tracker.window()), (None, None, None));
-    assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
-    assert_eq!(tracker.save(&mut []).err(), Some(SaveError::NotLocked));
-    let turned = Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap());
-    assert_eq!(tracker.resume_lock(&turned).err(), Some(LockError::FrameSizeChanged));
-    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
-    assert_eq!(tracker.resume_lock(&part).err(), Some(LockError::LockWindowNotInMemory));
-    tracker.resume_lock(&frame).unwrap().finish();
-    assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
-    // Another target uses the workspace; the target changes.
-    let mut other = T::new(config).unwrap();
-    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
-    other.lock(tracker.parts().1, &frame, TARGET).unwrap();
-    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
-    tracker.begin_lock(&frame, TARGET).unwrap().step(100);
-    tracker.moved(0, 0);
-    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+    let answer = loop {
+        let mut asked = 0;
+        let answer = tracker.update_step_until(&frame, || {
+            asked += 1;
+            asked == 2
+        });
+        if let Some(answer) = answer.unwrap() {
+            break answer;
+        }
+        assert_eq!(asked, 2);
+    };
+    assert_eq!(answer, locked::<T>(config).update(&frame).unwrap());
 }
 
 fn a_flat_target_is_said_to_be_poor<T: Target>(config: T::Config) {
@@ -480,8 +427,7 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     let pixels = picture(TARGET.x, TARGET.y);
     let frame = whole(&pixels);
     assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
-    assert_eq!(tracker.resume(&frame).err(), Some(UpdateError::NotBegun));
-    assert_eq!(tracker.resume_lock(&frame).err(), Some(LockError::NotBegun));
+    assert_eq!(tracker.update_step(&frame, 1).err(), Some(UpdateError::NotLocked));
     assert_eq!(tracker.save(&mut [0; 64]), Err(SaveError::NotLocked));
     assert_eq!((tracker.window(), tracker.sweep_window(), tracker.bbox(), tracker.state()), (None, None, None, None));
 

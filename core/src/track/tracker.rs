@@ -1,8 +1,7 @@
 //! A target together with its workspace, for following a single target.
 
-use super::{
-    Answer, ConfigError, Lock, LockError, Quality, RestoreError, SaveError, State, Target, Update, UpdateError,
-};
+use super::update::{self, calls};
+use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
 use core::fmt;
 
@@ -84,8 +83,9 @@ impl<T: Target> Tracker<T> {
         &self.workspace
     }
 
-    /// Target and workspace, borrowed separately.
-    pub const fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
+    /// Target and workspace, borrowed separately. Ends what is under way.
+    pub fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
+        calls::end::<T>(&mut self.workspace);
         (&mut self.target, &mut self.workspace)
     }
 
@@ -95,32 +95,43 @@ impl<T: Target> Tracker<T> {
     }
 
     /// See [`Target::lock_window`].
-    pub fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
-        self.target.lock_window(bounds, target)
+    pub fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
+        self.target.lock_window(bounds, bbox)
     }
 
     /// See [`Target::lock`].
     ///
     /// # Errors
     /// [`LockError`]. The target is then unchanged.
-    pub fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<Quality, LockError> {
-        self.target.lock(&mut self.workspace, frame, target)
+    pub fn lock(&mut self, frame: &Frame<'_>, bbox: Rect) -> Result<Quality, LockError> {
+        update::lock(&mut self.target, &mut self.workspace, frame, bbox)
     }
 
-    /// See [`Target::begin_lock`].
+    /// Locks in steps of bounded work: begins the lock, or goes on with it if `bbox` and the size of the frame are those
+    /// of the last step. The pixels must be the same in every step. `None` while work is left; there is no target
+    /// until then. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) does all work in one step.
+    ///
+    /// ```
+    /// # use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    /// let mut tracker = Box::new(Tracker::<Robust>::new(robust::Config::robust())?);
+    /// let quality = loop {
+    ///     if let Some(quality) = tracker.lock_step(&frame, Rect::new(20, 10, 16, 16), 200_000)? {
+    ///         break quality;
+    ///     }
+    ///     // other work with a deadline
+    /// };
+    /// assert!(!quality.is_poor());
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     ///
     /// # Errors
-    /// [`LockError`]. The target is then unchanged.
-    pub fn begin_lock<'a>(&'a mut self, frame: &Frame<'a>, target: Rect) -> Result<Lock<'a, T>, LockError> {
-        self.target.begin_lock(&mut self.workspace, frame, target)
-    }
-
-    /// See [`Target::resume_lock`].
-    ///
-    /// # Errors
-    /// Those of [`Target::resume_lock`].
-    pub fn resume_lock<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Lock<'a, T>, LockError> {
-        self.target.resume_lock(&mut self.workspace, frame)
+    /// [`LockError`]. The target and the lock under way are then unchanged.
+    pub fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<Option<Quality>, LockError> {
+        let Self { target, workspace } = self;
+        let done = calls::step_lock(target, workspace, frame, bbox, work)?;
+        Ok(done.then(|| calls::commit_lock(target, workspace, frame)))
     }
 
     /// See [`Target::window`].
@@ -150,6 +161,7 @@ impl<T: Target> Tracker<T> {
 
     /// See [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {
+        calls::end::<T>(&mut self.workspace);
         self.target.moved(right, down);
     }
 
@@ -158,28 +170,86 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.
     pub fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        self.target.update(&mut self.workspace, frame)
+        update::update(&mut self.target, &mut self.workspace, frame)
     }
 
-    /// The work of the last update or lock, in the units of [`Update::step`]. It depends slightly on the steps.
+    /// An upper bound of the work of the present or last update or lock, in the units of [`Tracker::update_step`]: it
+    /// includes comparisons that scoring skipped, and depends slightly on the steps. It saturates at `u32::MAX`, which
+    /// [`Paper`](crate::Paper) can reach in windows of more than 200x200 offsets.
     pub fn work(&self) -> u32 {
         T::work(&self.workspace)
     }
 
-    /// See [`Target::begin`].
+    /// Updates in steps of bounded work: begins an update, or goes on with the one under way. `None` while work is left.
+    /// The answer does not depend on the steps. The pixels must be the same in every step.
+    ///
+    /// An update under way is in the tracker; nothing else need be kept between two steps. Every other call that may
+    /// change the target ([`update`](Self::update), `lock`, `lock_step`, `moved`, `restore`, `parts`) ends it, and the next
+    /// step begins a new one.
+    ///
+    /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
+    /// |---|---|---|
+    /// | a unit of `work` (0 counts as 1) | a comparison of two bytes | about one instruction of a Cortex-M4 |
+    /// | most work beyond `work` | max(pixels of the template, 2 * pixels in a window's row) + 7 * `SPAN` | 128,000 |
+    /// | the last step, in addition | one pass over the template | one pass over the weights and the template |
+    ///
+    /// For [`Robust`](crate::Robust) a product is 1 unit, a pixel of the grid 64 and the comparison of a pixel 12. The
+    /// most work beyond `work` for a configuration is [`MostWork::beyond_a_step`](crate::MostWork::beyond_a_step).
+    ///
+    /// ```
+    /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    /// # let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+    /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+    /// let answer = loop {
+    ///     if let Some(answer) = tracker.update_step(&frame, 10_000)? {
+    ///         break answer;
+    ///     }
+    ///     // other work with a deadline
+    /// };
+    /// assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     ///
     /// # Errors
-    /// [`UpdateError`]. The target is then unchanged.
-    pub fn begin<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
-        self.target.begin(&mut self.workspace, frame)
+    /// [`UpdateError`]. The target and the update under way are then unchanged.
+    pub fn update_step(&mut self, frame: &Frame<'_>, work: u32) -> Result<Option<Answer>, UpdateError> {
+        let Self { target, workspace } = self;
+        let done = calls::step(target, workspace, frame, work)?;
+        Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// See [`Target::resume`].
+    /// [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It asks after each 10,000 units of
+    /// work.
+    ///
+    /// ```
+    /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
+    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
+    /// # let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+    /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+    /// use std::time::{Duration, Instant}; // in firmware: the timer's counter
+    /// let end = Instant::now() + Duration::from_millis(2);
+    /// if let Some(answer) = tracker.update_step_until(&frame, || Instant::now() >= end)? {
+    ///     assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
+    /// } // else go on with the same frame in the next period
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     ///
     /// # Errors
-    /// Those of [`Target::resume`].
-    pub fn resume<'a>(&'a mut self, frame: &Frame<'a>) -> Result<Update<'a, T>, UpdateError> {
-        self.target.resume(&mut self.workspace, frame)
+    /// Those of [`Tracker::update_step`].
+    pub fn update_step_until(
+        &mut self,
+        frame: &Frame<'_>,
+        mut expired: impl FnMut() -> bool,
+    ) -> Result<Option<Answer>, UpdateError> {
+        loop {
+            let answer = self.update_step(frame, 10_000)?;
+            if answer.is_some() || expired() {
+                return Ok(answer);
+            }
+        }
     }
 
     /// See [`Target::saved_size`].
@@ -203,6 +273,7 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`RestoreError`]. The target is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
+        calls::end::<T>(&mut self.workspace);
         self.target.restore(bytes)
     }
 }

@@ -37,7 +37,7 @@ pub struct Report {
     pub state: State,
     /// What smr-core decided on; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
-    /// The work that the answer took, at most, in units of [`Update::step`](smr_core::Update::step); `None` from the baselines.
+    /// The work that the answer took, at most, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from the baselines.
     pub work: Option<u32>,
 }
 

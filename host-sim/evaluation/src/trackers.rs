@@ -5,7 +5,7 @@ use super::configs::{Configs, Variant};
 use super::method::{Method, MethodKind, Report};
 use crate::Paper;
 use anyhow::Result;
-use smr_core::{Frame, Quality, Rect, Robust, Target};
+use smr_core::{Frame, Quality, Rect, Robust, Target, calls};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -78,9 +78,9 @@ impl<T: Target> Method for Stepped<T> {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
         let workspace = &mut self.workspace.borrow_mut();
-        let mut update = self.target.begin(workspace, frame)?;
-        while !update.step(self.step) {}
-        let answer = update.finish();
+        calls::end::<T>(workspace); // another target's
+        while !calls::step(&mut self.target, workspace, frame, self.step)? {}
+        let answer = calls::commit(&mut self.target, workspace, frame);
         Ok(Report { work: Some(T::work(workspace)), ..answer.into() })
     }
 }

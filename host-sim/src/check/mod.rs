@@ -47,9 +47,11 @@ pub struct Sides<T: Checked> {
 
 impl<T: Checked> Sides<T> {
     fn update(&mut self, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
-        let mut update = self.core.begin(frame)?;
-        while !update.step(self.step) {}
-        Ok(update.finish())
+        loop {
+            if let Some(answer) = self.core.update_step(frame, self.step)? {
+                return Ok(answer);
+            }
+        }
     }
 }
 

@@ -129,17 +129,17 @@ impl<T: Fuzzed> Pair<T> {
         let locked = if u.arbitrary()? {
             self.any.lock(&frame, target)
         } else {
-            let begun = self.any.begin_lock(&frame, target).map(|mut lock| {
-                lock.step(1);
-            });
-            begun.and_then(|()| {
-                assert_eq!((self.any.bbox(), self.any.window()), (None, None));
-                let step = u32::from(u.arbitrary::<u8>().unwrap_or(0)) << 16;
-                while !self.any.resume_lock(&frame).expect("it was begun").step(step) && !u.is_empty() {}
-                self.any.resume_lock(&frame).map(smr_core::Lock::finish)
-            })
+            // A box that is given up.
+            let _ = self.any.lock_step(&frame, Rect { width: 1, height: 1, ..target }, 1);
+            loop {
+                let step = if u.is_empty() { u32::MAX } else { u32::from(u.arbitrary::<u8>()?) << 16 };
+                match self.any.lock_step(&frame, target, step) {
+                    Ok(None) => assert_eq!((self.any.bbox(), self.any.window()), (None, None)),
+                    Ok(Some(quality)) => break Ok(quality),
+                    Err(error) => break Err(error),
+                }
+            }
         };
-        assert_eq!(self.any.resume_lock(&frame).err(), Some(LockError::NotBegun));
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
             // Refused only if the part is not the lock window, which was too large for memory.
@@ -181,22 +181,16 @@ impl<T: Fuzzed> Pair<T> {
             Some(whole) if u.arbitrary()? => frame(&self.scene, whole, None),
             _ => least,
         };
-        let answer = match u.int_in_range(0..=2_u8)? {
-            0 => self.any.update(&shown),
-            1 => {
-                let mut update = self.any.begin(&shown).expect("what it asked for is in memory");
-                while !update.step(work(u)?) && !u.is_empty() {}
-                Ok(update.finish())
-            }
-            _ => {
-                let _ = self.any.begin(&shown).expect("what it asked for is in memory");
-                while !self.any.resume(&shown).expect("it was begun").step(work(u)?) && !u.is_empty() {}
-                self.any.resume(&shown).map(smr_core::Update::finish)
-            }
-        };
-        let answer = answer.expect("what it asked for is in memory");
+        let mut answer = None;
+        if u.arbitrary()? {
+            answer = self.any.update(&shown).ok();
+        }
+        while answer.is_none() {
+            let work = if u.is_empty() { u32::MAX } else { work(u)? };
+            answer = self.any.update_step(&shown, work).expect("what it asked for is in memory");
+        }
+        let answer = answer.expect("an update without an answer goes on");
         self.believe(&answer);
-        over(self.any.resume(&shown).err());
         if let Some(plain) = &mut self.plain {
             assert_eq!(plain.update(&least), Ok(answer));
         }
@@ -275,20 +269,21 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// An update that is begun and then dropped or cancelled.
+    /// An update that is begun and then ended by a turn of the camera.
     fn give_up(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some((first, second)) = self.needed(gap(u)?) else { return Ok(()) };
         let shown = frame(&self.scene, &first, second.as_ref());
-        self.any.begin(&shown).expect("what it asked for is in memory").step(work(u)?);
         let before = saved(&self.any);
-        if u.arbitrary()? {
-            self.turn(u)?;
-            // A turn that rounds to nothing leaves everything as it was.
-            assert_eq!(self.any.resume(&shown).is_ok(), before == saved(&self.any));
-        } else {
-            assert_eq!(before, saved(&self.any), "an update changes nothing before it is finished");
+        match self.any.update_step(&shown, work(u)?).expect("what it asked for is in memory") {
+            None => assert_eq!(before, saved(&self.any), "an update changes nothing before it is finished"),
+            Some(answer) => {
+                if let Some(plain) = &mut self.plain {
+                    assert_eq!(plain.update(&shown), Ok(answer));
+                }
+            }
         }
-        Ok(())
+        // The next call is none that goes on.
+        self.turn(u)
     }
 
     /// Both ask for the same windows, and save the same bytes if these are compared after each call.
@@ -316,11 +311,6 @@ pub(crate) fn saved<T: Fuzzed>(tracker: &Tracker<T>) -> Option<Vec<u8>> {
     let length = tracker.save(&mut bytes).ok()?;
     bytes.truncate(length);
     Some(bytes)
-}
-
-/// There is no update to resume.
-fn over(resumed: Option<UpdateError>) {
-    assert_eq!(resumed, Some(UpdateError::NotBegun));
 }
 
 fn gap(u: &mut Unstructured<'_>) -> Result<usize> {

@@ -44,16 +44,14 @@ fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
     assert!(u64::from(tracker.work()) <= most.lock, "{} of {most:?}", tracker.work());
     for _ in 0..u.int_in_range(1..=4_u8)? {
         tracker.moved(u.arbitrary()?, u.arbitrary()?);
-        let mut update = tracker.begin(frame).expect("all of it is in memory");
         let mut before = 0;
-        loop {
-            assert!(update.work() - before <= most.beyond_a_step, "{} of {most:?}", update.work() - before);
-            before = update.work();
-            if update.step(1) {
-                break;
+        let answer = loop {
+            if let Some(answer) = tracker.update_step(frame, 1).expect("all of it is in memory") {
+                break answer;
             }
-        }
-        let answer = update.finish();
+            assert!(tracker.work() - before <= most.beyond_a_step, "{} of {most:?}", tracker.work() - before);
+            before = tracker.work();
+        };
         assert!(u64::from(tracker.work()) <= most.update, "{} of {most:?}", tracker.work());
         assert_eq!(answer.fine.whole(), answer.bbox);
         let [window, sweep] = [tracker.window(), tracker.sweep_window()];

@@ -36,9 +36,9 @@ fn errors() -> Vec<Error> {
         }
         ConfigError { ZeroDenominator, NothingCounts, LimitBelowWindow, OutOfRange, RefinerNotBuiltIn }
         LockError {
-            BoxEmpty, BoxOutsideFrame, BoxTooLarge, WindowTooLarge, LockWindowNotInMemory, FrameSizeChanged, NotBegun
+            BoxEmpty, BoxOutsideFrame, BoxTooLarge, WindowTooLarge, LockWindowNotInMemory
         }
-        UpdateError { NotLocked, FrameSizeChanged, WindowNotInMemory, NotBegun }
+        UpdateError { NotLocked, FrameSizeChanged, WindowNotInMemory }
         SaveError { NotLocked, BufferTooSmall }
         RestoreError { NotSaved, OtherVersion, Truncated, Damaged, OtherTracker, OtherConfig(SETTING), TooLarge }
     }
@@ -53,7 +53,6 @@ const NEVER: &[(&str, &[&str], &str)] = &[
     ("MicroPython", &["ConfigError::ZeroDenominator"], "no option is a fraction"),
     ("", &["FrameError::OutsideFrame", "LockError::LockWindowNotInMemory"], "the module cuts the windows"),
     ("", &["UpdateError::WindowNotInMemory"], "the module cuts the windows"),
-    ("", &["LockError::FrameSizeChanged", "LockError::NotBegun", "UpdateError::NotBegun"], "there are no steps"),
     ("", &["SaveError::BufferTooSmall"], "the module makes the memory"),
 ];
 const READOUT: &[&str] = &[

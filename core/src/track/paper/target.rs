@@ -9,9 +9,8 @@ use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
-use crate::track::saved::Settings;
-use crate::track::target::{lock_goes_on, lockable};
-use crate::track::update::{Locking, Owner, Seal, Steps, UnderWay};
+use crate::track::target::lockable;
+use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
@@ -47,7 +46,6 @@ use core::fmt;
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Config,
     pub(super) track: Option<Track>,
-    locking: Locking,
     template: Template<PIXELS>,
 }
 
@@ -60,7 +58,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
-            Ok(()) => Self { config, template: Template::new(), track: None, locking: Locking::NOTHING },
+            Ok(()) => Self { config, template: Template::new(), track: None },
             Err(_) => panic!("the configuration is invalid: see `Config::check`"),
         }
     }
@@ -159,7 +157,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         let template = const { Template::new() };
         #[cfg(not(smr_small))]
         let template = Template::new();
-        Self { config, template, track: None, locking: Locking::NOTHING }
+        Self { config, template, track: None }
     }
 
     fn config(&self) -> &Config {
@@ -167,8 +165,8 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     /// The lock window: the box itself.
-    fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
-        if bounds.contains(target) { target } else { Rect::default() }
+    fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
+        if bounds.contains(bbox) { bbox } else { Rect::default() }
     }
 
     fn window(&self) -> Option<Rect> {
@@ -192,7 +190,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
-        self.locking = Locking::NOTHING;
         if let Some(track) = &mut self.track {
             track.moved(right, down, self.config.padding);
         }
@@ -219,15 +216,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
 
-    fn identify(&self, owner: &mut Owner, _: &Seal) {
-        let numbers = saved::numbers(&self.config);
-        Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
-        let Some(track) = &self.track else { return self.locking.identify(owner) };
-        track.identify(owner);
-        owner.add(self.template.threshold().into());
-        owner.add_bytes(self.template.pixels());
-    }
-
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
     }
@@ -245,15 +233,11 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if frame.covers(track.pixels(&self.config)) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
+    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
-        lockable(bounds, target)?;
-        Track::new(bounds, target).check_room(PIXELS, SPAN, &self.config)?;
-        if frame.covers(target) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
-    }
-
-    fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        lock_goes_on(frame, self.locking.bounds(), self.locking.target())
+        lockable(bounds, bbox)?;
+        Track::new(bounds, bbox).check_room(PIXELS, SPAN, &self.config)?;
+        if frame.covers(bbox) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
@@ -264,8 +248,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         workspace.table.set(self.config.table, self.template.threshold());
     }
 
-    fn start_lock(&mut self, _: &mut Self::Workspace, bounds: Rect, target: Rect, _: &Seal) {
-        (self.track, self.locking) = (None, Locking::new(bounds, target));
+    fn start_lock(&mut self, _: &mut Self::Workspace, _: Rect, _: Rect, _: &Seal) {
+        self.track = None;
     }
 
     #[inline(never)]
@@ -302,14 +286,14 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     #[inline(never)] // keeps its stack out of that of a step
     fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { table, under_way, .. } = workspace;
-        let target = self.locking.target();
+        let (bounds, target) = under_way.locking();
         if let Some(patch) = frame.patch(target) {
             self.template.start(patch, &self.config);
         }
         under_way.budget.spend(3 * target.area());
         table.set(self.config.table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
-        self.track = Some(Track { quality, ..Track::new(self.locking.bounds(), target) });
+        self.track = Some(Track { quality, ..Track::new(bounds, target) });
         quality
     }
 }

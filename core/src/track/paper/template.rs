@@ -90,10 +90,6 @@ impl<const PIXELS: usize> Template<PIXELS> {
         Image::new(&self.pixels, self.width, self.height).ok()
     }
 
-    pub(crate) fn pixels(&self) -> &[u8] {
-        &self.pixels
-    }
-
     pub(crate) const fn threshold(&self) -> u16 {
         self.threshold
     }

@@ -3,7 +3,6 @@
 use super::config::Config;
 use crate::image::Rect;
 use crate::search::{Radius, Window};
-use crate::track::update::Owner;
 use crate::track::{LockError, Quality, State};
 
 /// The memory of a target in addition to its template.
@@ -23,15 +22,6 @@ pub(super) struct Track {
 impl Track {
     pub(super) const fn new(bounds: Rect, target: Rect) -> Self {
         Self { target, bounds, state: State::Tracking, edge: false, lost_for: 0, quality: Quality::NONE }
-    }
-
-    /// Adds all of the track to `owner`.
-    pub(super) const fn identify(&self, owner: &mut Owner) {
-        let Self { target, bounds, state, edge, lost_for, quality } = *self;
-        owner.add_rect(target);
-        owner.add_rect(bounds);
-        owner.add((lost_for as u32) << 16 | (state.code() as u32) << 8 | edge as u32);
-        owner.add(quality.value() as u32);
     }
 
     /// Refuses a target that needs more than `pixels` pixels of template or `span` offsets on an axis.

@@ -59,11 +59,6 @@ impl LockPipeline {
         lock
     }
 
-    /// Steps of learning left, including the present one.
-    pub(super) const fn steps_left(&self) -> u32 {
-        self.steps_left
-    }
-
     /// Continues until the grant is spent. True if no stage is left.
     pub(super) fn step(
         &mut self,

@@ -16,11 +16,10 @@ use super::track::Track;
 use super::windows::{expected_pixels, lock_pixels, swept_pixels};
 use super::workspace::{Progress, Workspace};
 use crate::image::{FineRect, Frame, Rect};
-use crate::track::saved::Settings;
-use crate::track::target::{lock_goes_on, lockable};
+use crate::track::target::lockable;
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
-use crate::track::update::{Locking, Owner, Seal, Steps, UnderWay};
+use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
@@ -51,7 +50,6 @@ use crate::track::{
 pub struct Robust {
     config: Config,
     memory: Memory,
-    locking: Locking,
 }
 
 impl Robust {
@@ -63,7 +61,7 @@ impl Robust {
     #[allow(clippy::panic)] // at compile time
     pub const fn const_new(config: Config) -> Self {
         match config.check() {
-            Ok(()) => Self { config, memory: Memory::new(), locking: Locking::NOTHING },
+            Ok(()) => Self { config, memory: Memory::new() },
             Err(_) => panic!("a number of the configuration cannot be used"),
         }
     }
@@ -149,7 +147,7 @@ impl Target for Robust {
 
     #[inline(always)]
     fn of_checked(config: Config) -> Self {
-        Self { config, memory: Memory::new(), locking: Locking::NOTHING }
+        Self { config, memory: Memory::new() }
     }
 
     fn config(&self) -> &Config {
@@ -157,8 +155,8 @@ impl Target for Robust {
     }
 
     /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
-    fn lock_window(&self, bounds: Rect, target: Rect) -> Rect {
-        if bounds.contains(target) { lock_pixels(bounds, target, &self.config) } else { Rect::default() }
+    fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
+        if bounds.contains(bbox) { lock_pixels(bounds, bbox, &self.config) } else { Rect::default() }
     }
 
     fn window(&self) -> Option<Rect> {
@@ -184,7 +182,6 @@ impl Target for Robust {
     }
 
     fn moved(&mut self, right: i32, down: i32) {
-        self.locking = Locking::NOTHING;
         if let Some(track) = &mut self.memory.track {
             track.motion.shift(right, down, track.bounds);
         }
@@ -210,15 +207,6 @@ impl Target for Robust {
 impl Steps for Robust {
     type Workspace = Workspace;
 
-    fn identify(&self, owner: &mut Owner, _: &Seal) {
-        let numbers = saved::numbers(&self.config);
-        Settings { table: self.config.table, numbers: &numbers }.each(|number| owner.add(number.into()));
-        if self.memory.track.is_none() {
-            self.locking.identify(owner);
-        }
-        self.memory.identify(owner);
-    }
-
     fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
     }
@@ -237,15 +225,10 @@ impl Steps for Robust {
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
-    fn check_lock(&self, frame: &Frame<'_>, target: Rect, _: &Seal) -> Result<(), LockError> {
+    fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
-        lockable(bounds, target)?;
-        if frame.covers(self.lock_window(bounds, target)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
-    }
-
-    fn check_lock_under_way(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), LockError> {
-        let bounds = self.locking.bounds();
-        lock_goes_on(frame, bounds, self.lock_window(bounds, self.locking.target()))
+        lockable(bounds, bbox)?;
+        if frame.covers(self.lock_window(bounds, bbox)) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
@@ -256,10 +239,9 @@ impl Steps for Robust {
     }
 
     #[inline(never)] // a step need not reserve its stack
-    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, target: Rect, _: &Seal) {
+    fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: &Seal) {
         let Workspace { progress, buffers, .. } = workspace;
-        self.locking = Locking::new(bounds, target);
-        let track = Track::new(bounds, target);
+        let track = Track::new(bounds, bbox);
         *progress = Progress::Lock(LockPipeline::begin(track, &self.config, &mut self.memory, buffers));
     }
 
@@ -274,12 +256,7 @@ impl Steps for Robust {
     #[inline(never)] // a step of an update need not reserve its stack
     fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
-        let before = lock.steps_left();
-        let done = lock.step((&self.config, &mut self.memory), buffers, &mut under_way.budget, frame);
-        if lock.steps_left() != before {
-            under_way.change();
-        }
-        done
+        lock.step((&self.config, &mut self.memory), buffers, &mut under_way.budget, frame)
     }
 
     fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {

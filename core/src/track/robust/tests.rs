@@ -4,6 +4,7 @@
 use super::constants::PIXEL;
 use super::sampling::{Lattice, Sampling};
 use super::{Config, Robust};
+use crate::track::update::{Steps, calls};
 use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
 use std::{boxed::Box, vec, vec::Vec};
@@ -122,13 +123,13 @@ fn a_step_does_no_more_than_it_promises() {
             let most = most_parts().most_work().beyond_a_step;
             for asked in [0, 1, 20_000] {
                 let frame = whole(pixels, width, height);
-                let mut update = tracker.begin(&frame).unwrap();
-                let mut before = update.work();
+                let (target, workspace) = tracker.parts();
+                let mut before = 0;
                 loop {
-                    let done = update.step(asked);
-                    let made = update.work() - before;
+                    let done = calls::step(target, workspace, &frame, asked).unwrap();
+                    let made = Robust::work(workspace) - before;
                     assert!(made <= asked.max(1) + most, "{target:?} {number} {asked}: {made} of {most}");
-                    before = update.work();
+                    before += made;
                     if done {
                         break;
                     }
@@ -206,16 +207,11 @@ fn most_done(config: Config) -> [u64; 3] {
         most[1] = most[1].max(tracker.work().into());
         for pixels in [&first, &first, &other, &other, &other] {
             let frame = whole(pixels, across, down);
-            let mut update = tracker.begin(&frame).unwrap();
             let mut before = 0;
-            loop {
-                most[2] = most[2].max((update.work() - before).into());
-                before = update.work();
-                if update.step(1) {
-                    break;
-                }
+            while tracker.update_step(&frame, 1).unwrap().is_none() {
+                most[2] = most[2].max((tracker.work() - before).into());
+                before = tracker.work();
             }
-            let _ = update.finish();
             most[0] = most[0].max(tracker.work().into());
         }
     }

@@ -9,7 +9,6 @@ use super::motion::{Motion, Place};
 use super::redetection::Sweep;
 use super::refiner::{Correction, Opinion};
 use crate::image::{FineRect, Rect};
-use crate::track::update::Owner;
 use crate::track::{Quality, State};
 
 /// The track of a target: place, velocity, scale, confidence.
@@ -45,20 +44,6 @@ impl Track {
             opinion: Opinion::BEST,
             light: Light::NONE,
         }
-    }
-
-    /// Adds all numbers but the grid, which follows from the size.
-    pub(super) fn identify(&self, owner: &mut Owner) {
-        let Self { bounds, grid: _, size: [width, height], motion, tracked_scale, .. } = *self;
-        owner.add_rect(bounds);
-        owner.add(u32::from(width) << 16 | u32::from(height));
-        let Motion { place: Place { x, y, scale }, velocity: [right, down] } = motion;
-        [x, y, right, down].into_iter().for_each(|place| owner.add_long(place));
-        let mean = self.confidence.mean().cast_unsigned();
-        let rest = [scale, tracked_scale, mean, self.sweep.next, self.quality.value().into(), self.light.number()];
-        rest.into_iter().for_each(|number| owner.add(number));
-        self.correction.identify(owner);
-        self.opinion.identify(owner);
     }
 
     /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.

@@ -7,7 +7,6 @@ use crate::kernels::Backend;
 use crate::track::State;
 use crate::track::budget::Budget;
 use crate::track::saved::{Reader, Writer};
-use crate::track::update::Owner;
 use heapless::Vec;
 
 pub(super) const SAVED: usize = 0;
@@ -30,8 +29,6 @@ impl Correction {
         target
     }
 
-    pub(super) fn identify(&self, _: &mut Owner) {}
-
     pub(super) fn save(&self, _: &mut Writer<'_>) {}
 
     pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
@@ -53,8 +50,6 @@ impl Opinion {
         State::Tracking
     }
 
-    pub(super) fn identify(self, _: &mut Owner) {}
-
     pub(super) fn save(self, _: &mut Writer<'_>) {}
 
     pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
@@ -71,8 +66,6 @@ impl First {
     }
 
     pub(super) fn keep(&mut self, _: &[i8]) {}
-
-    pub(super) fn identify(&self, _: &mut Owner) {}
 
     pub(super) fn save(&self, _: &mut Writer<'_>) {}
 

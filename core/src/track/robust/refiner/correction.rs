@@ -12,7 +12,6 @@
 use super::network::Outputs;
 use crate::image::FineRect;
 use crate::track::saved::{Reader, Writer};
-use crate::track::update::Owner;
 
 /// A factor of 1.
 const ONE: i32 = 1 << 16;
@@ -64,10 +63,6 @@ impl Correction {
         let (x, width) = corrected(target.x, target.width, right, wider);
         let (y, height) = corrected(target.y, target.height, down, higher);
         FineRect { x, y, width, height }
-    }
-
-    pub(in super::super) fn identify(&self, owner: &mut Owner) {
-        self.centre.into_iter().chain(self.sides).for_each(|number| owner.add(number.cast_unsigned()));
     }
 
     /// Bytes of the saved form.

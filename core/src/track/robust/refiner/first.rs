@@ -5,7 +5,6 @@ use super::crop::{Crop, SAMPLES};
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::budget::Budget;
 use crate::track::saved::{Reader, Writer};
-use crate::track::update::Owner;
 use heapless::Vec;
 
 /// The target in the first frame, as the network sees it. Empty before the first lock, and without the refiner.
@@ -31,11 +30,6 @@ impl First {
         self.crop.clear();
         // Cannot fail: there is room for all.
         let _ = self.crop.extend_from_slice(bytes.get(..SAMPLES).unwrap_or_default());
-    }
-
-    pub(in super::super) fn identify(&self, owner: &mut Owner) {
-        let (words, _) = self.crop.as_chunks();
-        words.iter().for_each(|&inputs| owner.add(u32::from_le_bytes(inputs.map(i8::cast_unsigned))));
     }
 
     pub(in super::super) fn save(&self, to: &mut Writer<'_>) {

@@ -14,7 +14,6 @@
 use super::network::Outputs;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
-use crate::track::update::Owner;
 
 /// The most trust. Trust and opinion are in units of 1/4096.
 const MOST: i32 = 3 << 12;
@@ -56,10 +55,6 @@ impl Opinion {
         } else {
             State::Tracking
         }
-    }
-
-    pub(in super::super) fn identify(self, owner: &mut Owner) {
-        owner.add(self.0.cast_unsigned());
     }
 
     /// Bytes of the saved form.
