@@ -48,7 +48,7 @@ mod firmware {
         let timer = &mut Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
         // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
-        let mut made = Tracker::<T>::new(T::default_config());
+        let mut made = Tracker::<T>::with(T::default_config());
         let Ok(tracker) = &mut made else { return false };
         let (mut most, mut sum, mut longest) = (0, 0_u32, 0);
         let whole = follow(tracker, text, buffer, |tracker, frame| {

@@ -31,7 +31,7 @@ mod firmware {
         let config = Config::robust();
         #[cfg(feature = "refiner")]
         let config = Config::refined();
-        let tracker = Tracker::<Weighed>::new(black_box(config));
+        let tracker = Tracker::<Weighed>::with(black_box(config));
         if let Ok(mut tracker) = tracker {
             follow(&mut tracker);
         }

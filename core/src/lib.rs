@@ -31,7 +31,7 @@
 //! let mut config = Config::camera();
 //! config.window = Radius { x: 12, y: 12 };
 //! config.window_limit = Radius { x: 16, y: 16 };
-//! let mut tracker = Tracker::<Paper<256, 33>>::new(config)?;
+//! let mut tracker = Tracker::<Paper<256, 33>>::with(config)?;
 //!
 //! let first = picture(20, 10);
 //! tracker.lock(&Frame::whole(Image::new(&first, 64, 48)?), Rect::new(20, 10, 8, 8))?;

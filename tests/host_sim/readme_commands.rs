@@ -52,7 +52,7 @@ fn arguments(line: &str) -> Option<Vec<&str>> {
 
 /// A flight record of a few frames, as bytes and in a log.
 fn record(folder: &Path) {
-    let (mut bytes, mut tracker) = (Vec::new(), Box::new(Tracker::<Robust>::new(robust::Config::refined()).unwrap()));
+    let (mut bytes, mut tracker) = (Vec::new(), Box::new(Tracker::<Robust>::with(robust::Config::refined()).unwrap()));
     let write = |piece: &[u8]| -> Result<(), Infallible> {
         bytes.extend_from_slice(piece);
         Ok(())

@@ -59,7 +59,7 @@ fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'
 /// A flight over the built-in recording with every kind of entry, and its answers.
 fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer>) {
     let mut bytes = Vec::new();
-    let mut tracker = Box::new(Tracker::<T>::new(config).expect("a good configuration"));
+    let mut tracker = Box::new(Tracker::<T>::with(config).expect("a good configuration"));
     let write = |piece: &[u8]| -> Result<(), Infallible> {
         bytes.extend(piece);
         Ok(())
@@ -86,7 +86,7 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
         if index == 20 {
             let mut saved = vec![0; T::SAVED_SIZE];
             let length = tracker.save(&mut saved).expect("there is a target");
-            *tracker = Tracker::new(config).expect("a good configuration");
+            *tracker = Tracker::with(config).expect("a good configuration");
             tracker.restore(&saved[..length]).expect("its own bytes");
             let Ok(()) = recorder.restored(&saved[..length]);
         }
@@ -343,7 +343,7 @@ fn a_printed_log_is_a_record_too() {
 
 #[test]
 fn a_writer_that_fails_ends_the_record() {
-    let mut tracker = Tracker::<Paper>::new(small_paper()).unwrap();
+    let mut tracker = Tracker::<Paper>::with(small_paper()).unwrap();
     let pixels = vec![7; 160 * 120];
     let frame = Frame::whole(Image::new(&pixels, 160, 120).unwrap());
     tracker.lock(&frame, start()).unwrap();

@@ -91,7 +91,7 @@ pub fn follow<'a, T: Vectors>(
                 let target = words.rect().ok_or_else(misread)?;
                 let frame = frame(words.hex().ok_or_else(misread)?, buffer, size).map_err(failure)?;
                 // Only the target: a whole tracker would be built on the stack and copied.
-                *tracker.parts().0 = T::new(config).map_err(|_| failure("the configuration is refused"))?;
+                *tracker.parts().0 = T::with(config).map_err(|_| failure("the configuration is refused"))?;
                 tracker.lock(&frame, target).map_err(|_| failure("no lock"))?;
             }
             "frame" => {

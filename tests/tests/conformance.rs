@@ -48,7 +48,7 @@ fn another_answer_is_noticed() {
 }
 
 fn tracker<T: Vectors>() -> Box<Tracker<T>> {
-    Box::new(Tracker::new(T::default_config()).expect("a good configuration"))
+    Box::new(Tracker::with(T::default_config()).expect("a good configuration"))
 }
 
 fn passes<T: Vectors>(update: fn(&mut Tracker<T>, &Frame<'_>) -> Option<Answer>) {
@@ -73,7 +73,7 @@ fn stepwise<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<A
 fn restored<T: Vectors>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Option<Answer> {
     let mut saved = vec![0; T::SAVED_SIZE];
     let size = tracker.save(&mut saved).ok()?;
-    let mut other = Tracker::<T>::new(*tracker.config()).ok()?;
+    let mut other = Tracker::<T>::with(*tracker.config()).ok()?;
     other.restore(&saved[..size]).ok()?;
     *tracker = other;
     tracker.update(frame).ok()

@@ -30,7 +30,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     let mut start = sequence.start().expect("a box to start from");
     (start.width, start.height) = (start.width + larger, start.height + larger);
     let corners = |target: Rect| [target.x, target.y, target.right(), target.bottom()];
-    let mut tracker = Box::new(Tracker::<Paper>::new(config).expect("a configuration that can be used"));
+    let mut tracker = Box::new(Tracker::<Paper>::with(config).expect("a configuration that can be used"));
     let mut frames = sequence.frames.map(|frame| frame.expect("a frame"));
     let first = frames.next().expect("a first frame");
     tracker.lock(&first.frame(), start).expect("a box in the picture");

@@ -222,7 +222,7 @@ struct Step {
 impl<T: Target> Loop<T> {
     /// Locked on a target straight ahead.
     fn locked(config: T::Config) -> Self {
-        let mut tracker = Box::new(Tracker::<T>::new(config).expect("a good configuration"));
+        let mut tracker = Box::new(Tracker::<T>::with(config).expect("a good configuration"));
         let picture =
             Scene { target: Direction::degrees(0.0, 0.0), hidden_by: None }.picture(Direction::degrees(0.0, 0.0));
         let (x, y) = (i32::from((WIDTH - TARGET_PIXELS) / 2), i32::from((HEIGHT - TARGET_PIXELS) / 2));

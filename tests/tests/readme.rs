@@ -59,7 +59,7 @@ mod library {
 /// The second: a lost target is locked again.
 mod lost {
     use super::pictures;
-    use smr_core::{Image, robust};
+    use smr_core::Image;
 
     include!(concat!(env!("OUT_DIR"), "/core-2.rs"));
 
@@ -68,7 +68,7 @@ mod lost {
         let pictures = pictures(31);
         let covered = vec![90; 320 * 240];
         let frame = |pixels| Frame::whole(Image::new(pixels, 320, 240).unwrap());
-        let mut tracker = Box::new(Tracker::<Robust>::new(robust::Config::robust()).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::new());
         tracker.lock(&frame(&pictures[0]), Rect::new(150, 100, 40, 48)).unwrap();
         let mut lost_frames = 0;
         for _ in 0..10 {
@@ -99,7 +99,7 @@ mod recorder {
         let pictures = pictures(2);
         let frame = |number: usize| Frame::whole(Image::new(&pictures[number], 320, 240).unwrap());
         // Room for a window of +-16: the preset is the one for that radius.
-        let mut tracker = Tracker::<Paper<4096, 33>>::new(paper::Config::camera_within(16)).unwrap();
+        let mut tracker = Tracker::<Paper<4096, 33>>::with(paper::Config::camera_within(16)).unwrap();
         let mut bytes = Vec::new();
         let write = |piece: &[u8]| -> Result<(), Infallible> {
             bytes.extend_from_slice(piece);
@@ -128,7 +128,7 @@ mod several {
         let pictures = pictures(1);
         let frame = Frame::whole(Image::new(&pictures[0], 320, 240).unwrap());
         let config = robust::Config::refined();
-        let mut targets = [Robust::new(config).unwrap(), Robust::new(config).unwrap()];
+        let mut targets = [Robust::with(config).unwrap(), Robust::with(config).unwrap()];
         let mut workspace = Box::new(robust::Workspace::new());
         lock_both(&frame, &mut targets, &mut workspace).unwrap();
         for target in &mut targets {
@@ -190,7 +190,7 @@ mod head {
         let picture: Vec<u8> = (0..120).flat_map(part).copied().collect();
         let (pan, tilt, led) = (Cell::new(0), Cell::new(0), Cell::new(0));
         let (pan_pin, tilt_pin, led_pin) = (Pin(&pan), Pin(&tilt), Pin(&led));
-        let mut tracker = Tracker::<Robust>::new(robust::Config::refined()).unwrap();
+        let mut tracker = Tracker::<Robust>::with(robust::Config::refined()).unwrap();
         let whole = || Frame::whole(Image::new(&picture, 160, 120).unwrap());
         tracker.lock(&whole(), Rect::new(90, 20, 40, 48)).unwrap();
         let mut frames = 0;

@@ -89,7 +89,7 @@ fn less(rect: Rect) -> Option<Rect> {
 
 /// The number of compared frames, and of those with a second window.
 fn compare<T: Target>(config: T::Config) -> (u32, u32) {
-    let tracker = || Box::new(Tracker::<T>::new(config).expect("a good configuration"));
+    let tracker = || Box::new(Tracker::<T>::with(config).expect("a good configuration"));
     let (mut frames, mut sweeps) = (0, 0);
     for seed in 1..40 {
         let Recording { size, target, frames: pictures } = recording(seed);
@@ -179,7 +179,7 @@ fn sent(format: Format, gray: &[u8], (width, height): (u16, u16)) -> (Vec<u8>, u
 
 /// A tracker that is fed line by line, in the format of the camera, answers as one that sees whole gray frames.
 fn fed_line_by_line<T: Target>(config: T::Config, recording: &Recording, format: Format) {
-    let new = || Box::new(Tracker::<T>::new(config).expect("a valid configuration"));
+    let new = || Box::new(Tracker::<T>::with(config).expect("a valid configuration"));
     let (mut whole, mut fed) = (new(), new());
     let (size, bounds) = (recording.size, Rect::new(0, 0, recording.size.0, recording.size.1));
     let sensor = if format == Format::Bayer8 { (2 * size.0, 2 * size.1) } else { size };

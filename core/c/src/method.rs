@@ -26,9 +26,6 @@ use smr_core::{Frame, Rect, Robust, Target};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// An empty workspace. As a constant it is written in place, all zeroes.
-    const EMPTY: Self::Workspace;
-
     /// This tracker's part of `config`.
     fn configuration(config: &smr_config) -> Self::Config;
 
@@ -48,7 +45,6 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 impl Method for PaperTarget {
     const METHOD: smr_method =
         smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
-    const EMPTY: Self::Workspace = smr_core::paper::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.paper()
@@ -62,7 +58,6 @@ impl Method for PaperTarget {
 impl Method for Robust {
     const METHOD: smr_method =
         smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
-    const EMPTY: Self::Workspace = smr_core::robust::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.robust()
@@ -133,10 +128,11 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
     T::check_config(&config)?;
     // SAFETY: the caller ensures that there is memory for both. Each field is written in place.
     unsafe {
-        (&raw mut (*storage).held.target).write(T::of_checked(config));
+        (&raw mut (*storage).held.target).write(T::EMPTY);
+        (*storage).held.target.set_config(config);
         (&raw mut (*storage).held.workspace).write(workspace);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
-        (&raw mut (*workspace).workspace).write(T::EMPTY);
+        (&raw mut (*workspace).workspace).write(T::EMPTY_WORKSPACE);
         (&raw mut (*workspace).owner).write(0);
         (&raw mut (*workspace).mark).write(Scratch::mark_of(workspace));
     }

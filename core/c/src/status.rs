@@ -163,6 +163,7 @@ called! {
         ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
         NothingCounts => SMR_ERROR_NOTHING_COUNTS,
         LimitBelowWindow => SMR_ERROR_LIMIT_BELOW_WINDOW,
+        WindowTooLarge => SMR_ERROR_WINDOW_TOO_LARGE,
         OutOfRange => SMR_ERROR_CONFIG_OUT_OF_RANGE,
         RefinerNotBuiltIn => SMR_ERROR_REFINER_NOT_BUILT_IN, .._
     }

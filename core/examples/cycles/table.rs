@@ -32,7 +32,7 @@ pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'
 fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn() -> u32) -> Result<Row, &'static str> {
     let mut pixels = [0; PIXELS];
     // Works through a reference: moving the target out of the result would put a second copy on the stack.
-    let (mut made, mut workspace) = (T::new(config), T::Workspace::default());
+    let (mut made, mut workspace) = (T::with(config), T::Workspace::default());
     let Ok(target) = &mut made else { return Err("a configuration cannot be used") };
     let start = Rect::new(scene::START.0.into(), scene::START.1.into(), scene::SIDE, scene::SIDE);
     let bounds = Rect::new(0, 0, scene::WIDTH, scene::HEIGHT);

@@ -81,7 +81,7 @@ mod firmware {
     ) -> Result<(), &'static str> {
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
         // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
-        let mut made = Tracker::<T>::new(config);
+        let mut made = Tracker::<T>::with(config);
         let Ok(tracker) = &mut made else { return Err("the configuration cannot be used") };
         let not_written = |()| "the record cannot be written";
         let mut recorder = Recorder::begin(tracker.target(), write).map_err(not_written)?;

@@ -151,7 +151,7 @@ fn replay<T: Replayed>(
     let mut buffer = T::buffer();
     let buffer = buffer.as_mut();
     // References: moving the objects would put second copies on the stack.
-    let (mut made, mut workspace) = (T::new(T::numbers()), T::Workspace::default());
+    let (mut made, mut workspace) = (T::with(T::numbers()), T::Workspace::default());
     let Ok(target) = &mut made else { return Err(Refusal::NoLock) };
     let ticks = timer.measure(|| spin(CALIBRATION)).1;
     #[allow(clippy::cast_possible_truncation)] // usize is u32 here

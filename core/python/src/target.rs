@@ -65,11 +65,11 @@ pub(crate) use each;
 
 impl Target {
     pub fn paper(config: paper::Config) -> Result<Self, ConfigError> {
-        Ok(Self::Paper(Box::new(Paper::new(config)?)))
+        Ok(Self::Paper(Box::new(Paper::with(config)?)))
     }
 
     pub fn robust(config: robust::Config) -> Result<Self, ConfigError> {
-        Ok(Self::Robust(Box::new(Robust::new(config)?)))
+        Ok(Self::Robust(Box::new(Robust::with(config)?)))
     }
 
     pub fn kind(&self) -> MethodKind {

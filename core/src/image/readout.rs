@@ -9,7 +9,7 @@
 //!
 //! # fn camera_line(_y: u16) -> [u8; 640] { [90; 640] }
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
-//! let mut tracker = Tracker::<Robust>::new(robust::Config::robust())?;
+//! let mut tracker = Tracker::<Robust>::new();
 //! let mut pixels = [0; 320 * 240];
 //!
 //! // A camera of 320x240 that sends YUYV. The lock reads the pixels around the box.

@@ -41,7 +41,7 @@
 //! let mut config = Config::camera();
 //! config.window = Radius { x: 8, y: 8 };
 //! config.window_limit = Radius { x: 16, y: 16 };
-//! let mut tracker = Tracker::<Paper<256, 33>>::new(config)?;
+//! let mut tracker = Tracker::<Paper<256, 33>>::with(config)?;
 //! # let pixels: Vec<u8> = (0..64 * 48u32).map(|i| (i * i >> 7) as u8).collect();
 //! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 //! tracker.lock(&frame, Rect::new(34, 16, 12, 12))?;

@@ -252,7 +252,7 @@ fn seen(x: usize, y: usize) -> Vec<u8> {
 
 /// The head turns to the target, and the search window moves with the picture.
 fn follows<T: Target>(target: T::Config, delay_frames: u8) {
-    let mut tracker = std::boxed::Box::new(Tracker::<T>::new(target).unwrap());
+    let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
     let mut pursuit =
         Pursuit::new(PursuitConfig { delay_frames, ..config() }, Pin::default(), Pin::default(), Pin::default())
             .unwrap();
@@ -302,7 +302,7 @@ fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
         let mut pursuit = Pursuit::new(config, pins.0, pins.1, pins.2).unwrap();
         let mut small = paper::Config::camera();
         small.window = paper::Radius { x: 8, y: 8 };
-        let mut tracker = Tracker::<Paper<1024, 161>>::new(small).unwrap();
+        let mut tracker = Tracker::<Paper<1024, 161>>::with(small).unwrap();
         tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
         let followed = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
         assert_eq!(followed.answer.bbox, Rect::new(100, 30, 24, 24));

@@ -18,6 +18,11 @@ impl Radius {
     pub(crate) const fn at_most(self, most: u16) -> Self {
         Self { x: if self.x > most { most } else { self.x }, y: if self.y > most { most } else { self.y } }
     }
+
+    /// True if the window has at most `span` offsets on each axis.
+    pub(crate) const fn fits(self, span: usize) -> bool {
+        2 * (self.x as usize) < span && 2 * (self.y as usize) < span
+    }
 }
 
 /// All positions of the box within a radius of its last position, cut at the edges of the padded frame.

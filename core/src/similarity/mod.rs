@@ -9,6 +9,7 @@ mod table;
 
 pub use crate::kernels::{Backend, CutTable, Scorer};
 pub(crate) use contrast::{Contrast, SHOWN};
+pub(crate) use table::PAPER;
 pub use table::{Table, TableError};
 
 use crate::image::{Frame, Image, Rect};

@@ -33,6 +33,9 @@ impl defmt::Format for Table {
     }
 }
 
+/// The one copy of [`Table::PAPER`] in flash. A constant that is borrowed has a copy in every crate.
+pub(crate) static PAPER: Table = Table::PAPER;
+
 impl Table {
     /// The similarity of equal pixels: 1.0.
     pub const ONE: u16 = kernels::ONE;

@@ -13,6 +13,8 @@ pub enum ConfigError {
     NothingCounts,
     /// `window_limit` is smaller than `window`.
     LimitBelowWindow,
+    /// `window` has more offsets on an axis than the tracker's `SPAN`. Only from [`Paper`](crate::Paper).
+    WindowTooLarge,
     /// A number is outside its documented range.
     OutOfRange,
     /// The configuration has the refiner on, in a build without the feature `refiner`.
@@ -25,6 +27,7 @@ impl fmt::Display for ConfigError {
             Self::ZeroDenominator => "a fraction of the configuration has a denominator of 0",
             Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel counts",
             Self::LimitBelowWindow => "the window's limit is smaller than the window",
+            Self::WindowTooLarge => "the window has more offsets on an axis than this tracker has room for",
             Self::OutOfRange => "a number of the configuration is outside its range",
             Self::RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
         })

@@ -8,6 +8,7 @@
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
+//! | `slot.rs` | a value that may be missing, all zeroes if it is |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
@@ -31,6 +32,7 @@ mod quality;
 pub mod record;
 pub mod robust;
 mod saved;
+mod slot;
 mod target;
 mod tracker;
 mod update;

@@ -12,7 +12,7 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 ///
 /// ```
 /// use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
-/// let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+/// let mut tracker = Tracker::<Paper<256, 161>>::new();
 /// let flat = [90; 64 * 48];
 /// let quality = tracker.lock(&Frame::whole(Image::new(&flat, 64, 48)?), Rect::new(20, 10, 16, 16))?;
 /// assert!(quality.is_poor() && quality.value() == 0);

@@ -10,7 +10,7 @@
 //! # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 //! # let mut file = Vec::new();
 //! let target = Rect::new(20, 10, 16, 16);
-//! let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+//! let mut tracker = Tracker::<Paper<256, 161>>::new();
 //! let mut recorder = Recorder::begin(tracker.target(), |bytes| std::io::Write::write_all(&mut file, bytes))?;
 //! tracker.lock(&frame, target)?;
 //! recorder.lock(tracker.target(), &frame, target)?;

@@ -21,8 +21,8 @@ use crate::image::{FineRect, Frame, Rect};
 ///
 /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
 /// let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-/// let mut paper = Tracker::<smr_core::Paper<256, 161>>::new(smr_core::paper::Config::camera())?;
-/// let mut robust = Tracker::<smr_core::Robust>::new(smr_core::robust::Config::robust())?;
+/// let mut paper = Tracker::<smr_core::Paper<256, 161>>::new();
+/// let mut robust = Tracker::<smr_core::Robust>::new();
 /// paper.lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// robust.lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// assert_eq!([middle(&mut paper, &frame)?, middle(&mut robust, &frame)?], [(28, 18); 2]);
@@ -36,8 +36,8 @@ use crate::image::{FineRect, Frame, Rect};
 /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
 /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 /// let mut workspace = paper::Workspace::<256, 161>::new();
-/// let mut left = Paper::new(paper::Config::camera())?;
-/// let mut right = Paper::new(paper::Config::camera())?;
+/// let mut left = Paper::with(paper::Config::camera())?;
+/// let mut right = Paper::with(paper::Config::camera())?;
 /// left.lock(&mut workspace, &frame, Rect::new(4, 10, 16, 16))?;
 /// right.lock(&mut workspace, &frame, Rect::new(40, 10, 16, 16))?;
 /// assert_eq!(left.update(&mut workspace, &frame)?.bbox.x, 4);
@@ -54,27 +54,41 @@ pub trait Target: Steps {
     /// The most work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
-    /// A tracker state without a target.
+    /// A target that is not locked, with the default configuration. All its bytes are 0.
+    #[doc(hidden)]
+    const EMPTY: Self;
+
+    /// A target that is not locked.
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
     #[inline(always)]
-    fn new(config: Self::Config) -> Result<Self, ConfigError> {
+    fn with(config: Self::Config) -> Result<Self, ConfigError> {
+        let mut target = Self::EMPTY;
+        target.configure(config)?;
+        Ok(target)
+    }
+
+    /// Sets the configuration and forgets the target.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if the configuration is invalid. Nothing is then changed.
+    fn configure(&mut self, config: Self::Config) -> Result<(), ConfigError> {
         Self::check_config(&config)?;
-        Ok(Self::of_checked(config))
+        self.set_config(config);
+        Ok(())
     }
 
     /// Checks the configuration.
     ///
     /// # Errors
-    /// Those of [`Target::new`].
+    /// Those of [`Target::configure`].
     #[doc(hidden)]
     fn check_config(config: &Self::Config) -> Result<(), ConfigError>;
 
-    /// A tracker state without a target, from a checked configuration. It is not wrapped in a `Result`, so it is built
-    /// in place.
+    /// Sets a checked configuration and forgets the target.
     #[doc(hidden)]
-    fn of_checked(config: Self::Config) -> Self;
+    fn set_config(&mut self, config: Self::Config);
 
     /// The configuration.
     fn config(&self) -> &Self::Config;

@@ -72,7 +72,7 @@ fn frames() -> Vec<Vec<u8>> {
 }
 
 fn locked<T: Target>(config: T::Config) -> Box<Tracker<T>> {
-    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
     tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).unwrap();
     tracker
 }
@@ -138,7 +138,7 @@ fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {
 }
 
 fn what_is_asked_for_is_enough<T: Target>(config: T::Config) {
-    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
     let first = picture(TARGET.x, TARGET.y);
     let bounds = whole(&first).bounds();
     let window = tracker.lock_window(bounds, TARGET);
@@ -212,7 +212,7 @@ fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Confi
 
 fn one_workspace_serves_many_targets<T: Target>(config: T::Config) {
     let (mut own, mut one) = (locked::<T>(config), locked::<T>(config));
-    let mut other = T::new(config).unwrap();
+    let mut other = T::with(config).unwrap();
     let first = picture(TARGET.x, TARGET.y);
     let place = Rect::new(20, 20, 20, 20);
     own.lock(&whole(&first), place).unwrap();
@@ -292,7 +292,7 @@ fn a_lock_in_steps_is_that_at_once<T: Target>(config: T::Config) {
     let frame = whole(&pixels);
     let at_once = locked::<T>(config);
     for work in [0, 3000, 400_000] {
-        let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
         // Another box begins anew.
         tracker.lock_step(&frame, Rect::new(20, 20, 10, 10), 5000).unwrap();
         let mut before = 0;
@@ -345,7 +345,7 @@ fn a_deadline_in_time_ends_a_call<T: Target>(config: T::Config) {
 
 fn a_flat_target_is_said_to_be_poor<T: Target>(config: T::Config) {
     let (flat, textured) = (vec![90; 160 * 120], picture(TARGET.x, TARGET.y));
-    let lock = |pixels, target| Tracker::<T>::new(config).unwrap().lock(&whole(pixels), target).unwrap();
+    let lock = |pixels, target| Tracker::<T>::with(config).unwrap().lock(&whole(pixels), target).unwrap();
     assert!(!lock(&textured, TARGET).is_poor(), "{:?}", lock(&textured, TARGET));
     assert_eq!([lock(&flat, TARGET), lock(&flat, Rect::new(7, 7, 1, 1))].map(|quality| quality.value()), [0, 0]);
 }
@@ -374,7 +374,7 @@ fn however_far_the_camera_turns_nothing_overflows<T: Target>(config: T::Config) 
         assert!(whole(&pixels).bounds().contains(window), "{window:?}");
         tracker.update(&whole(&pixels)).unwrap();
     }
-    let mut empty = T::new(config).unwrap();
+    let mut empty = T::with(config).unwrap();
     empty.moved(5, 5);
     assert_eq!((empty.bbox(), empty.state()), (None, None));
 }
@@ -385,7 +385,7 @@ fn a_saved_target_goes_on_with_identical_answers<T: Target>(config: T::Config) {
         let bytes = saved(tracker.target());
         assert!(bytes.len() <= T::SAVED_SIZE);
         // As after a loss of power: only the bytes are left.
-        *tracker = Tracker::new(config).unwrap();
+        *tracker = Tracker::with(config).unwrap();
         tracker.restore(&bytes).unwrap();
         assert_eq!(saved(tracker.target()), bytes);
         assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
@@ -423,7 +423,7 @@ fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
 }
 
 fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
-    let mut tracker = Box::new(Tracker::<T>::new(config).unwrap());
+    let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
     let pixels = picture(TARGET.x, TARGET.y);
     let frame = whole(&pixels);
     assert_eq!(tracker.update(&frame).err(), Some(UpdateError::NotLocked));
@@ -458,16 +458,16 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
 #[test]
 fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let bytes = saved(locked::<SmallPaper>(small_paper()).target());
-    let mut robust = Robust::new(robust::Config::robust()).unwrap();
+    let mut robust = Robust::new();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
     // Backend and pruning do not matter.
     let mut slow = small_paper();
     (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
-    assert_eq!(SmallPaper::new(slow).unwrap().restore(&bytes), Ok(()));
-    assert_eq!(Paper::<256, 161>::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
-    assert_eq!(Paper::<1024, 33>::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
+    assert_eq!(SmallPaper::with(slow).unwrap().restore(&bytes), Ok(()));
+    assert_eq!(Paper::<256, 161>::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
+    assert_eq!(Paper::<1024, 33>::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
     let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
-    assert_eq!(SmallPaper::new(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
+    assert_eq!(SmallPaper::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
 /// A setting's name, and a change of it.
@@ -480,7 +480,7 @@ fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[
     for (name, change) in changes {
         let mut other = config;
         change(&mut other);
-        let mut target = T::new(other).unwrap();
+        let mut target = T::with(other).unwrap();
         let Err(refusal @ RestoreError::OtherConfig(setting)) = target.restore(&bytes) else { panic!("{name}") };
         assert_eq!((setting.name(), target.check_saved(&bytes)), (*name, Err(refusal)));
         assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(*name));
@@ -572,7 +572,7 @@ fn a_refusal_names_the_first_of_several() {
     let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
     let mut other = robust::Config::robust();
     (other.reach, other.early_rate) = (5, 9);
-    assert_eq!(Robust::new(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig(Setting::Reach)));
+    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig(Setting::Reach)));
 }
 
 #[test]
@@ -596,7 +596,7 @@ fn the_preset_robust_is_the_same_in_every_build() {
 #[test]
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();
-    let mut tracker = Tracker::<Robust>::new(robust::Config::robust()).unwrap();
+    let mut tracker = Tracker::<Robust>::new();
     let mut recorder = Recorder::begin(tracker.target(), |bytes| {
         sum.update(bytes);
         Ok::<(), ()>(())
@@ -625,4 +625,33 @@ fn a_second_target_takes_no_scratch() {
     std::println!("Robust {robust}, workspace {}", size_of::<robust::Workspace>());
     let most = 12 * 1024 + if cfg!(feature = "refiner") { 1040 } else { 0 };
     assert!(paper <= 1024 + 200 && robust <= most, "{paper} {robust}");
+}
+
+/// The linker puts a `static` that begins as zeroes into `.bss`, where it takes no flash.
+#[cfg(all(target_os = "linux", not(miri)))]
+#[test]
+#[allow(unsafe_code)]
+fn a_tracker_in_a_static_takes_no_flash() {
+    use std::sync::Mutex;
+    static PAPER: Mutex<Tracker<SmallPaper>> = Mutex::new(Tracker::new());
+    static ROBUST: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
+    static OTHER: Mutex<[u8; 4096]> = Mutex::new([1; 4096]);
+    // SAFETY: the linker defines both; only their addresses are taken.
+    unsafe extern "C" {
+        safe static __bss_start: u8;
+        safe static _end: u8;
+    }
+    let bss = (&raw const __bss_start).addr()..(&raw const _end).addr();
+    let (paper, robust, other) = ((&raw const PAPER).addr(), (&raw const ROBUST).addr(), (&raw const OTHER).addr());
+    assert_eq!([paper, robust, other].map(|at| bss.contains(&at)), [true, true, false]);
+}
+
+#[test]
+fn a_window_that_a_tracker_has_no_room_for_is_refused_when_it_is_configured() {
+    let mut tracker = Tracker::<Paper<1024, 33>>::new();
+    assert_eq!(tracker.config().window, paper::Radius { x: 16, y: 16 });
+    assert_eq!(tracker.configure(paper::Config::camera()), Err(ConfigError::WindowTooLarge));
+    assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok());
+    tracker.configure(paper::Config::camera_within(12)).unwrap();
+    assert_eq!((tracker.config().window.x, tracker.state()), (12, None));
 }

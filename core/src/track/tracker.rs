@@ -21,7 +21,7 @@ use core::fmt;
 /// let mut config = Config::camera();
 /// config.window = Radius { x: 8, y: 8 };
 /// config.window_limit = config.window;
-/// let mut tracker = Tracker::<Paper<64, 17>>::new(config)?;
+/// let mut tracker = Tracker::<Paper<64, 17>>::with(config)?;
 ///
 /// // A box of 8x8 pixels on a sensor of 320x240.
 /// let (sensor, target) = (Rect::new(0, 0, 320, 240), Rect::new(100, 50, 8, 8));
@@ -44,31 +44,44 @@ pub struct Tracker<T: Target> {
 }
 
 impl<T: Target> Tracker<T> {
+    /// A tracker without a target, with the default configuration: [`paper::Config::camera`](crate::paper::Config::camera)
+    /// for windows that fit `SPAN`, [`robust::Config::robust`](crate::robust::Config::robust). All its bytes are 0. In a
+    /// `static` it takes neither stack nor flash:
+    ///
+    /// ```
+    /// use smr_core::{Robust, Tracker, robust::Config};
+    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
+    ///
+    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
+    /// let mut config = Config::robust();
+    /// config.reach = 6;
+    /// TRACKER.lock()?.configure(config)?;
+    /// assert!(TRACKER.lock()?.window().is_none());
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { target: T::EMPTY, workspace: T::EMPTY_WORKSPACE }
+    }
+
     /// A tracker without a target.
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
     #[inline(always)]
-    pub fn new(config: T::Config) -> Result<Self, ConfigError> {
-        Ok(Self { target: T::new(config)?, workspace: T::Workspace::default() })
+    pub fn with(config: T::Config) -> Result<Self, ConfigError> {
+        let mut tracker = Self::new();
+        tracker.target.configure(config)?;
+        Ok(tracker)
     }
 
-    /// A tracker from a target and a workspace. A `static` is built at compile time and takes no stack:
+    /// Sets the configuration and forgets the target.
     ///
-    /// ```
-    /// use smr_core::robust::{Config, Workspace};
-    /// use smr_core::{Robust, Tracker};
-    /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
-    ///
-    /// static TRACKER: Mutex<Tracker<Robust>> =
-    ///     Mutex::new(Tracker::from_parts(Robust::const_new(Config::robust()), Workspace::new()));
-    /// assert!(TRACKER.lock()?.window().is_none());
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
-    /// ```
-    #[must_use]
-    #[inline(always)]
-    pub const fn from_parts(target: T, workspace: T::Workspace) -> Self {
-        Self { target, workspace }
+    /// # Errors
+    /// [`ConfigError`] if the configuration is invalid. Nothing is then changed.
+    pub fn configure(&mut self, config: T::Config) -> Result<(), ConfigError> {
+        calls::end::<T>(&mut self.workspace);
+        self.target.configure(config)
     }
 
     /// The target.
@@ -115,7 +128,7 @@ impl<T: Target> Tracker<T> {
     /// # use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// let mut tracker = Box::new(Tracker::<Robust>::new(robust::Config::robust())?);
+    /// let mut tracker = Box::new(Tracker::<Robust>::new());
     /// let quality = loop {
     ///     if let Some(quality) = tracker.lock_step(&frame, Rect::new(20, 10, 16, 16), 200_000)? {
     ///         break quality;
@@ -200,7 +213,7 @@ impl<T: Target> Tracker<T> {
     /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+    /// # let mut tracker = Tracker::<Paper<256, 161>>::new();
     /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
     /// let answer = loop {
     ///     if let Some(answer) = tracker.update_step(&frame, 10_000)? {
@@ -227,7 +240,7 @@ impl<T: Target> Tracker<T> {
     /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<Paper<256, 161>>::new(paper::Config::camera())?;
+    /// # let mut tracker = Tracker::<Paper<256, 161>>::new();
     /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
     /// use std::time::{Duration, Instant}; // in firmware: the timer's counter
     /// let end = Instant::now() + Duration::from_millis(2);
@@ -275,6 +288,12 @@ impl<T: Target> Tracker<T> {
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         calls::end::<T>(&mut self.workspace);
         self.target.restore(bytes)
+    }
+}
+
+impl<T: Target> Default for Tracker<T> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

@@ -21,7 +21,7 @@ fn picture(light: u8, uneven: bool) -> Vec<u8> {
 fn states(config: Config) -> Vec<(Rect, State)> {
     let pictures = [picture(0, false), picture(1, true), picture(3, false)];
     let frame = |pixels| Frame::whole(Image::new(pixels, 160, 120).expect("160x120 pixels"));
-    let mut tracker = Tracker::<Paper<576, 200>>::new(config).expect("a configuration that can be used");
+    let mut tracker = Tracker::<Paper<576, 200>>::with(config).expect("a configuration that can be used");
     tracker.lock(&frame(&pictures[0]), TARGET).expect("a box in the picture");
     let answers = pictures[1..].iter().map(|pixels| tracker.update(&frame(pixels)).expect("a frame of the same size"));
     answers.map(|answer| (answer.bbox, answer.state)).collect()

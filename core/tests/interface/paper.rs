@@ -43,7 +43,7 @@ fn at((x, y): (i32, i32)) -> Rect {
 }
 
 fn locked(config: Config, place: (i32, i32)) -> Follower {
-    let mut tracker = Follower::new(config).expect("a configuration that can be used");
+    let mut tracker = Follower::with(config).expect("a configuration that can be used");
     tracker.lock(&frame(&picture(1, &[place])), at(place)).expect("a box in the picture");
     tracker
 }
@@ -174,7 +174,7 @@ fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let pixels = vec![7; 320 * 240];
     let frame = Frame::whole(Image::new(&pixels, 320, 240).unwrap());
     let lock = |config, width| {
-        let mut tracker = Box::new(Tracker::<Paper<256, 359>>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<Paper<256, 359>>::with(config).unwrap());
         tracker.lock(&frame, Rect::new(20, 20, width, 8)).map(|_| ())
     };
     assert_eq!(lock(Config::paper(), 2), Ok(()));

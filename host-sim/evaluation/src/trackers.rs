@@ -51,7 +51,7 @@ fn stepped<T: Target + 'static>(
     step: u32,
 ) -> Result<Vec<Box<dyn Method>>> {
     let workspace = Rc::default();
-    several(count, || Ok(Stepped::<T> { kind, target: T::new(config)?, workspace: Rc::clone(&workspace), step }))
+    several(count, || Ok(Stepped::<T> { kind, target: T::with(config)?, workspace: Rc::clone(&workspace), step }))
 }
 
 /// A target of smr-core, updated in steps of so much work.

@@ -73,7 +73,7 @@ mod tests {
     /// In the frames that the script is about it decides what it is said to decide.
     #[test]
     fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
-        let mut tracker = Tracker::<Paper>::new(Config::paper()).unwrap();
+        let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();
         let mut frames = frames();
         let first = frames.next().unwrap();
         tracker.lock(&first.frame(), sequence().start().unwrap()).unwrap();

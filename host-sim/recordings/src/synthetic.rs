@@ -262,7 +262,7 @@ mod tests {
     /// What makes it a recording to check with: every state of the tracker occurs, and the target is found again.
     #[test]
     fn the_tracker_follows_loses_and_finds_again() {
-        let mut tracker = Tracker::<Paper>::new(Config::paper()).unwrap();
+        let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();
         let start = truth(0).and_then(|start| start.to_rect()).unwrap();
         tracker.lock(&frame(0).frame(), start).unwrap();
         let answers: Vec<_> = frames().map(|frame| tracker.update(&frame.frame()).unwrap()).collect();

@@ -86,7 +86,7 @@ impl<T: Checked> Check<T> {
         first: &GrayFrame,
         target: Rect,
     ) -> Result<Self> {
-        let mut core = Box::new(Tracker::<T>::new(config)?);
+        let mut core = Box::new(Tracker::<T>::with(config)?);
         core.lock(&first.frame(), target).with_context(|| format!("{name}: cannot lock on {target:?}"))?;
         let Rect { x, y, width, height } = target;
         let size = (first.width.into(), first.height.into());

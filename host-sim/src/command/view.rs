@@ -339,6 +339,6 @@ fn paper_settings(config: &smr_core::paper::Config) -> String {
     let span = 2 * u32::from(limit) + 1;
     format!(
         "Rust (smr-core):\n\n    let config = paper::Config::camera_within({limit});\n    // for a box of at most 64x64 pixels\n    \
-         let tracker = Tracker::<Paper<4096, {span}>>::new(config)?;\n\nThe window reaches {x} pixels to the sides and {y} up and down.\n"
+         let tracker = Tracker::<Paper<4096, {span}>>::with(config)?;\n\nThe window reaches {x} pixels to the sides and {y} up and down.\n"
     )
 }

@@ -202,7 +202,7 @@ fn begin(holds: &[u8]) -> Result<(Box<dyn Runs>, &'static str)> {
 }
 
 fn run<T: Configured + 'static>(numbers: &[u16]) -> Result<Box<dyn Runs>> {
-    let tracker = Box::new(Tracker::<T>::new(T::configuration(numbers)?)?);
+    let tracker = Box::new(Tracker::<T>::with(T::configuration(numbers)?)?);
     Ok(Box::new(Run { tracker, numbers: 0, window: None, frames: 0 }))
 }
 

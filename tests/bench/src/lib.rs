@@ -45,7 +45,7 @@ pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
     config.window_limit = RADIUS;
     config.backend = Some(backend);
     config.pruning = pruning;
-    Box::new(Small::new(config).expect("the configuration can be used"))
+    Box::new(Small::with(config).expect("the configuration can be used"))
 }
 
 impl Prepared {

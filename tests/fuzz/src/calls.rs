@@ -37,8 +37,8 @@ impl<T: Fuzzed> Pair<T> {
     /// Locked, with a configuration from the input.
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
-        let Ok(any) = Tracker::<T>::new(config) else {
-            assert!(Tracker::<T>::new(T::plain(config)).is_err());
+        let Ok(any) = Tracker::<T>::with(config) else {
+            assert!(Tracker::<T>::with(T::plain(config)).is_err());
             return Ok(None);
         };
         let mut pair = Self::new(any, T::beside(u)?, Scene::new(u, extent)?, extent);
@@ -49,7 +49,7 @@ impl<T: Fuzzed> Pair<T> {
     /// Restored from a saved target.
     fn restored(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Self> {
         let start = u.choose(T::starts())?;
-        let any = Tracker::<T>::new(T::by(start.config, paper::backend(u)?)).expect("it was one");
+        let any = Tracker::<T>::with(T::by(start.config, paper::backend(u)?)).expect("it was one");
         let mut pair = Self::new(any, T::beside(u)?, start.scene.clone(), extent);
         for tracker in pair.plain.iter_mut().chain([&mut pair.any]) {
             assert_eq!(tracker.restore(&start.saved), Ok(()));
@@ -58,7 +58,7 @@ impl<T: Fuzzed> Pair<T> {
     }
 
     fn new(any: Tracker<T>, beside: bool, scene: Scene, extent: &'static Extent) -> Self {
-        let plain = beside.then(|| Box::new(Tracker::new(T::plain(*any.config())).expect("the same numbers")));
+        let plain = beside.then(|| Box::new(Tracker::with(T::plain(*any.config())).expect("the same numbers")));
         Self { any: Box::new(any), plain, scene, updates: 0, extent }
     }
 
@@ -225,7 +225,7 @@ impl<T: Fuzzed> Pair<T> {
         let Some(mut bytes) = saved(&self.any) else { return Ok(()) };
         let mut short = vec![0; bytes.len() - 1];
         assert!(self.any.save(&mut short).is_err());
-        let mut next = Tracker::<T>::new(*self.any.config()).expect("it was one");
+        let mut next = Tracker::<T>::with(*self.any.config()).expect("it was one");
         assert_eq!(next.restore(&bytes), Ok(()));
         assert_eq!((next.window(), next.bbox(), next.state()), (self.any.window(), self.any.bbox(), self.any.state()));
         *self.any = next;

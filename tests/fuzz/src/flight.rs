@@ -54,7 +54,7 @@ fn flight<T: Recorded + Fuzzed>(updates: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     let scene = Scene::of(0);
     let target = Rect::new(20, 14, 12, 10);
-    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    let mut tracker = Box::new(Tracker::<T>::with(T::usual()).expect("one that a tracker takes"));
     let Ok(mut recorder) = Recorder::begin(tracker.target(), |piece: &[u8]| -> std::result::Result<(), Infallible> {
         bytes.extend(piece);
         Ok(())

@@ -39,7 +39,7 @@ fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
     let (most, bounds) = (config.most_work(), frame.bounds());
     let (width, height) = (side(u, bounds.width)?, side(u, bounds.height)?);
     let (x, y) = (u.int_in_range(0..=bounds.width - width)?, u.int_in_range(0..=bounds.height - height)?);
-    let mut tracker = Box::new(Tracker::<Robust>::new(config).expect("one that a tracker takes"));
+    let mut tracker = Box::new(Tracker::<Robust>::with(config).expect("one that a tracker takes"));
     tracker.lock(frame, Rect::new(x.into(), y.into(), width, height)).expect("a box in the frame");
     assert!(u64::from(tracker.work()) <= most.lock, "{} of {most:?}", tracker.work());
     for _ in 0..u.int_in_range(1..=4_u8)? {

@@ -112,7 +112,7 @@ pub(crate) fn former(bytes: &[u8]) {
 pub(crate) fn vectors(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let mut buffer = vec![0; smr_tests::FRAME_PIXELS];
-    let mut paper = Box::new(Tracker::new(smr_core::paper::Config::camera()).expect("a configuration"));
+    let mut paper = Box::new(Tracker::with(smr_core::paper::Config::camera()).expect("a configuration"));
     let _ = smr_tests::follow::<smr_tests::SmallPaper>(&mut paper, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()
     });
@@ -120,7 +120,7 @@ pub(crate) fn vectors(bytes: &[u8]) {
     if !text.len().is_multiple_of(8) {
         return;
     }
-    let mut robust = Box::new(Tracker::new(smr_core::robust::Config::refined()).expect("a configuration"));
+    let mut robust = Box::new(Tracker::with(smr_core::robust::Config::refined()).expect("a configuration"));
     let _ = smr_tests::follow::<smr_core::Robust>(&mut robust, text, &mut buffer, |tracker, frame| {
         tracker.update(frame).ok()
     });

@@ -11,7 +11,7 @@ const LENGTH: std::ops::Range<usize> = 10..14;
 
 pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     let u = &mut Unstructured::new(bytes);
-    let mut tracker = Box::new(Tracker::<T>::new(T::usual()).expect("one that a tracker takes"));
+    let mut tracker = Box::new(Tracker::<T>::with(T::usual()).expect("one that a tracker takes"));
     if u.ratio(1, 64)? {
         assert!(tracker.restore(bytes).is_err());
         return Ok(());
@@ -45,7 +45,7 @@ pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
 
 /// The same with another configuration.
 pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
-    let mut tracker = Box::new(Tracker::<T>::new(config).expect("one that a tracker takes"));
+    let mut tracker = Box::new(Tracker::<T>::with(config).expect("one that a tracker takes"));
     let saved = (0..KINDS).map(|kind| {
         let (scene, target) = (Scene::of(kind), Rect::new((2 * kind).into(), 5, 9 + u16::from(kind), 12));
         let part = scene.part(tracker.lock_window(scene.bounds(), target), 0).expect("it is small");

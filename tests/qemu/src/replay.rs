@@ -27,7 +27,7 @@ fn host<T: Target + 'static>(config: T::Config, start: Rect, method: CoreKind) -
 where
     T::Config: 'static,
 {
-    let mut tracker = Tracker::<T>::new(config)?;
+    let mut tracker = Tracker::<T>::with(config)?;
     let mut saved = vec![0; T::SAVED_SIZE];
     let mut is_locked = false;
     Ok(Box::new(move |frame| {

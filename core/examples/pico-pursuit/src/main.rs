@@ -111,7 +111,7 @@ fn run() -> Option<Infallible> {
     let mut camera = Camera::start(bus, pins.gpio16.into_floating_input(), timer, &mut pio, machine)?;
 
     let mut button = pins.gpio22.into_pull_up_input();
-    let mut tracker = Tracker::<SmallTarget>::new(tracker_config()).ok()?;
+    let mut tracker = Tracker::<SmallTarget>::with(tracker_config()).ok()?;
     let mut before = timer.get_counter();
     loop {
         let pressed = button.is_low().ok()?;

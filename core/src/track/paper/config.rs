@@ -2,7 +2,7 @@
 
 use crate::image::Rect;
 use crate::search::Radius;
-use crate::similarity::{Backend, Table};
+use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
 
 /// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
@@ -123,7 +123,7 @@ pub struct Gate {
 /// config.k = Fraction::new(7, 20);
 /// config.window = Radius { x: 16, y: 16 };
 /// config.window_limit = config.window; // the window does not grow while the target is lost
-/// assert!(Paper::<4096, 33>::new(config).is_ok());
+/// assert!(Paper::<4096, 33>::with(config).is_ok());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -185,7 +185,7 @@ impl Config {
     #[must_use]
     pub const fn paper() -> Self {
         Self {
-            table: &Table::PAPER,
+            table: &PAPER,
             k: Fraction::new(1, 4),
             first_threshold: 13, // 0.05 * 255 = 12.75; for integers d < 12.75 is d < 13
             least_threshold: 0,
@@ -232,7 +232,7 @@ impl Config {
     ///
     /// ```
     /// use smr_core::{Paper, Tracker, paper::Config};
-    /// let tracker = Tracker::<Paper<1024, 33>>::new(Config::camera_within(16))?;
+    /// let tracker = Tracker::<Paper<1024, 33>>::with(Config::camera_within(16))?;
     /// # Ok::<(), smr_core::ConfigError>(())
     /// ```
     #[must_use]
@@ -270,5 +270,12 @@ impl Config {
             return Err(ConfigError::LimitBelowWindow);
         }
         Ok(())
+    }
+}
+
+impl Default for Config {
+    /// [`Config::camera`].
+    fn default() -> Self {
+        Self::camera()
     }
 }

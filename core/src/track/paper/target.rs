@@ -9,6 +9,7 @@ use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
 use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
+use crate::track::slot::Slot;
 use crate::track::target::lockable;
 use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
@@ -28,7 +29,7 @@ use core::fmt;
 /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
 /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 /// let mut workspace = paper::Workspace::<64, 161>::new();
-/// let mut target = Paper::new(paper::Config::camera())?;
+/// let mut target = Paper::with(paper::Config::camera())?;
 /// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
 /// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
 ///
@@ -44,29 +45,35 @@ use core::fmt;
 /// ```
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
-    pub(super) config: Config,
-    pub(super) track: Option<Track>,
+    pub(super) config: Slot<Config>,
+    pub(super) track: Slot<Track>,
     template: Template<PIXELS>,
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
-    /// A tracker state without a target, for a `const` or a `static`. At run time see [`Target::new`].
-    ///
-    /// # Panics
-    /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
+    /// The default: [`Config::camera`] with windows that fit `SPAN`.
+    const DEFAULT: Config = {
+        #[allow(clippy::cast_possible_truncation)] // at most 80
+        Config::camera_within(if SPAN > 160 { 80 } else { (SPAN.saturating_sub(1) / 2) as u16 })
+    };
+
+    /// A target that is not locked, with [`Config::camera`] for windows that fit `SPAN`. All its bytes are 0, so that a
+    /// `static` takes no flash. For another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
-    #[allow(clippy::panic)] // at compile time
-    pub const fn const_new(config: Config) -> Self {
-        match config.check() {
-            Ok(()) => Self { config, template: Template::new(), track: None },
-            Err(_) => panic!("the configuration is invalid: see `Config::check`"),
-        }
+    pub const fn new() -> Self {
+        Self { config: Slot::Empty, track: Slot::Empty, template: Template::new() }
+    }
+
+    /// The configuration that was set, or the default.
+    #[cfg_attr(smr_small, inline(never))]
+    fn configured(config: &Slot<Config>) -> &Config {
+        config.or(&Self::DEFAULT)
     }
 
     /// The search window of the next update; `None` before the first lock.
     #[must_use]
     pub fn offsets(&self) -> Option<Window> {
-        self.track.as_ref().map(|track| track.search_window(&self.config))
+        self.track.get().map(|track| track.search_window(self.config()))
     }
 
     /// The score of the box at (`x`, `y`) with the present template and alpha. The plain loop computes it, for maps of
@@ -75,7 +82,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     /// Cost: one comparison per pixel of the template.
     #[must_use]
     pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
-        let table = CutTable::new(self.config.table, self.template.threshold());
+        let table = CutTable::new(self.config().table, self.template.threshold());
         similarity::score_at(frame, self.template.image()?, x, y, &Scorer::new(Backend::Scalar, &table))
     }
 
@@ -95,18 +102,18 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         let (target, state) = track.at(&found.peak);
-        let passes = track.passes(&found, state, &self.config);
+        let passes = track.passes(&found, state, self.config());
         // A box partly outside the frame has no patch and is not checked.
-        let patch = if passes && self.config.gate.least_ratio > 0 { frame.patch(target) } else { None };
+        let patch = if passes && self.config().gate.least_ratio > 0 { frame.patch(target) } else { None };
         let seen = patch.map_or(Contrast::NONE, Contrast::of);
         let track = track.after(&found.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
         if track.state != State::Lost
-            && self.config.update_zone.kept_by(track.target, track.bounds)
+            && self.config().update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
         {
-            self.template.update(patch, seen, &self.config);
+            self.template.update(patch, seen, Self::configured(&self.config));
         }
-        self.track = Some(track);
+        self.track = Slot::Full(track);
         let peak = ratio(found.peak.score, pixels);
         Answer {
             bbox: track.target,
@@ -119,6 +126,12 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
             scale: 1 << 16,
             found_again: before == State::Lost && track.state != State::Lost,
         }
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Default for Paper<PIXELS, SPAN> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -146,22 +159,20 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         }
     }
 
+    const EMPTY: Self = Self::new();
+
     fn check_config(config: &Config) -> Result<(), ConfigError> {
-        config.check()
+        config.check()?;
+        if config.window.fits(SPAN) { Ok(()) } else { Err(ConfigError::WindowTooLarge) }
     }
 
     #[inline(always)]
-    fn of_checked(config: Config) -> Self {
-        // With `smr_small`, a constant is set to zeroes word by word. A debug build would copy it by way of the stack.
-        #[cfg(smr_small)]
-        let template = const { Template::new() };
-        #[cfg(not(smr_small))]
-        let template = Template::new();
-        Self { config, template, track: None }
+    fn set_config(&mut self, config: Config) {
+        (self.config, self.track) = (Slot::Full(config), Slot::Empty);
     }
 
     fn config(&self) -> &Config {
-        &self.config
+        Self::configured(&self.config)
     }
 
     /// The lock window: the box itself.
@@ -170,7 +181,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn window(&self) -> Option<Rect> {
-        self.track.as_ref().map(|track| track.pixels(&self.config))
+        self.track.get().map(|track| track.pixels(self.config()))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
@@ -178,43 +189,45 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
     }
 
     fn bbox(&self) -> Option<FineRect> {
-        self.track.map(|track| track.target.into())
+        self.track.get().map(|track| track.target.into())
     }
 
     fn state(&self) -> Option<State> {
-        self.track.map(|track| track.state)
+        self.track.get().map(|track| track.state)
     }
 
     fn quality(&self) -> Option<Quality> {
-        self.track.map(|track| track.quality)
+        self.track.get().map(|track| track.quality)
     }
 
     fn moved(&mut self, right: i32, down: i32) {
-        if let Some(track) = &mut self.track {
-            track.moved(right, down, self.config.padding);
+        if let Some(track) = self.track.get_mut() {
+            track.moved(right, down, Self::configured(&self.config).padding);
         }
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        saved::saved_size(self.track.as_ref())
+        saved::saved_size(self.track.get())
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
-        saved::save((&self.config, self.track.as_ref(), &self.template), bytes)
+        saved::save((self.config(), self.track.get(), &self.template), bytes)
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.track = Some(saved::restore(&self.config, &mut self.template, SPAN, bytes)?);
+        self.track = Slot::Full(saved::restore(Self::configured(&self.config), &mut self.template, SPAN, bytes)?);
         Ok(())
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::reader(&self.config, bytes).map(drop)
+        saved::reader(self.config(), bytes).map(drop)
     }
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
+
+    const EMPTY_WORKSPACE: Self::Workspace = Workspace::new();
 
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
@@ -226,36 +239,37 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     #[inline(never)]
     fn check(&self, frame: &Frame<'_>, _: &Seal) -> Result<(), UpdateError> {
-        let track = self.track.as_ref().ok_or(UpdateError::NotLocked)?;
+        let track = self.track.get().ok_or(UpdateError::NotLocked)?;
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        if frame.covers(track.pixels(&self.config)) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
+        if frame.covers(track.pixels(self.config())) { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
     fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError> {
         let bounds = frame.bounds();
         lockable(bounds, bbox)?;
-        Track::new(bounds, bbox).check_room(PIXELS, SPAN, &self.config)?;
+        Track::new(bounds, bbox).check_room(PIXELS, SPAN, self.config())?;
         if frame.covers(bbox) { Ok(()) } else { Err(LockError::LockWindowNotInMemory) }
     }
 
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal) {
-        let Some(track) = &self.track else { return };
-        let wanted = track.wanted(State::Tracking, &self.config);
-        workspace.window = track.search_window(&self.config);
-        workspace.search.begin(&workspace.window, self.config.pruning, wanted);
-        workspace.table.set(self.config.table, self.template.threshold());
+        let Some(track) = self.track.get() else { return };
+        let wanted = track.wanted(State::Tracking, self.config());
+        workspace.window = track.search_window(self.config());
+        workspace.search.begin(&workspace.window, self.config().pruning, wanted);
+        workspace.table.set(self.config().table, self.template.threshold());
     }
 
     fn start_lock(&mut self, _: &mut Self::Workspace, _: Rect, _: Rect, _: &Seal) {
-        self.track = None;
+        self.track = Slot::Empty;
     }
 
     #[inline(never)]
     fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
-        let Self { template, config, .. } = self;
-        let (Some(track), Some(image)) = (&self.track, template.image()) else { return true };
+        let Self { template, config, track } = self;
+        let config = Self::configured(config);
+        let (Some(track), Some(image)) = (track.get(), template.image()) else { return true };
         let Workspace { search, table, under_way, window, .. } = workspace;
         let scorer = Scorer::new(config.backend.unwrap_or_else(Backend::best), table);
         let window = *window;
@@ -279,7 +293,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 
     fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
-        let track = self.track.unwrap_or(Track::new(frame.bounds(), Rect::default()));
+        let track = self.track.get().copied().unwrap_or(Track::new(frame.bounds(), Rect::default()));
         self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
     }
 
@@ -288,12 +302,12 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         let Workspace { table, under_way, .. } = workspace;
         let (bounds, target) = under_way.locking();
         if let Some(patch) = frame.patch(target) {
-            self.template.start(patch, &self.config);
+            self.template.start(patch, Self::configured(&self.config));
         }
         under_way.budget.spend(3 * target.area());
-        table.set(self.config.table, self.template.threshold());
+        table.set(self.config().table, self.template.threshold());
         let quality = self.template.image().map_or(Quality::NONE, |image| Quality::of(image, table));
-        self.track = Some(Track { quality, ..Track::new(bounds, target) });
+        self.track = Slot::Full(Track { quality, ..Track::new(bounds, target) });
         quality
     }
 }

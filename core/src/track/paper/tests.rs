@@ -62,7 +62,7 @@ fn scene(seed: u32, x: i32, y: i32) -> Picture {
 }
 
 fn locked_at(x: i32, y: i32) -> Small {
-    let mut tracker = Small::new(small_config()).unwrap();
+    let mut tracker = Small::with(small_config()).unwrap();
     tracker.lock(&scene(1, x, y).frame(), Rect::new(x, y, 12, 12)).unwrap();
     tracker
 }
@@ -98,7 +98,7 @@ fn a_target_is_followed_exactly() {
 fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     let mut config = small_config();
     config.runner_up = RunnerUp::Always;
-    let mut tracker = Small::new(config).unwrap();
+    let mut tracker = Small::with(config).unwrap();
     tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
     let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
     assert!(answer.runner_up_ratio.is_some_and(|ratio| 0 < ratio && ratio < 20000));
@@ -115,7 +115,7 @@ fn a_step_does_no_more_than_it_promises() {
     const SPAN: usize = 300;
     let (a, b) = (Picture::noise(300, 280, 3), Picture::noise(300, 280, 9));
     let constant = Picture { pixels: vec![9; 300 * 280], ..Picture::noise(300, 280, 1) };
-    let mut tracker = std::boxed::Box::new(Tracker::<Paper<256, SPAN>>::new(Config::camera()).unwrap());
+    let mut tracker = std::boxed::Box::new(Tracker::<Paper<256, SPAN>>::with(Config::camera()).unwrap());
     for (width, height, radius, always) in [
         (16, 16, (16, 16), true),
         (16, 16, (149, 149), false),
@@ -127,7 +127,7 @@ fn a_step_does_no_more_than_it_promises() {
     ] {
         let window = Radius { x: radius.0, y: radius.1 };
         let runner_up = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
-        tracker.parts().0.config = Config { window, window_limit: window, runner_up, ..Config::paper() };
+        tracker.configure(Config { window, window_limit: window, runner_up, ..Config::paper() }).unwrap();
         for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
             tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
             let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
@@ -173,7 +173,7 @@ fn the_most_work_is_nearly_done() {
             let most = Paper::<4096, 41>::most_work(&config, side, side).update;
             let mut worst = 0;
             for [first, second] in [&noise, &stripes, &dots] {
-                let mut tracker = std::boxed::Box::new(Tracker::<Paper<4096, 41>>::new(config).unwrap());
+                let mut tracker = std::boxed::Box::new(Tracker::<Paper<4096, 41>>::with(config).unwrap());
                 tracker.lock(&first.frame(), Rect::new(48, 28, side, side)).unwrap();
                 tracker.update(&second.frame()).unwrap();
                 worst = worst.max(u64::from(tracker.work()));
@@ -217,8 +217,10 @@ fn a_leaving_target_keeps_its_template() {
 
 #[test]
 fn a_lost_target_is_found_again_by_a_growing_window() {
-    let mut tracker = locked_at(20, 20);
-    tracker.parts().0.config.gate.tracking = Fraction::new(2, 1);
+    let mut config = small_config();
+    config.gate.tracking = Fraction::new(2, 1);
+    let mut tracker = Small::with(config).unwrap();
+    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
     for frames in 1..=4u16 {
         let answer = tracker.update(&Picture::noise(64, 48, u32::from(frames) + 40).frame()).unwrap();
         assert_eq!((answer.state, answer.bbox), (State::Lost, Rect::new(20, 20, 12, 12)));
@@ -244,7 +246,7 @@ fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
     let mut config = Config { first_threshold: 255, window, ..small_config() };
     config.gate.least_ratio = least_ratio;
-    let mut tracker = Small::new(config).unwrap();
+    let mut tracker = Small::with(config).unwrap();
     tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
     tracker.update(&second.frame()).unwrap().state
 }
@@ -276,7 +278,7 @@ fn a_patch_that_is_mostly_cut_off_is_not_accepted() {
 fn a_covered_lens_leaves_box_template_and_alpha() {
     let first = plain_but(100, |at| if at % 2 == 0 { 60 } else { 140 });
     let gray = plain_but(128, |_| 128);
-    let mut tracker = Small::new(Config { first_threshold: 255, ..small_config() }).unwrap();
+    let mut tracker = Small::with(Config { first_threshold: 255, ..small_config() }).unwrap();
     tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
     let state = |tracker: &Small| {
         let target = tracker.target();
@@ -297,7 +299,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let mut config = Config { first_threshold: 255, ..small_config() };
     config.gate.leaving = Fraction::new(0, 1);
-    let mut tracker = Small::new(config).unwrap();
+    let mut tracker = Small::with(config).unwrap();
     let board = Picture {
         pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
         ..Picture::noise(64, 48, 1)
@@ -313,7 +315,7 @@ fn the_window_grows_to_its_limit_and_never_overflows() {
     let mut tracker = locked_at(20, 20);
     let nothing = vec![255; 64 * 48];
     let nothing = Frame::whole(Image::new(&nothing, 64, 48).unwrap());
-    if let Some(track) = &mut tracker.parts().0.track {
+    if let Some(track) = tracker.parts().0.track.get_mut() {
         track.lost_for = u16::MAX - 1;
         track.state = State::Lost;
     }
@@ -361,7 +363,7 @@ fn one_pixel_less_than_the_window_is_refused_and_changes_nothing() {
 
 #[test]
 fn misuse_is_an_error_and_changes_nothing() {
-    let mut tracker = Small::new(small_config()).unwrap();
+    let mut tracker = Small::with(small_config()).unwrap();
     let scene = scene(1, 20, 20);
     let frame = scene.frame();
     assert_eq!(tracker.update(&frame), Err(UpdateError::NotLocked));
@@ -391,7 +393,7 @@ fn locking_reads_only_the_box() {
     let scene = scene(1, 20, 20);
     let target = Rect::new(20, 20, 12, 12);
     let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
-    let mut tracker = Small::new(small_config()).unwrap();
+    let mut tracker = Small::with(small_config()).unwrap();
     assert!(tracker.lock(&frame, target).is_ok());
     assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
 }
@@ -399,16 +401,16 @@ fn locking_reads_only_the_box() {
 #[test]
 fn a_configuration_is_checked_when_the_tracker_is_built() {
     let refused = |change: fn(&mut Config)| {
-        let mut config = Config::camera();
+        let mut config = small_config();
         change(&mut config);
-        Small::new(config).err()
+        Small::with(config).err()
     };
     assert_eq!(refused(|_| ()), None);
     assert_eq!(refused(|config| config.k.denominator = 0), Some(ConfigError::ZeroDenominator));
     assert_eq!(refused(|config| config.gate.lost.denominator = 0), Some(ConfigError::ZeroDenominator));
     assert_eq!(refused(|config| config.k.numerator = 0), Some(ConfigError::NothingCounts));
     assert_eq!(refused(|config| config.first_threshold = 0), Some(ConfigError::NothingCounts));
-    assert_eq!(refused(|config| config.window_limit.x = 59), Some(ConfigError::LimitBelowWindow));
+    assert_eq!(refused(|config| config.window_limit.x = config.window.x - 1), Some(ConfigError::LimitBelowWindow));
 }
 
 #[test]
@@ -416,7 +418,7 @@ fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
     let scene = scene(1, 20, 20);
     let lock = |limit| {
         let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
-        Small::new(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
+        Small::with(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
     };
     assert!(lock(20).is_ok());
     assert_eq!(lock(21), Err(LockError::WindowTooLarge));
@@ -426,7 +428,7 @@ fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
 fn the_smallest_and_the_largest_frames_work() {
     let mut config = small_config();
     config.padding = 0;
-    let mut tracker = Small::new(config).unwrap();
+    let mut tracker = Small::with(config).unwrap();
     let one = Image::new(&[7], 1, 1).unwrap();
     tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
     let answer = tracker.update(&one.into()).unwrap();
@@ -439,7 +441,7 @@ fn the_smallest_and_the_largest_frames_work() {
     for (width, height) in [(65535, 1), (1, 65535)] {
         let line = Image::new(&pixels, width, height).unwrap();
         let end = Rect::new(i32::from(width) - 1, i32::from(height) - 1, 1, 1);
-        let mut tracker = Small::new(config).unwrap();
+        let mut tracker = Small::with(config).unwrap();
         tracker.lock(&line.into(), end).unwrap();
         assert_eq!(tracker.update(&line.into()).unwrap().bbox, end);
     }
@@ -450,7 +452,7 @@ fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
     let pixels = vec![200; 256 * 256];
     let frame = Frame::whole(Image::new(&pixels, 256, 256)?);
     let config = Config { window: Radius { x: 1, y: 1 }, window_limit: Radius { x: 1, y: 1 }, ..Config::camera() };
-    let mut tracker = std::boxed::Box::new(Tracker::<Paper<65536, 3>>::new(config).unwrap());
+    let mut tracker = std::boxed::Box::new(Tracker::<Paper<65536, 3>>::with(config).unwrap());
     tracker.lock(&frame, frame.bounds()).unwrap();
     let answer = tracker.update(&frame).unwrap();
     assert_eq!((answer.ratio, tracker.workspace().found().unwrap().peak.score), (65535, 65536 * 65535));

@@ -1,7 +1,7 @@
 //! The configuration of the robust tracker: the settings that firmware may tune, with ranges and defaults.
 
 use super::constants::REACH;
-use crate::similarity::{Backend, Table};
+use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
 
 /// The settings of the robust tracker. Start from [`Config::robust`], the values that were best on many recordings, or
@@ -12,7 +12,7 @@ use crate::track::ConfigError;
 /// let mut config = Config::robust();
 /// config.size = false; // a target whose distance does not change
 /// config.reach = 5; // and that moves slowly: two fifths of the work
-/// let target = Robust::new(config)?;
+/// let target = Robust::with(config)?;
 /// assert!(target.window().is_none());
 /// # Ok::<(), smr_core::ConfigError>(())
 /// ```
@@ -83,7 +83,7 @@ impl Config {
     #[must_use]
     pub const fn robust() -> Self {
         Self {
-            table: &Table::PAPER,
+            table: &PAPER,
             backend: None,
             reach: 8,
             size: true,

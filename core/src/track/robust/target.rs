@@ -16,6 +16,7 @@ use super::track::Track;
 use super::windows::{expected_pixels, lock_pixels, swept_pixels};
 use super::workspace::{Progress, Workspace};
 use crate::image::{FineRect, Frame, Rect};
+use crate::track::slot::Slot;
 use crate::track::target::lockable;
 #[cfg(feature = "unstable")]
 use crate::track::update::SEAL;
@@ -38,7 +39,7 @@ use crate::track::{
 ///     pixels
 /// }
 ///
-/// let mut tracker = Tracker::<Robust>::new(Config::robust())?;
+/// let mut tracker = Tracker::<Robust>::new();
 /// let first = picture(20, 30);
 /// tracker.lock(&Frame::whole(Image::new(&first, 160, 120)?), Rect::new(20, 30, 40, 40))?;
 /// let second = picture(26, 33);
@@ -48,22 +49,24 @@ use crate::track::{
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 pub struct Robust {
-    config: Config,
+    config: Slot<Config>,
     memory: Memory,
 }
 
 impl Robust {
-    /// A tracker state without a target, for a `const` or a `static`. At run time see [`Target::new`].
-    ///
-    /// # Panics
-    /// If the configuration is invalid. In a `const` or a `static` this is a compile error.
+    const DEFAULT: Config = Config::robust();
+
+    /// A target that is not locked, with [`Config::robust`]. All its bytes are 0, so that a `static` takes no flash. For
+    /// another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
-    #[allow(clippy::panic)] // at compile time
-    pub const fn const_new(config: Config) -> Self {
-        match config.check() {
-            Ok(()) => Self { config, memory: Memory::new() },
-            Err(_) => panic!("a number of the configuration cannot be used"),
-        }
+    pub const fn new() -> Self {
+        Self { config: Slot::Empty, memory: Memory::new() }
+    }
+
+    /// The configuration that was set, or the default.
+    #[cfg_attr(smr_small, inline(never))]
+    fn configured(config: &Slot<Config>) -> &Config {
+        config.or(&Self::DEFAULT)
     }
 
     /// The early template, which verifies the target: its pixels, row by row. `None` before the first lock. Its shape
@@ -118,14 +121,20 @@ impl Robust {
     /// The inputs of the stages of an update; `None` before the first lock.
     fn model(&self) -> Option<Model<'_>> {
         let track = self.memory.track.as_ref()?;
-        Some(Model { config: &self.config, memory: &self.memory, track })
+        Some(Model { config: Self::configured(&self.config), memory: &self.memory, track })
+    }
+}
+
+impl Default for Robust {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
 impl core::fmt::Debug for Robust {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Robust")
-            .field("config", &self.config)
+            .field("config", Self::configured(&self.config))
             .field("track", &self.memory.track)
             .finish_non_exhaustive()
     }
@@ -141,32 +150,34 @@ impl Target for Robust {
         config.most_work()
     }
 
+    const EMPTY: Self = Self::new();
+
     fn check_config(config: &Config) -> Result<(), ConfigError> {
         config.check()
     }
 
     #[inline(always)]
-    fn of_checked(config: Config) -> Self {
-        Self { config, memory: Memory::new() }
+    fn set_config(&mut self, config: Config) {
+        (self.config, self.memory.track) = (Slot::Full(config), None);
     }
 
     fn config(&self) -> &Config {
-        &self.config
+        Self::configured(&self.config)
     }
 
     /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
-        if bounds.contains(bbox) { lock_pixels(bounds, bbox, &self.config) } else { Rect::default() }
+        if bounds.contains(bbox) { lock_pixels(bounds, bbox, Self::configured(&self.config)) } else { Rect::default() }
     }
 
     fn window(&self) -> Option<Rect> {
         let track = self.memory.track.as_ref()?;
-        Some(expected_pixels(track, &self.config))
+        Some(expected_pixels(track, Self::configured(&self.config)))
     }
 
     fn sweep_window(&self) -> Option<Rect> {
         let track = self.memory.track.as_ref()?;
-        swept_pixels(track, &self.config)
+        swept_pixels(track, Self::configured(&self.config))
     }
 
     fn bbox(&self) -> Option<FineRect> {
@@ -174,7 +185,7 @@ impl Target for Robust {
     }
 
     fn state(&self) -> Option<State> {
-        self.memory.track.map(|track| track.state(&self.config))
+        self.memory.track.map(|track| track.state(Self::configured(&self.config)))
     }
 
     fn quality(&self) -> Option<Quality> {
@@ -188,24 +199,26 @@ impl Target for Robust {
     }
 
     fn saved_size(&self) -> Result<usize, SaveError> {
-        self.memory.saved_size(&self.config)
+        self.memory.saved_size(Self::configured(&self.config))
     }
 
     fn save(&self, bytes: &mut [u8]) -> Result<usize, SaveError> {
-        self.memory.save(&self.config, bytes)
+        self.memory.save(Self::configured(&self.config), bytes)
     }
 
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.memory.restore(&self.config, bytes)
+        self.memory.restore(Self::configured(&self.config), bytes)
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::reader(&self.config, bytes).map(drop)
+        saved::reader(Self::configured(&self.config), bytes).map(drop)
     }
 }
 
 impl Steps for Robust {
     type Workspace = Workspace;
+
+    const EMPTY_WORKSPACE: Workspace = Workspace::new();
 
     fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
@@ -220,8 +233,8 @@ impl Steps for Robust {
         if track.bounds != frame.bounds() {
             return Err(UpdateError::FrameSizeChanged);
         }
-        let covered = frame.covers(expected_pixels(track, &self.config))
-            && swept_pixels(track, &self.config).is_none_or(|rect| frame.covers(rect));
+        let covered = frame.covers(expected_pixels(track, Self::configured(&self.config)))
+            && swept_pixels(track, Self::configured(&self.config)).is_none_or(|rect| frame.covers(rect));
         if covered { Ok(()) } else { Err(UpdateError::WindowNotInMemory) }
     }
 
@@ -242,7 +255,8 @@ impl Steps for Robust {
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: &Seal) {
         let Workspace { progress, buffers, .. } = workspace;
         let track = Track::new(bounds, bbox);
-        *progress = Progress::Lock(LockPipeline::begin(track, &self.config, &mut self.memory, buffers));
+        *progress =
+            Progress::Lock(LockPipeline::begin(track, Self::configured(&self.config), &mut self.memory, buffers));
     }
 
     fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
@@ -256,19 +270,19 @@ impl Steps for Robust {
     #[inline(never)] // a step of an update need not reserve its stack
     fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
-        lock.step((&self.config, &mut self.memory), buffers, &mut under_way.budget, frame)
+        lock.step((Self::configured(&self.config), &mut self.memory), buffers, &mut under_way.budget, frame)
     }
 
     fn commit(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Answer {
         let before = self.state();
         let mut ratio = 0;
         if let Workspace { progress: Progress::Update(update), buffers, .. } = workspace {
-            update.commit(&self.config, &mut self.memory, buffers);
+            update.commit(Self::configured(&self.config), &mut self.memory, buffers);
             ratio = update.candidate().agreement;
         }
         let fine = self.bbox().unwrap_or_default();
         let (state, confidence, scale) = self.memory.track.as_ref().map_or((State::Lost, 0, SCALE), |track| {
-            (track.state(&self.config), track.confidence.value(), track.motion.place.scale)
+            (track.state(Self::configured(&self.config)), track.confidence.value(), track.motion.place.scale)
         });
         Answer {
             bbox: fine.whole(),
@@ -286,6 +300,6 @@ impl Steps for Robust {
     #[inline(never)] // a step need not reserve its stack
     fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { progress: Progress::Lock(lock), buffers, .. } = workspace else { return Quality::NONE };
-        lock.commit(&self.config, &mut self.memory, buffers)
+        lock.commit(Self::configured(&self.config), &mut self.memory, buffers)
     }
 }

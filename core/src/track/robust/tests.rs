@@ -34,7 +34,7 @@ struct Both {
 
 impl Both {
     fn lock(width: u16, height: u16, first: &[u8], target: Rect) -> Self {
-        let [mut whole, mut part] = [(); 2].map(|()| Box::new(Tracker::<Robust>::new(most_parts()).unwrap()));
+        let [mut whole, mut part] = [(); 2].map(|()| Box::new(Tracker::<Robust>::with(most_parts()).unwrap()));
         let frame = self::whole(first, width, height);
         whole.lock(&frame, target).unwrap();
         let window = whole.lock_window(frame.bounds(), target);
@@ -116,7 +116,7 @@ fn a_step_does_no_more_than_it_promises() {
     ] {
         let pixels = usize::from(width) * usize::from(height);
         let (first, other) = (noise(pixels, 0), noise(pixels, 1));
-        let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::with(most_parts()).unwrap());
         tracker.lock(&whole(&first, width, height), target).unwrap();
         for (number, pixels) in [&first, &other, &other, &other, &other, &other, &other, &first].into_iter().enumerate()
         {
@@ -148,7 +148,7 @@ fn a_step_does_no_more_than_it_promises() {
 fn a_target_of_any_size_costs_about_the_same() {
     let work_of = |config: Config, pixels: &[u8], (width, height): (u16, u16), target: Rect| {
         let frame = whole(pixels, width, height);
-        let mut tracker = Box::new(Tracker::<Robust>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::with(config).unwrap());
         tracker.lock(&frame, target).unwrap();
         let most = config.most_work();
         assert!(u64::from(tracker.work()) <= most.lock, "{target:?}: {} of {most:?}", tracker.work());
@@ -201,7 +201,7 @@ fn most_done(config: Config) -> [u64; 3] {
         let (across, down) = (3 * width, 3 * height);
         let (first, other) =
             (noise(usize::from(across) * usize::from(down), 0), vec![0; 9 * usize::from(width * height)]);
-        let mut tracker = Box::new(Tracker::<Robust>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::with(config).unwrap());
         let target = Rect::new(width.into(), height.into(), width, height);
         tracker.lock(&whole(&first, across, down), target).unwrap();
         most[1] = most[1].max(tracker.work().into());
@@ -305,7 +305,7 @@ fn every_reach_follows() {
     let mut before = (0, 0);
     for reach in 4..=8 {
         let config = Config { reach, ..most_parts() };
-        let mut tracker = Box::new(Tracker::<Robust>::new(config).unwrap());
+        let mut tracker = Box::new(Tracker::<Robust>::with(config).unwrap());
         tracker.lock(&whole(&scene(Some((100, 90)), 100), 320, 240), Rect::new(100, 90, 40, 40)).unwrap();
         let mut after = (0, 0);
         for number in 1..12 {
@@ -433,7 +433,7 @@ fn a_distinct_target_is_not_refused() {
     let scenes = [drawn(&marker), drawn(&disc), drawn(&ring), drawn(&|x, _| if x < 30 { 255 } else { 120 })];
     for (number, scene) in scenes.iter().enumerate() {
         for (margin, light) in [(0, 100), (4, 100), (4, 60)] {
-            let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
+            let mut tracker = Box::new(Tracker::<Robust>::with(most_parts()).unwrap());
             let side = 40 + 2 * margin;
             let bbox = Rect::new(50 - i32::from(margin), 40 - i32::from(margin), side, side);
             let quality = tracker.lock(&whole(scene, 160, 120), bbox).unwrap();
@@ -451,7 +451,7 @@ fn a_distinct_target_is_not_refused() {
 fn a_covered_lens_is_lost_and_teaches_nothing() {
     for (kind, name) in ["dark", "bright", "textured", "smooth", "clipped", "noisy"].into_iter().enumerate() {
         for level in [0, 255, 128] {
-            let mut tracker = Box::new(Tracker::<Robust>::new(most_parts()).unwrap());
+            let mut tracker = Box::new(Tracker::<Robust>::with(most_parts()).unwrap());
             let update =
                 |tracker: &mut Tracker<Robust>, pixels: &[u8]| tracker.update(&whole(pixels, 160, 120)).unwrap();
             tracker.lock(&whole(&on_ground(kind, 0), 160, 120), Rect::new(40, 30, 40, 40)).unwrap();

@@ -75,7 +75,7 @@ pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
         update: Update<Tracker<T>>,
     ) -> Result<Box<dyn Shown>> {
         let lock = |tracker: &mut Tracker<T>, frame: &Frame<'_>, start| Ok(tracker.lock(frame, start).map(|_| ())?);
-        Ok(Box::new(Looking { kind, tracker: Tracker::new(config)?, lock, update, sight: None }))
+        Ok(Box::new(Looking { kind, tracker: Tracker::with(config)?, lock, update, sight: None }))
     }
     let (kind, configs) = (variant.kind, &variant.configs);
     match kind {

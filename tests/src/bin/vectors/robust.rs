@@ -196,7 +196,7 @@ impl Case {
 
     /// To every frame but the first.
     fn answers(&self) -> Vec<String> {
-        let mut tracker = Box::new(Tracker::<Robust>::new(self.config).expect("numbers in range"));
+        let mut tracker = Box::new(Tracker::<Robust>::with(self.config).expect("numbers in range"));
         tracker.lock(&self.frame(&self.frames[0]), self.target).expect("a box inside the frame");
         let answer = |frame: &Vec<u8>| {
             let answer = tracker.update(&self.frame(frame)).expect("a frame of the same size");

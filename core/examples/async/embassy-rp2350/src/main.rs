@@ -27,7 +27,7 @@ use embassy_rp::pio::{self, Direction, FifoJoin, Pio, ShiftConfig, ShiftDirectio
 use embassy_rp::{bind_interrupts, dma};
 use panic_halt as _;
 use smr_core::readout::{Format, Readout};
-use smr_core::robust::{Config, Workspace};
+use smr_core::robust::Workspace;
 use smr_core::{Rect, Robust, State, Target};
 use static_cell::ConstStaticCell;
 
@@ -43,7 +43,7 @@ const START: Rect = Rect::new(128, 88, 64, 64);
 type Line = [u8; LINE_BYTES];
 
 // No constructor runs, and nothing is copied through the stack. `main` takes these and keeps them.
-static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::const_new(Config::robust()));
+static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::new());
 static WORKSPACE: ConstStaticCell<Workspace> = ConstStaticCell::new(Workspace::new());
 static WINDOW: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
 static SWEEP: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);

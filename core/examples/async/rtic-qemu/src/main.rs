@@ -12,13 +12,12 @@ mod camera;
 
 use camera::{HEIGHT, PIXELS, WIDTH};
 use smr_core::Rect;
-use smr_core::paper::{self, Config};
+use smr_core::paper;
 use smr_core::readout::{Format, Readout, ReadoutError};
 
 /// A target with room for a template of 256 pixels and a window of +-12.
 type Target = smr_core::Paper<256, 25>;
 type Workspace = paper::Workspace<256, 25>;
-const CONFIG: Config = Config::camera_within(12);
 
 /// The window that the tracker reads of the next frame, and the buffer for it. It belongs to the task, then to the
 /// interrupt.
@@ -44,7 +43,7 @@ pub struct Picture {
 #[rtic::app(device = lm3s6965, peripherals = false, dispatchers = [GPIOA])]
 mod app {
     use crate::camera::{self, FRAMES, HEIGHT, PIXELS, START, WIDTH};
-    use crate::{CONFIG, Order, Picture, Target, Workspace};
+    use crate::{Order, Picture, Target, Workspace};
     use core::arch::asm;
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
     use cortex_m::peripheral::{SYST, syst::SystClkSource};
@@ -83,7 +82,7 @@ mod app {
     }
 
     #[init(local = [
-        target_place: Target = Target::const_new(CONFIG),
+        target_place: Target = Target::new(), // a window of +-12, as its capacity says
         workspace_place: Workspace = Workspace::new(),
         pixels: [u8; PIXELS] = [0; PIXELS],
     ])]
