@@ -26,7 +26,7 @@
 //!     pixels
 //! }
 //!
-//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! # fn main() -> Result<(), smr_core::Error> {
 //! // Room for a template of 256 pixels and a search window of 33 offsets (+-16 pixels) on each axis.
 //! let mut config = Config::camera();
 //! config.window = Radius { x: 12, y: 12 };
@@ -99,6 +99,7 @@
 extern crate std;
 
 mod correlation;
+mod error;
 mod image;
 mod kernels;
 #[cfg(test)]
@@ -117,6 +118,7 @@ pub mod unstable;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+pub use error::Error;
 pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 #[doc(hidden)]

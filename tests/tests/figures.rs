@@ -68,16 +68,6 @@ fn documents() -> Vec<Document> {
         ]
         .to_vec()
     };
-    let instructions = [
-        "mps2-an386 robust-instructions",
-        "mps2-an386 robust-most",
-        "mps3-an547 robust-instructions",
-        "mps3-an547 robust-most",
-    ]
-    .map(millions)
-    .to_vec();
-    let [flash_m4, flash_m55] =
-        ["thumbv7em-none-eabihf robust-flash", "thumbv8m.main-none-eabihf+cortex-m55 robust-flash"].map(thousands);
     // The limits that `.ci/c` holds.
     let script = include_str!("../../.ci/c");
     let limit = |beginning: &str| {
@@ -88,31 +78,30 @@ fn documents() -> Vec<Document> {
     assert_eq!(robust, refined, "core/EVIDENCE.md says that they are equal");
     let most = Config::robust().most_work();
     let update = hundredths(most.update as f64);
+    let robust_row = |kind: &str, stack: &str| {
+        let flash = bytes(&format!("thumbv7em-none-eabihf {kind}-flash"));
+        let [mean, most] = ["instructions", "most"].map(|what| millions(&format!("mps2-an386 {kind}-{what}")));
+        vec![stack.to_owned(), flash, mean, most]
+    };
     vec![
         Document {
             name: "core/README.md",
             sentences: vec![
                 (
-                    "takes {} million instructions on average and at most {} million (M55: {} and {} million)",
-                    instructions.clone(),
-                ),
-                (
-                    "takes {} KB of flash and {} KB of stack on the M4 (M55: {} and {} KB)",
+                    "| `Paper<4096, 33>`: 64x64 pixels, +-16 | 4,240 | 5,552 | {} | {} | {} million |",
                     vec![
-                        flash_m4.clone(),
-                        thousands("mps2-an386 robust-stack"),
-                        flash_m55.clone(),
-                        thousands("mps3-an547 robust-stack"),
+                        paper.clone(),
+                        bytes("thumbv7em-none-eabihf tracker-flash"),
+                        hundredths(budget("mps2-an386 instructions")),
                     ],
                 ),
-                ("| from C on an M4, at most | {} | {} | {} |", vec![paper.clone(), robust.clone(), refined]),
                 (
-                    "| firmware on an M4 | | {} | {} |",
-                    ["mps2-an386 robust-stack", "mps2-an386 refiner-stack"].map(bytes).to_vec(),
+                    "| `Robust` | 11,352 | 39,928 | {} | {} | {} million, at most {} million |",
+                    robust_row("robust", &robust),
                 ),
                 (
-                    "| firmware on an M55 | | {} | {} |",
-                    ["mps3-an547 robust-stack", "mps3-an547 refiner-stack"].map(bytes).to_vec(),
+                    "| `Robust` with the feature `refiner` | 12,408 | 39,952 | {} | {} | {} million, at most {} million |",
+                    robust_row("refiner", &refined),
                 ),
                 (
                     "An update takes at most {} million units, a lock at most {} million, and a step at most {} more",
@@ -140,13 +129,14 @@ fn documents() -> Vec<Document> {
                 ("| Cortex-M4 (`mps2-an386`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps2-an386")),
                 ("| Cortex-M7 (`mps2-an500`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps2-an500")),
                 ("| Cortex-M55 (`mps3-an547`) | {} B | 4224, 5480, 9216 B | {} B | {} M |", board("mps3-an547")),
-                ("50 KB of RAM and up to {} KB of stack", vec![thousands("mps3-an547 robust-stack")]),
                 (
-                    "takes {} M instructions on average on the M4 (at most {} M) and {} M on the M55 (at most {} M)",
-                    instructions,
+                    "takes {} M instructions on average and at most {} M, and the code {} KB of flash",
+                    vec![
+                        millions("mps3-an547 robust-instructions"),
+                        millions("mps3-an547 robust-most"),
+                        thousands("thumbv8m.main-none-eabihf+cortex-m55 robust-flash"),
+                    ],
                 ),
-                ("It takes {} KB of flash on the M4 and {} KB on the M55.", vec![flash_m4, flash_m55]),
-                ("and takes up to {} KB of stack", vec![thousands("mps3-an547 refiner-stack")]),
             ],
         },
     ]

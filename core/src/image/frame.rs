@@ -1,6 +1,7 @@
 //! A frame of the camera, with all of its pixels or parts of them in memory.
 
 use super::{Image, Rect};
+use crate::Error;
 use core::fmt;
 
 /// The reason why an image was refused as a part of a frame.
@@ -22,8 +23,9 @@ impl core::error::Error for FrameError {}
 
 /// One frame of the camera: its size, and the pixels in memory: all, one part, or two parts.
 ///
-/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses [`Frame::part`]
-/// and, for a second window, [`Frame::and_part`]. Coordinates are always those of the whole frame.
+/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses
+/// [`Frame::of_window`] and, for a second window, [`Frame::and_window`]; [`Frame::part`] and [`Frame::and_part`] take
+/// rows with gaps. Coordinates are always those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -35,7 +37,7 @@ impl core::error::Error for FrameError {}
 /// // A second window of the same sensor.
 /// let frame = frame.and_part(Image::new(&second, 64, 32)?, 0, 0)?;
 /// assert!(frame.covers(Rect::new(100, 40, 96, 96)) && frame.covers(Rect::new(0, 0, 64, 32)));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
@@ -99,6 +101,33 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// A frame of the `size` (width, height) of which only the `pixels` of `window` are in memory, row after row.
+    ///
+    /// ```
+    /// # use smr_core::{Frame, Rect};
+    /// let window = Rect::new(100, 40, 96, 96); // from `Tracker::window`
+    /// let frame = Frame::of_window(&[0; 96 * 96], window, (320, 240))?;
+    /// assert!(frame.covers(window));
+    /// # Ok::<(), smr_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or has more pixels.
+    pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, Error> {
+        let (x, y) = place(window)?;
+        Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
+    }
+
+    /// The same frame with the `pixels` of a second `window`, from
+    /// [`Tracker::sweep_window`](crate::Tracker::sweep_window).
+    ///
+    /// # Errors
+    /// Those of [`Frame::of_window`].
+    pub fn and_window(self, pixels: &'a [u8], window: Rect) -> Result<Self, Error> {
+        let (x, y) = place(window)?;
+        Ok(self.and_part(Image::new(pixels, window.width, window.height)?, x, y)?)
+    }
+
     /// The rectangle of the frame, at (0, 0).
     #[must_use]
     pub const fn bounds(&self) -> Rect {
@@ -118,6 +147,11 @@ impl<'a> Frame<'a> {
     pub fn patch(&self, rect: Rect) -> Option<Image<'a>> {
         self.first.patch(rect).or_else(|| self.second.as_ref()?.patch(rect))
     }
+}
+
+/// The top left corner of a window inside a frame.
+fn place(window: Rect) -> Result<(u16, u16), FrameError> {
+    u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok()).ok_or(FrameError::OutsideFrame)
 }
 
 impl<'a> From<Image<'a>> for Frame<'a> {

@@ -16,7 +16,7 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 /// let flat = [90; 64 * 48];
 /// let quality = tracker.lock(&Frame::whole(Image::new(&flat, 64, 48)?), Rect::new(20, 10, 16, 16))?;
 /// assert!(quality.is_poor() && quality.value() == 0);
-/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

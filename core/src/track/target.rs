@@ -26,7 +26,7 @@ use crate::image::{FineRect, Frame, Rect};
 /// paper.lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// robust.lock(&frame, Rect::new(20, 10, 16, 16))?;
 /// assert_eq!([middle(&mut paper, &frame)?, middle(&mut robust, &frame)?], [(28, 18); 2]);
-/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 ///
 /// Two targets with one workspace:
@@ -42,7 +42,7 @@ use crate::image::{FineRect, Frame, Rect};
 /// right.lock(&mut workspace, &frame, Rect::new(40, 10, 16, 16))?;
 /// assert_eq!(left.update(&mut workspace, &frame)?.bbox.x, 4);
 /// assert_eq!(right.update(&mut workspace, &frame)?.bbox.x, 40);
-/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 pub trait Target: Steps {
     /// The configuration: the numbers of the method.

@@ -12,12 +12,12 @@ use core::fmt;
 ///
 /// ```
 /// use smr_core::paper::{Config, Radius};
-/// use smr_core::{Frame, Image, Paper, Rect, Tracker};
+/// use smr_core::{Frame, Paper, Rect, Tracker};
 /// # fn read_out(window: Rect) -> Vec<u8> {
 /// #     let pixel = |x: i32, y: i32| ((x * x + 3 * y * y) % 251) as u8;
 /// #     (window.y..window.bottom()).flat_map(|y| (window.x..window.right()).map(move |x| pixel(x, y))).collect()
 /// # }
-/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # fn main() -> Result<(), smr_core::Error> {
 /// let mut config = Config::camera();
 /// config.window = Radius { x: 8, y: 8 };
 /// config.window_limit = config.window;
@@ -27,13 +27,13 @@ use core::fmt;
 /// let (sensor, target) = (Rect::new(0, 0, 320, 240), Rect::new(100, 50, 8, 8));
 /// assert_eq!(tracker.lock_window(sensor, target), target);
 /// let pixels = read_out(target);
-/// tracker.lock(&Frame::part(Image::new(&pixels, 8, 8)?, 100, 50, 320, 240)?, target)?;
+/// tracker.lock(&Frame::of_window(&pixels, target, (320, 240))?, target)?;
 ///
 /// // The next update reads the box and 8 pixels around it.
 /// let window = tracker.window().unwrap();
 /// assert_eq!((window, tracker.sweep_window()), (Rect::new(92, 42, 24, 24), None));
 /// let pixels = read_out(window);
-/// let answer = tracker.update(&Frame::part(Image::new(&pixels, 24, 24)?, 92, 42, 320, 240)?)?;
+/// let answer = tracker.update(&Frame::of_window(&pixels, window, (320, 240))?)?;
 /// assert_eq!(answer.bbox, target);
 /// # Ok(())
 /// # }
@@ -55,9 +55,9 @@ impl<T: Target> Tracker<T> {
     /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
     /// let mut config = Config::robust();
     /// config.reach = 6;
-    /// TRACKER.lock()?.configure(config)?;
-    /// assert!(TRACKER.lock()?.window().is_none());
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// TRACKER.lock().unwrap().configure(config)?;
+    /// assert!(TRACKER.lock().unwrap().window().is_none());
+    /// # Ok::<(), smr_core::Error>(())
     /// ```
     #[must_use]
     pub const fn new() -> Self {
@@ -136,7 +136,7 @@ impl<T: Target> Tracker<T> {
     ///     // other work with a deadline
     /// };
     /// assert!(!quality.is_poor());
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// # Ok::<(), smr_core::Error>(())
     /// ```
     ///
     /// # Errors
@@ -222,7 +222,7 @@ impl<T: Target> Tracker<T> {
     ///     // other work with a deadline
     /// };
     /// assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// # Ok::<(), smr_core::Error>(())
     /// ```
     ///
     /// # Errors
@@ -247,7 +247,7 @@ impl<T: Target> Tracker<T> {
     /// if let Some(answer) = tracker.update_step_until(&frame, || Instant::now() >= end)? {
     ///     assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
     /// } // else go on with the same frame in the next period
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// # Ok::<(), smr_core::Error>(())
     /// ```
     ///
     /// # Errors

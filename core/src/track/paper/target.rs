@@ -41,7 +41,7 @@ use core::fmt;
 /// let answer = target.update(&mut workspace, &frame)?;
 /// assert_eq!(workspace.found().map(|found| found.peak.score), best);
 /// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up`
-/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {

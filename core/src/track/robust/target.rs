@@ -46,7 +46,7 @@ use crate::track::{
 /// let answer = tracker.update(&Frame::whole(Image::new(&second, 160, 120)?))?;
 /// assert_eq!((answer.bbox.x, answer.bbox.y), (26, 33));
 /// assert_eq!(answer.state, State::Tracking);
-/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// # Ok::<(), smr_core::Error>(())
 /// ```
 pub struct Robust {
     config: Slot<Config>,

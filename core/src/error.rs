@@ -1,0 +1,58 @@
+//! One error for all calls.
+
+use crate::image::readout::ReadoutError;
+use crate::image::{FrameError, ImageError};
+use crate::track::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
+use core::fmt;
+
+macro_rules! errors {
+    ($($name:ident($error:ident): $of:literal,)+) => {
+        /// Any error of this crate, for functions that make several calls with `?`.
+        ///
+        /// ```
+        /// use smr_core::{Answer, Error, Frame, Image, Rect, Robust, Tracker};
+        ///
+        /// fn locked(tracker: &mut Tracker<Robust>, pixels: &[u8]) -> Result<Answer, Error> {
+        ///     let frame = Frame::whole(Image::new(pixels, 64, 48)?);
+        ///     tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+        ///     Ok(tracker.update(&frame)?)
+        /// }
+        ///
+        /// let error = locked(&mut Tracker::new(), &[0; 100]).unwrap_err();
+        /// assert_eq!(error, Error::Image(smr_core::ImageError::SliceTooShort));
+        /// ```
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[non_exhaustive]
+        pub enum Error {
+            $(#[doc = $of] $name($error),)+
+        }
+
+        impl fmt::Display for Error {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$name(error) => error.fmt(f),)+
+                }
+            }
+        }
+
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self::$name(error)
+            }
+        })+
+    };
+}
+
+errors! {
+    Image(ImageError): "An image was refused.",
+    Frame(FrameError): "A part of a frame was refused.",
+    Readout(ReadoutError): "A line or a frame of the camera was refused.",
+    Config(ConfigError): "A configuration was refused.",
+    Lock(LockError): "A box was not locked.",
+    Update(UpdateError): "A frame was not searched.",
+    Save(SaveError): "A target was not saved.",
+    Restore(RestoreError): "A saved target was refused.",
+}
+
+impl core::error::Error for Error {}
