@@ -54,7 +54,7 @@
 //!
 //! # Data flow
 //!
-//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. [`search`] chooses the
+//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. `search` chooses the
 //! offsets, [`similarity`] scores them, and the tracker decides on the [`Answer`] and updates the template.
 //!
 //! # Memory and time
@@ -107,7 +107,7 @@ mod kernels;
 mod missing;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
-pub mod search;
+mod search;
 pub mod similarity;
 mod track;
 #[cfg(feature = "unstable")]
@@ -123,9 +123,11 @@ pub use image::readout;
 pub use image::{FineRect, Frame, FrameError, Image, ImageError, Rect};
 #[doc(hidden)]
 pub use track::calls;
-pub use track::paper::{self, Paper};
+pub use track::paper;
+pub use track::paper::target::Paper;
 pub use track::record;
-pub use track::robust::{self, Robust};
+pub use track::robust;
+pub use track::robust::target::Robust;
 pub use track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, Setting, State, Steps, Target, Tracker,
     UpdateError,

@@ -2,13 +2,15 @@
 //! `unstable` and may change in any version. Firmware does not need it.
 
 use crate::image::{FineRect, Frame};
+use crate::track::paper::{self, Paper};
 use crate::track::robust::{Config, Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
 /// The bytes of the refiner's weights, layer by layer.
 #[cfg(feature = "refiner")]
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
-pub use crate::kernels::check;
+pub use crate::kernels::{CutTable, Scorer, check};
+pub use crate::search::{Found, Peak, Window};
 pub use robust::config::Part;
 
 /// Returns `config` without one part of the robust tracker.
@@ -71,4 +73,27 @@ pub fn response_map(
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
+}
+
+/// The search window of the next update of the paper's tracker; `None` before the first lock.
+#[must_use]
+pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SPAN>) -> Option<Window> {
+    target.offsets()
+}
+
+/// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. `None` before the
+/// first lock, or if a pixel of the box is not in memory.
+#[must_use]
+pub fn score_of<const PIXELS: usize, const SPAN: usize>(
+    target: &Paper<PIXELS, SPAN>,
+    frame: &Frame<'_>,
+    (x, y): (i32, i32),
+) -> Option<u32> {
+    target.score_at(frame, x, y)
+}
+
+/// The peak and the runner-up of the last search, even if the gate refused the peak. `None` while a search is under way.
+#[must_use]
+pub fn found<const PIXELS: usize, const SPAN: usize>(workspace: &paper::Workspace<PIXELS, SPAN>) -> Option<Found> {
+    workspace.found()
 }

@@ -2,8 +2,8 @@
 
 use crate::{Vectors, Words, fnv};
 use smr_core::paper::{Config, RunnerUp};
-use smr_core::search::{Found, Peak};
 use smr_core::similarity::Table;
+use smr_core::unstable::{Found, Peak, found};
 use smr_core::{Answer, Paper, State, Tracker};
 
 /// The vectors.
@@ -100,7 +100,7 @@ impl Vectors for SmallPaper {
             ratio: answer.ratio,
             runner_up_ratio: answer.runner_up_ratio,
             alpha: answer.alpha,
-            found: tracker.workspace().found(),
+            found: found(tracker.workspace()),
             template: fnv(template.iter().flat_map(|template| template.rows().flatten()).copied()),
         }
     }

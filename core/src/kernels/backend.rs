@@ -113,7 +113,7 @@ pub enum Backend {
     Helium,
     /// Any processor, except those with DSP or Helium: words of four pixels in ordinary 32-bit registers, for ranges
     /// and bounds, and unrolled loops over bytes. The best one for 32-bit processors without DSP or SIMD (Cortex-M0+,
-    /// RV32IMAC). A [`CutTable`](super::CutTable), of which each workspace has one, takes 510 bytes more there. Words
+    /// RV32IMAC). A `CutTable`, of which each workspace has one, takes 510 bytes more there. Words
     /// are loaded from multiples of four only.
     Swar,
 }

@@ -14,14 +14,6 @@ const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 ///
 /// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
 /// [`Backend::Swar`](crate::similarity::Backend) is the best, and is rebuilt when the threshold changes.
-///
-/// ```
-/// use smr_core::similarity::{CutTable, Table};
-/// let cut = CutTable::new(&Table::PAPER, 13);
-/// assert_eq!(cut.similarity(12), Table::PAPER.similarity(12));
-/// assert_eq!(cut.similarity(13), 0);
-/// assert_eq!(cut.threshold(), 13);
-/// ```
 #[derive(Clone, Debug)]
 pub struct CutTable {
     /// The entries from the difference 0 on, or from -255 on if there are [`ENTRIES`] for signed differences.

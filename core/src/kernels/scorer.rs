@@ -24,20 +24,6 @@ use crate::image::{Image, Rect};
 
 /// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures
 /// of up to [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
-///
-/// ```
-/// use smr_core::{Image, similarity::{Backend, CutTable, Scorer, Table}};
-/// let (patch, template) = ([10, 10, 10, 10], [10, 11, 22, 23]);
-/// let (patch, template) = (Image::new(&patch, 4, 1)?, Image::new(&template, 4, 1)?);
-/// let table = CutTable::new(&Table::PAPER, 13);
-/// let scorer = Scorer::new(Backend::best(), &table);
-/// let p = |d| u32::from(Table::PAPER.similarity(d));
-/// assert_eq!(scorer.score(patch, template), Some(p(0) + p(1) + p(12))); // 13 is not below the threshold
-/// assert_eq!(scorer.score_at_least(patch, template, 3 * 65535), None);
-/// assert_eq!(scorer.distance(patch, template, u32::MAX), Some(1 + 12 + 13));
-/// assert!(scorer.score_between_at_least(patch, patch, template, 0) >= scorer.score(patch, template));
-/// # Ok::<(), smr_core::ImageError>(())
-/// ```
 pub struct Scorer<'a> {
     plain: Plain<'a>,
     ready: Ready<'a>,

@@ -44,14 +44,6 @@ impl Window {
     pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
 
     /// The window of `radius` around `target`, in a frame of the size of `bounds` with `padding` pixels around it.
-    ///
-    /// ```
-    /// use smr_core::{Rect, search::{Radius, Window}};
-    /// let frame = Rect::new(0, 0, 320, 240);
-    /// let window = Window::new(Rect::new(5, 100, 50, 50), Radius { x: 60, y: 50 }, frame, 20);
-    /// assert_eq!(window.xs(), -20..=65); // cut at the left edge of the padding
-    /// assert_eq!(window.ys(), 50..=150);
-    /// ```
     #[must_use]
     pub fn new(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> Self {
         let (left, right) = span(target.x, radius.x, padding, bounds.width, target.width);

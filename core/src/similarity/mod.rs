@@ -1,13 +1,13 @@
 //! The measure of SMR: the similarity of a patch to the template.
 //!
 //! A [`Table`] specifies the similarity of two pixels, `kernels/plain/scores.rs` the score of two pictures. A
-//! [`Backend`] computes the same score faster. [`score_at`] scores any offset in a frame, also if the box reaches
-//! beyond the frame into the padding.
+//! [`Backend`] computes the same score faster, also if the box reaches beyond the frame into the padding.
 
 mod contrast;
 mod table;
 
-pub use crate::kernels::{Backend, CutTable, Scorer};
+pub use crate::kernels::Backend;
+pub(crate) use crate::kernels::{CutTable, Scorer};
 pub(crate) use contrast::{Contrast, SHOWN};
 pub(crate) use table::PAPER;
 pub use table::{Table, TableError};
@@ -18,19 +18,8 @@ use crate::image::{Frame, Image, Rect};
 ///
 /// `None` if a pixel of the frame is needed that is not in memory, or if the template has more than
 /// [`Table::MAX_PIXELS`] pixels. Cost: one comparison for each pixel of the template.
-///
-/// ```
-/// use smr_core::{Frame, Image, similarity::{Backend, CutTable, Scorer, Table, score_at}};
-/// let frame = Frame::whole(Image::new(&[5, 6, 7, 8], 2, 2)?);
-/// let template = Image::new(&[8, 0, 0, 0], 2, 2)?;
-/// let table = CutTable::new(&Table::PAPER, 13);
-/// let scorer = Scorer::new(Backend::best(), &table);
-/// // At (1, 1) only the first pixel is in the frame; the others are compared with the padding.
-/// assert_eq!(score_at(&frame, template, 1, 1, &scorer), Some(4 * 65535));
-/// # Ok::<(), smr_core::ImageError>(())
-/// ```
-#[must_use]
-pub fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer<'_>) -> Option<u32> {
+#[cfg(any(test, feature = "unstable"))]
+pub(crate) fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, scorer: &Scorer<'_>) -> Option<u32> {
     let target = Rect::new(x, y, template.width(), template.height());
     let needed = target.intersection(frame.bounds());
     let too_large = usize::try_from(target.area()).map_or(true, |area| area > Table::MAX_PIXELS);

@@ -231,7 +231,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the pixels that the update will read. Call it before [`Target::update`] or [`Target::begin`].
+    /// Records the pixels that the update will read. Call it before [`Target::update`] or the first step.
     ///
     /// It writes nothing if the update would fail.
     ///

@@ -151,23 +151,6 @@ fn a_lead_of_many_pixels_is_enough_in_every_state() {
     }
 }
 
-#[test]
-fn the_window_grows_until_it_is_the_padded_picture() {
-    let mut config = Config::paper();
-    config.window = smr_core::paper::Radius { x: 3, y: 2 };
-    config.neighbourhood = 0;
-    (config.gate.tracking.numerator, config.gate.lost.numerator) = (u16::MAX, u16::MAX);
-    let mut tracker = locked(config, (30, 30));
-    for lost_for in 0..80 {
-        let offsets = tracker.target().offsets().unwrap();
-        let (x, y) = (3 + lost_for, 2 + lost_for);
-        assert_eq!(offsets.xs(), (30 - x).max(-20)..=(30 + x).min(90 + 20 - 12));
-        assert_eq!(offsets.ys(), (30 - y).max(-20)..=(30 + y).min(70 + 20 - 12));
-        assert_eq!(update(&mut tracker, 40 + lost_for.cast_unsigned(), &[]).state, State::Lost);
-    }
-    assert_eq!(tracker.target().offsets().unwrap().size(), (119, 99));
-}
-
 /// 320 pixels and 2 * 20 of padding have 360 positions for a box of 1 pixel, 359 for a box of 2.
 #[test]
 fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::Paper;
     use smr_core::paper::Config;
-    use smr_core::search::Found;
+    use smr_core::unstable::{Found, found};
     use smr_core::{Answer, State, Tracker};
 
     /// In the frames that the script is about it decides what it is said to decide.
@@ -78,7 +78,7 @@ mod tests {
         let first = frames.next().unwrap();
         tracker.lock(&first.frame(), sequence().start().unwrap()).unwrap();
         let answers: Vec<(Answer, Found)> = frames
-            .map(|frame| (tracker.update(&frame.frame()).unwrap(), tracker.workspace().found().unwrap()))
+            .map(|frame| (tracker.update(&frame.frame()).unwrap(), found(tracker.workspace()).unwrap()))
             .collect();
         let answer = |frame: usize| answers[frame - 1].0;
         let runner_up = |frame: usize| answers[frame - 1].1.runner_up;

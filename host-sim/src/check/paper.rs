@@ -12,7 +12,7 @@ use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
-use smr_core::search::{Found, Window};
+use smr_core::unstable::{Found, Window, found, offsets, score_of};
 use smr_core::{Answer, Rect, State};
 use smr_evaluation::Paper;
 use smr_recordings::GrayFrame;
@@ -55,10 +55,10 @@ impl Checked for Paper {
     }
 
     fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Violation>> {
-        let offsets = sides.core.target().offsets().context("the tracker is locked")?;
+        let offsets = offsets(sides.core.target()).context("the tracker is locked")?;
         let scores = core_scores(sides.core.target(), &offsets, frame)?;
         let answer = sides.update(&frame.frame())?;
-        let found = sides.core.workspace().found().context("the update is finished")?;
+        let found = found(sides.core.workspace()).context("the update is finished")?;
         let step = sides.reference.update(&frame.pixels);
         sides.counts.scores += scores.len() as u64;
         sides.counts.runners_up += usize::from(step.runner_up_asked);
@@ -82,7 +82,7 @@ fn bound(pixels: u32) -> f64 {
 /// what it must have found.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
     let frame = frame.frame();
-    let score = |x, y| core.score_at(&frame, x, y).context("a whole frame holds every pixel");
+    let score = |x, y| score_of(core, &frame, (x, y)).context("a whole frame holds every pixel");
     offsets.ys().into_par_iter().flat_map_iter(|y| offsets.xs().map(move |x| score(x, y))).collect()
 }
 

@@ -5,7 +5,8 @@
 
 use gungraun::{library_benchmark, library_benchmark_group, main};
 use smr_bench::{self as scene, Patch, Prepared, Small};
-use smr_core::similarity::{Backend, CutTable, Scorer, Table};
+use smr_core::similarity::{Backend, Table};
+use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;
 

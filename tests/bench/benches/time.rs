@@ -3,7 +3,8 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use smr_bench::{self as scene, Prepared};
-use smr_core::similarity::{Backend, CutTable, Scorer, Table};
+use smr_core::similarity::{Backend, Table};
+use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Image, Rect};
 use std::hint::black_box;
 

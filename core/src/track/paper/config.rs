@@ -1,4 +1,4 @@
-//! The configuration of the paper's tracker. [`Target::new`](crate::Target::new) checks it.
+//! The configuration of the paper's tracker. [`Target::with`](crate::Target::with) checks it.
 
 use crate::image::Rect;
 use crate::search::Radius;
@@ -242,7 +242,7 @@ impl Config {
         Self { window, window_limit, ..camera }
     }
 
-    /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
+    /// Checks the numbers, as [`Target::with`](crate::Target::with) does.
     ///
     /// # Errors
     /// The first [`ConfigError`] found.

@@ -10,12 +10,12 @@
 //! | `saved.rs` | a target as bytes | |
 //! | `target.rs` | an update: window, search, gate, template, answer | |
 //!
-//! Steps 2 to 4, the scores and the peak, are in [`similarity`](crate::similarity) and [`search`](crate::search).
+//! Steps 2 to 4, the scores and the peak, are in [`similarity`](crate::similarity) and in `search`.
 
 mod config;
 mod gate;
 mod saved;
-mod target;
+pub(crate) mod target;
 mod template;
 #[cfg(test)]
 mod tests;
@@ -25,5 +25,5 @@ mod workspace;
 pub use crate::search::Radius;
 pub use config::{Config, Fraction, Gate, Margins, RunnerUp};
 pub(super) use saved::numbers;
-pub use target::Paper;
+pub(crate) use target::Paper;
 pub use workspace::Workspace;

@@ -8,7 +8,9 @@ use super::track::Track;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::search::{Extent, Found, Peak, Scene, Window};
-use crate::similarity::{self, Backend, Contrast, CutTable, Scorer};
+use crate::similarity::{Backend, Contrast, Scorer};
+#[cfg(any(test, feature = "unstable"))]
+use crate::similarity::{CutTable, score_at};
 use crate::track::slot::Slot;
 use crate::track::target::lockable;
 use crate::track::update::{Seal, Steps, UnderWay};
@@ -22,24 +24,15 @@ use core::fmt;
 /// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS`
 /// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
 ///
-/// In addition to the calls of [`Target`] it gives the template, and the score of any offset:
-///
 /// ```
 /// use smr_core::{Frame, Image, Paper, Rect, Target, paper};
 /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
 /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
 /// let mut workspace = paper::Workspace::<64, 161>::new();
-/// let mut target = Paper::with(paper::Config::camera())?;
+/// let mut target = Paper::new();
 /// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
 /// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
-///
-/// // A map of all scores.
-/// let offsets = target.offsets().unwrap();
-/// let scores = offsets.ys().flat_map(|y| offsets.xs().map(move |x| (x, y)));
-/// let best = scores.filter_map(|(x, y)| target.score_at(&frame, x, y)).max();
-///
 /// let answer = target.update(&mut workspace, &frame)?;
-/// assert_eq!(workspace.found().map(|found| found.peak.score), best);
 /// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up`
 /// # Ok::<(), smr_core::Error>(())
 /// ```
@@ -70,20 +63,15 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         config.or(&Self::DEFAULT)
     }
 
-    /// The search window of the next update; `None` before the first lock.
-    #[must_use]
-    pub fn offsets(&self) -> Option<Window> {
+    #[cfg(any(test, feature = "unstable"))]
+    pub(crate) fn offsets(&self) -> Option<Window> {
         self.track.get().map(|track| track.search_window(self.config()))
     }
 
-    /// The score of the box at (`x`, `y`) with the present template and alpha. The plain loop computes it, for maps of
-    /// scores and for checks. `None` before the first lock, or if a pixel of the box is not in memory.
-    ///
-    /// Cost: one comparison per pixel of the template.
-    #[must_use]
-    pub fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
+    #[cfg(any(test, feature = "unstable"))]
+    pub(crate) fn score_at(&self, frame: &Frame<'_>, x: i32, y: i32) -> Option<u32> {
         let table = CutTable::new(self.config().table, self.template.threshold());
-        similarity::score_at(frame, self.template.image()?, x, y, &Scorer::new(Backend::Scalar, &table))
+        score_at(frame, self.template.image()?, x, y, &Scorer::new(Backend::Scalar, &table))
     }
 
     /// The template; `None` before the first lock.

@@ -311,6 +311,23 @@ fn a_box_partly_outside_the_frame_may_have_no_contrast() {
 }
 
 #[test]
+fn the_window_grows_until_it_is_the_padded_picture() {
+    let mut config = Config { window: Radius { x: 3, y: 2 }, neighbourhood: 0, ..Config::paper() };
+    (config.gate.tracking.numerator, config.gate.lost.numerator) = (u16::MAX, u16::MAX);
+    let mut tracker = Tracker::<Paper<256, 130>>::with(config).unwrap();
+    tracker.lock(&scene(1, 20, 16).frame(), Rect::new(20, 16, 12, 12)).unwrap();
+    for lost_for in 0..60 {
+        let offsets = tracker.target().offsets().unwrap();
+        let (x, y) = (3 + lost_for, 2 + lost_for);
+        assert_eq!(offsets.xs(), (20 - x).max(-20)..=(20 + x).min(64 + 20 - 12));
+        assert_eq!(offsets.ys(), (16 - y).max(-20)..=(16 + y).min(48 + 20 - 12));
+        let noise = Picture::noise(64, 48, 40 + lost_for.cast_unsigned());
+        assert_eq!(tracker.update(&noise.frame()).unwrap().state, State::Lost);
+    }
+    assert_eq!(tracker.target().offsets().unwrap().size(), (93, 77));
+}
+
+#[test]
 fn the_window_grows_to_its_limit_and_never_overflows() {
     let mut tracker = locked_at(20, 20);
     let nothing = vec![255; 64 * 48];

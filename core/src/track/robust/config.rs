@@ -138,7 +138,7 @@ impl Config {
         }
     }
 
-    /// Checks the numbers, as [`Target::new`](crate::Target::new) does.
+    /// Checks the numbers, as [`Target::with`](crate::Target::with) does.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`], or [`ConfigError::RefinerNotBuiltIn`].

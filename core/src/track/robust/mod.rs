@@ -78,7 +78,7 @@ mod sampling;
 mod saved;
 mod scale;
 
-mod target;
+pub(crate) mod target;
 mod template;
 #[cfg(test)]
 mod tests;
@@ -95,5 +95,5 @@ pub use grid::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
 pub(crate) use refiner::REFINER_WEIGHTS;
 pub(super) use saved::numbers;
-pub use target::Robust;
+pub(crate) use target::Robust;
 pub use workspace::Workspace;

@@ -15,7 +15,7 @@ use super::method::{Method, MethodKind, Report};
 use anyhow::Result;
 use correlation::Correlation;
 use smr_core::paper::{Config, Radius};
-use smr_core::search::Window;
+use smr_core::unstable::Window;
 use smr_core::{Frame, Image, LockError, Rect, UpdateError};
 use std::ops::Range;
 
