@@ -111,6 +111,7 @@ impl<'a> Scorer<'a> {
     /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low`
     /// and at most that of `high`. No pixel of `low` is above that of `high`. `None` if the bound is less than `floor`,
     /// or as for [`Scorer::score`].
+    #[cfg(any(test, feature = "unstable"))]
     #[must_use]
     #[inline(always)]
     pub fn score_between_at_least(

@@ -103,8 +103,8 @@ impl Table {
 
 impl CutTable {
     /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
+    #[cfg(any(test, feature = "unstable"))]
     #[must_use]
-    #[inline]
     pub fn new(table: &Table, threshold: u16) -> Self {
         let mut cut = Self::EMPTY;
         cut.set(table, threshold);

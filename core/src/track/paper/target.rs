@@ -7,7 +7,9 @@ use super::template::Template;
 use super::track::Track;
 use super::workspace::Workspace;
 use crate::image::{FineRect, Frame, Image, Rect};
-use crate::search::{Extent, Found, Peak, Scene, Window};
+#[cfg(any(test, feature = "unstable"))]
+use crate::search::Window;
+use crate::search::{Extent, Found, Peak, Scene};
 use crate::similarity::{Backend, Contrast, Scorer};
 #[cfg(any(test, feature = "unstable"))]
 use crate::similarity::{CutTable, score_at};
