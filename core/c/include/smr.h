@@ -2,30 +2,34 @@
  * @file smr.h
  * @brief Follows one target through 8-bit gray frames by the Similarity Matching Ratio (SMR).
  *
- * The paper's tracker keeps the target's last appearance, the template, and compares it with every offset in a search window
- * around the last box. The best offset is the new box, and its pixels are the next template.
+ * Four calls are enough: #smr_config_robust, #smr_init, #smr_lock, #smr_update.
  *
  * @code
- * static smr_paper_target storage;       // kept from frame to frame; nothing is allocated
- * static smr_paper_workspace workspace;  // scratch memory: all trackers of this kind can share it
+ * static smr_robust_target storage;       // kept from frame to frame; nothing is allocated
+ * static smr_robust_workspace workspace;  // scratch memory: all trackers of this kind can share it
  * smr_config config;
  * smr_tracker *tracker;
  * smr_answer answer;
+ * smr_frame frame = {320, 240, {{pixels, 320 * 240, 320, 320, 240, 0, 0}}};  // one part: all of it
+ * smr_rect bbox = {150, 100, 40, 48};
  *
- * smr_config_camera(&config);
+ * smr_config_robust(&config);
  * if (smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker) != SMR_OK) { ... }
- * if (smr_lock(tracker, &first_frame, &target) != SMR_OK) { ... }
- * while (next(&frame)) {
+ * if (smr_lock(tracker, &frame, &bbox) != SMR_OK) { ... }
+ * while (next(pixels)) {
  *     if (smr_update(tracker, &frame, &answer) == SMR_OK && answer.state != SMR_LOST) { use(answer.bbox); }
  * }
  * @endcode
  *
+ * Programs with a deadline call #smr_update_step; those that read out only a part of the sensor ask #smr_window first.
+ *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
- * one (#smr_config_robust, #smr_config_refined). The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
+ * one (#smr_config_robust, #smr_config_refined). The paper's tracker compares the target's last appearance, the template, with every offset in a search
+ * window; the best offset is the new box, and its pixels are the next template. The robust tracker goes beyond the paper: it follows changes of light, size and view, reports
  * when the target is not visible, and searches for it then. It takes more memory and time. All calls are the same.
  *
  * - **Errors.** Every call checks its pointers (NULL, alignment) and sizes and returns an #smr_status;
- *   #smr_status_name gives its name. A call that fails changes nothing, not even an update that is under way.
+ *   #smr_status_name gives its name. A call that fails changes neither the tracker nor the memory for its results.
  * - **What cannot be checked.** A pointer that is neither NULL nor misaligned must point to memory of the size of its type, or of the
  *   stated size. Memory that a call reads must be initialised. Nobody else may write there during the call. A tracker
  *   pointer must come from #smr_init, and `method` of an #smr_config must be NULL or unchanged.
