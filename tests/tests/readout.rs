@@ -188,18 +188,19 @@ fn fed_line_by_line<T: Target>(config: T::Config, recording: &Recording, format:
         let frame = Frame::whole(Image::new(&meant, size.0, size.1).unwrap());
         let near = if number == 0 { fed.lock_window(bounds, recording.target) } else { fed.window().unwrap() };
         let far = fed.sweep_window().filter(|rect| number > 0 && !rect.is_empty());
-        let (mut first, mut second) = (vec![0; meant.len()], vec![0; meant.len()]);
-        let mut readout = Readout::new(format, sensor, near, &mut first).unwrap();
+        let mut readout = Readout::new(format, sensor, near).unwrap();
         if let Some(far) = far {
-            readout = readout.and_window(far, &mut second).unwrap();
+            readout = readout.and_window(far).unwrap();
         }
+        let mut pixels = vec![0; readout.pixels()];
         for y in 0..sensor.1 {
-            readout.push_line(y, &bytes[usize::from(y) * stride..]).unwrap();
+            readout.push_line(y, &bytes[usize::from(y) * stride..], &mut pixels).unwrap();
         }
+        let read = readout.frame(&pixels).unwrap();
         if number == 0 {
-            assert_eq!(fed.lock(&readout.frame().unwrap(), recording.target), whole.lock(&frame, recording.target));
+            assert_eq!(fed.lock(&read, recording.target), whole.lock(&frame, recording.target));
         } else {
-            assert_eq!(fed.update(&readout.frame().unwrap()), whole.update(&frame), "{format:?}, frame {number}");
+            assert_eq!(fed.update(&read), whole.update(&frame), "{format:?}, frame {number}");
         }
     }
     assert_eq!(saved(&fed), saved(&whole), "{format:?}");

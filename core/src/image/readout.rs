@@ -1,39 +1,49 @@
 //! Reads a camera's lines, as they come and in the camera's pixel format, into the gray windows that a tracker needs.
 //!
 //! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame:
-//! [`Tracker::window`] says which pixels the next update reads, and [`Readout`] keeps only those.
+//! [`Tracker::window`] says which pixels the next update reads, and a [`Readout`] keeps only those. It does not hold
+//! the pixels, so an interrupt and the main loop can share both in a `static`:
 //!
 //! ```
-//! use smr_core::readout::{Format, Readout};
-//! use smr_core::{Rect, Robust, Tracker, robust};
+//! use smr_core::readout::{Format, Readout, ReadoutError};
+//! use smr_core::{Rect, Robust, Tracker};
+//! use std::sync::Mutex; // in firmware, for example that of `critical-section`
 //!
-//! # fn camera_line(_y: u16) -> [u8; 640] { [90; 640] }
+//! const SIZE: (u16, u16) = (320, 240);
+//! /// The frame that is coming, and its gray pixels.
+//! static COMING: Mutex<(Option<Readout>, [u8; 100_000])> = Mutex::new((None, [0; 100_000]));
+//!
+//! /// The interrupt of the DMA: the camera has sent line `y`, here as YUYV.
+//! fn line_came(y: u16, line: &[u8]) -> Result<(), ReadoutError> {
+//!     let (readout, pixels) = &mut *COMING.lock().unwrap();
+//!     readout.as_mut().map_or(Ok(()), |readout| readout.push_line(y, line, pixels))
+//! }
+//!
+//! # fn wait_for_lines() { for y in 0..240 { line_came(y, &[90; 640]).unwrap() } }
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! let mut tracker = Tracker::<Robust>::new();
-//! let mut pixels = [0; 320 * 240];
-//!
-//! // A camera of 320x240 that sends YUYV. The lock reads the pixels around the box.
-//! let (sensor, target) = (Rect::new(0, 0, 320, 240), Rect::new(100, 80, 40, 48));
-//! let mut readout = Readout::new(Format::Yuyv, (320, 240), tracker.lock_window(sensor, target), &mut pixels)?;
-//! for y in 0..240 {
-//!     readout.push_line(y, &camera_line(y))?; // in the interrupt of the DMA
+//! let target = Rect::new(100, 80, 40, 48);
+//! for number in 0..3 {
+//!     // Only what the call reads is converted and kept.
+//!     let window = tracker.window().unwrap_or_else(|| tracker.lock_window(Rect::new(0, 0, SIZE.0, SIZE.1), target));
+//!     let mut readout = Readout::new(Format::Yuyv, SIZE, window)?;
+//!     if let Some(second) = tracker.sweep_window() {
+//!         readout = readout.and_window(second)?; // there the robust tracker searches for a lost target
+//!     }
+//!     COMING.lock().unwrap().0 = Some(readout);
+//!     wait_for_lines(); // until Readout::is_complete
+//!     let (readout, pixels) = &*COMING.lock().unwrap();
+//!     let frame = readout.expect("begun above").frame(pixels)?;
+//!     if number == 0 {
+//!         tracker.lock(&frame, target)?;
+//!     } else {
+//!         let answer = tracker.update(&frame)?;
+//! #       let _ = answer;
+//!     }
 //! }
-//! tracker.lock(&readout.frame()?, target)?;
-//!
-//! // The next frame: only what the update reads is converted and kept.
-//! let window = tracker.window().expect("there is a target");
-//! let mut readout = Readout::new(Format::Yuyv, (320, 240), window, &mut pixels)?;
-//! for y in 0..240 {
-//!     readout.push_line(y, &camera_line(y))?;
-//! }
-//! let answer = tracker.update(&readout.frame()?)?;
-//! # let _ = answer;
 //! # Ok(())
 //! # }
 //! ```
-//!
-//! While a target is lost, the robust tracker reads a second window: [`Readout::and_window`] with
-//! [`Tracker::sweep_window`].
 //!
 //! # Cost
 //!
@@ -44,7 +54,6 @@
 //! | 4.5 | 5.9 | 19.2 | 20.7 | 31.6 | 13.2 |
 //!
 //! [`Tracker::window`]: crate::Tracker::window
-//! [`Tracker::sweep_window`]: crate::Tracker::sweep_window
 
 use super::{Frame, Image, Rect};
 use core::fmt;
@@ -180,7 +189,7 @@ fn luma(rgb: u16) -> u8 {
 pub enum ReadoutError {
     /// The window has no pixels, or is partly outside the gray frame.
     WindowOutsideFrame,
-    /// The buffer has fewer bytes than the window has pixels.
+    /// The buffer has fewer bytes than the windows have pixels.
     BufferTooSmall,
     /// The line came before, or a later one did.
     LineOutOfOrder(u16),
@@ -196,7 +205,7 @@ impl fmt::Display for ReadoutError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::WindowOutsideFrame => f.write_str("the window has no pixels, or is not wholly inside the frame"),
-            Self::BufferTooSmall => f.write_str("the buffer has fewer bytes than the window has pixels"),
+            Self::BufferTooSmall => f.write_str("the buffer has fewer bytes than the windows have pixels"),
             Self::LineOutOfOrder(line) => write!(f, "line {line} came twice, or after a later line"),
             Self::LineTooShort(line) => write!(f, "line {line} has fewer bytes than its format needs"),
             Self::LineOutsideFrame(line) => write!(f, "line {line} is below the last line of the frame"),
@@ -207,91 +216,126 @@ impl fmt::Display for ReadoutError {
 
 impl core::error::Error for ReadoutError {}
 
-/// The lines that are in the windows, and those that have come: a readout without its pixels.
+/// A frame that a camera is sending: one or two windows, and the lines of them that have come.
 ///
-/// The C interface uses it. There lines come in interrupts of the code that asks for the frame, and only the code that
-/// writes pixels may hold a reference to them.
-#[doc(hidden)]
+/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the
+/// windows may be left out. The gray pixels are in a buffer of the caller: those of the first window, row by row, then
+/// those of the second. See the [module](self) for an example.
+///
+/// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
 #[derive(Clone, Copy, Debug)]
-pub struct Lines {
+pub struct Readout {
     format: Format,
     columns: u16,
     lines: u16,
     first: Rect,
     second: Option<Rect>,
-    /// The next line. All lines before it have come, or are in no window.
-    next: u16,
+    /// The next line. All lines before it have come, or are in no window. The C interface keeps it where an interrupt
+    /// can change it alone.
+    #[doc(hidden)]
+    pub next: u16,
 }
 
-impl Lines {
-    /// The lines of [`Readout::new`], for a buffer of `size` bytes.
+impl Readout {
+    /// Begins a frame of a sensor with this many columns and lines.
     ///
     /// # Errors
-    /// As [`Readout::new`].
-    pub fn new(format: Format, (columns, lines): (u16, u16), window: Rect, size: usize) -> Result<Self, ReadoutError> {
-        let begun = Self { format, columns, lines, first: window, second: None, next: 0 };
-        begun.check_window(window, size)?;
-        Ok(begun)
+    /// [`ReadoutError::WindowOutsideFrame`].
+    pub fn new(format: Format, (columns, lines): (u16, u16), window: Rect) -> Result<Self, ReadoutError> {
+        Self { format, columns, lines, first: window, second: None, next: 0 }.inside(window)
     }
 
-    /// Adds the window of [`Readout::and_window`], for a buffer of `size` bytes.
+    /// Adds a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first
+    /// line.
     ///
     /// # Errors
-    /// As [`Readout::and_window`].
-    pub fn and_window(self, window: Rect, size: usize) -> Result<Self, ReadoutError> {
+    /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
+    pub fn and_window(self, window: Rect) -> Result<Self, ReadoutError> {
         if self.next > 0 {
             return Err(ReadoutError::LineOutOfOrder(0));
         }
-        self.check_window(window, size)?;
-        Ok(Self { second: Some(window), ..self })
+        Self { second: Some(window), ..self }.inside(window)
     }
 
-    /// Continues at `line`: see [`Readout::resume`].
-    #[must_use]
-    pub const fn resume(self, line: u16) -> Self {
-        Self { next: line, ..self }
+    fn inside(self, window: Rect) -> Result<Self, ReadoutError> {
+        let (width, height) = self.gray_size();
+        let is_inside = !window.is_empty() && Rect::new(0, 0, width, height).contains(window);
+        if is_inside { Ok(self) } else { Err(ReadoutError::WindowOutsideFrame) }
     }
 
-    /// Width and height of the gray frame.
-    #[must_use]
-    pub const fn gray_size(&self) -> (u16, u16) {
+    const fn gray_size(&self) -> (u16, u16) {
         self.format.gray_size((self.columns, self.lines))
     }
 
-    fn check_window(&self, window: Rect, size: usize) -> Result<(), ReadoutError> {
-        let (width, height) = self.gray_size();
-        if window.is_empty() || !Rect::new(0, 0, width, height).contains(window) {
-            return Err(ReadoutError::WindowOutsideFrame);
-        }
-        if size < area(window) { Err(ReadoutError::BufferTooSmall) } else { Ok(()) }
+    /// Bytes that the gray pixels of the windows take.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        area(self.first).saturating_add(self.second.map_or(0, area))
     }
 
-    /// Checks whether line `y`, which has `bytes` bytes, can come next. True if it is in a window.
+    /// Takes line `y` of the sensor. Bytes beyond the line's length are ignored. `pixels` is only used if the line is in
+    /// a window.
     ///
     /// # Errors
-    /// As [`Readout::push_line`].
-    pub fn check(&self, y: u16, bytes: usize) -> Result<bool, ReadoutError> {
+    /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`],
+    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped, and
+    /// [`ReadoutError::BufferTooSmall`]. The frame is then as it was before the call.
+    pub fn push_line(&mut self, y: u16, bytes: &[u8], pixels: &mut [u8]) -> Result<(), ReadoutError> {
         if y >= self.lines {
             return Err(ReadoutError::LineOutsideFrame(y));
         }
         if y < self.next {
             return Err(ReadoutError::LineOutOfOrder(y));
         }
-        if bytes < self.format.line_bytes(self.columns) {
+        if bytes.len() < self.format.line_bytes(self.columns) {
             return Err(ReadoutError::LineTooShort(y));
         }
         match self.next_needed() {
-            Some(needed) if needed < y => Err(ReadoutError::LineMissing(needed)),
-            needed => Ok(needed == Some(y)),
+            Some(needed) if needed < y => return Err(ReadoutError::LineMissing(needed)),
+            Some(needed) if needed == y => {
+                let pixels = pixels.get_mut(..self.pixels()).ok_or(ReadoutError::BufferTooSmall)?;
+                let (first, second) = pixels.split_at_mut_checked(area(self.first)).unwrap_or_default();
+                self.format.push(y, bytes, self.first, first);
+                self.second.into_iter().for_each(|window| self.format.push(y, bytes, window, second));
+            }
+            _ => {}
         }
+        self.next = y + 1;
+        Ok(())
     }
 
-    /// Checks whether all lines of the windows have come.
+    /// Takes all lines of a frame that is in memory. Each line begins `stride` bytes after the one before.
     ///
     /// # Errors
-    /// As [`Readout::frame`].
-    pub fn check_frame(&self) -> Result<(), ReadoutError> {
-        self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))
+    /// As [`Readout::push_line`]: a frame that ends early has lines that are too short.
+    pub fn push_frame(&mut self, bytes: &[u8], stride: usize, pixels: &mut [u8]) -> Result<(), ReadoutError> {
+        for y in self.next..self.lines {
+            let line = usize::from(y).checked_mul(stride).and_then(|start| bytes.get(start..)).unwrap_or(&[]);
+            self.push_line(y, line, pixels)?;
+        }
+        Ok(())
+    }
+
+    /// True if all lines of the windows have come. Later lines do not touch the pixels.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.next_needed().is_none()
+    }
+
+    /// The frame with its windows, for a lock or an update. Lines below the windows need not have come.
+    ///
+    /// # Errors
+    /// [`ReadoutError::LineMissing`] with the first line of a window that has not come,
+    /// [`ReadoutError::BufferTooSmall`].
+    pub fn frame<'a>(&self, pixels: &'a [u8]) -> Result<Frame<'a>, ReadoutError> {
+        self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))?;
+        let outside = |_| ReadoutError::WindowOutsideFrame;
+        let (width, height) = self.gray_size();
+        let (image, x, y) = part(self.first, pixels)?;
+        let frame = Frame::part(image, x, y, width, height).map_err(outside)?;
+        let Some(window) = self.second else { return Ok(frame) };
+        let (image, x, y) = part(window, pixels.get(area(self.first)..).unwrap_or(&[]))?;
+        frame.and_part(image, x, y).map_err(outside)
     }
 
     /// The first line of the windows that has not come.
@@ -310,130 +354,11 @@ fn area(window: Rect) -> usize {
     usize::from(window.width) * usize::from(window.height)
 }
 
-/// A frame that a camera is sending: the gray pixels of one or two windows, filled as lines come.
-///
-/// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the
-/// windows may be left out. See the [module](self) for an example.
-///
-/// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
-#[derive(Debug)]
-pub struct Readout<'a> {
-    lines: Lines,
-    /// The pixels of the first window.
-    first: &'a mut [u8],
-    /// The pixels of the second window; empty without one.
-    second: &'a mut [u8],
-}
-
-impl<'a> Readout<'a> {
-    /// Begins a frame of a sensor with this many columns and lines. The window's pixels go to `pixels`, row after row.
-    ///
-    /// # Errors
-    /// [`ReadoutError::WindowOutsideFrame`], [`ReadoutError::BufferTooSmall`].
-    pub fn new(
-        format: Format,
-        (columns, lines): (u16, u16),
-        window: Rect,
-        pixels: &'a mut [u8],
-    ) -> Result<Self, ReadoutError> {
-        Ok(Self { lines: Lines::new(format, (columns, lines), window, pixels.len())?, first: pixels, second: &mut [] })
-    }
-
-    /// A readout of `lines`, which were checked with the sizes of both buffers. Without a second window `second` is
-    /// empty.
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn of(lines: Lines, first: &'a mut [u8], second: &'a mut [u8]) -> Self {
-        Self { lines, first, second }
-    }
-
-    /// Adds a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first
-    /// line.
-    ///
-    /// # Errors
-    /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
-    pub fn and_window(self, window: Rect, pixels: &'a mut [u8]) -> Result<Self, ReadoutError> {
-        Ok(Self { lines: self.lines.and_window(window, pixels.len())?, second: pixels, ..self })
-    }
-
-    /// Continues a readout that was begun before with the same arguments: its next line is `line` or a later one. It is
-    /// for programs that keep the buffers in a `static` and make the readout anew in each interrupt.
-    ///
-    /// ```
-    /// use smr_core::Rect;
-    /// use smr_core::readout::{Format, Readout};
-    ///
-    /// let (mut pixels, window) = ([0; 16], Rect::new(0, 0, 4, 4));
-    /// let mut next = 0;
-    /// for y in 0..4 {
-    ///     let mut readout = Readout::new(Format::Gray8, (4, 4), window, &mut pixels)?.resume(next);
-    ///     readout.push_line(y, &[200; 4])?;
-    ///     next = readout.next_line();
-    /// }
-    /// assert!(Readout::new(Format::Gray8, (4, 4), window, &mut pixels)?.resume(next).frame().is_ok());
-    /// # Ok::<(), smr_core::readout::ReadoutError>(())
-    /// ```
-    #[must_use]
-    pub const fn resume(self, line: u16) -> Self {
-        Self { lines: self.lines.resume(line), ..self }
-    }
-
-    /// The line after the last one that came: see [`Readout::resume`].
-    #[must_use]
-    pub const fn next_line(&self) -> u16 {
-        self.lines.next
-    }
-
-    /// Takes line `y` of the sensor. Bytes beyond the line's length are ignored.
-    ///
-    /// # Errors
-    /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`], and
-    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped. The frame is then as it was
-    /// before the call.
-    pub fn push_line(&mut self, y: u16, bytes: &[u8]) -> Result<(), ReadoutError> {
-        if self.lines.check(y, bytes.len())? {
-            let Lines { format, first, second, .. } = self.lines;
-            format.push(y, bytes, first, self.first);
-            second.into_iter().for_each(|second| format.push(y, bytes, second, self.second));
-        }
-        self.lines.next = y + 1;
-        Ok(())
-    }
-
-    /// Takes all lines of a frame that is in memory. Each line begins `stride` bytes after the one before.
-    ///
-    /// # Errors
-    /// As [`Readout::push_line`]: a frame that ends early has lines that are too short.
-    pub fn push_frame(&mut self, bytes: &[u8], stride: usize) -> Result<(), ReadoutError> {
-        for y in self.lines.next..self.lines.lines {
-            let line = usize::from(y).checked_mul(stride).and_then(|start| bytes.get(start..)).unwrap_or(&[]);
-            self.push_line(y, line)?;
-        }
-        Ok(())
-    }
-
-    /// The frame with its windows, for a lock or an update. Lines below the windows need not have come.
-    ///
-    /// # Errors
-    /// [`ReadoutError::LineMissing`] with the first line of a window that has not come.
-    pub fn frame(&self) -> Result<Frame<'_>, ReadoutError> {
-        self.lines.check_frame()?;
-        let outside = |_| ReadoutError::WindowOutsideFrame;
-        let (width, height) = self.lines.gray_size();
-        let (image, x, y) = part(self.lines.first, self.first)?;
-        let frame = Frame::part(image, x, y, width, height).map_err(outside)?;
-        let Some(second) = self.lines.second else { return Ok(frame) };
-        let (image, x, y) = part(second, self.second)?;
-        frame.and_part(image, x, y).map_err(outside)
-    }
-}
-
 /// The pixels of a window, and the place of its top left pixel.
 fn part(window: Rect, pixels: &[u8]) -> Result<(Image<'_>, u16, u16), ReadoutError> {
-    let Rect { x, y, width, height } = window;
-    let image = pixels.get(..area(window)).and_then(|pixels| Image::new(pixels, width, height).ok());
-    let place = u16::try_from(x).ok().zip(u16::try_from(y).ok());
-    image.zip(place).map(|(image, (x, y))| (image, x, y)).ok_or(ReadoutError::WindowOutsideFrame)
+    let image = Image::new(pixels, window.width, window.height).map_err(|_| ReadoutError::BufferTooSmall)?;
+    let place = |at: i32| u16::try_from(at).unwrap_or(u16::MAX);
+    Ok((image, place(window.x), place(window.y)))
 }
 
 #[cfg(test)]
@@ -485,10 +410,10 @@ mod tests {
             let (width, height) = format.gray_size((columns, lines));
             let (left, top) = (left % width, top % height);
             let window = Rect::new(left.into(), top.into(), right.min(width - left), bottom.min(height - top));
-            let mut pixels = std::vec![0; usize::from(window.width) * usize::from(window.height)];
-            let mut readout = Readout::new(format, (columns, lines), window, &mut pixels).unwrap();
-            readout.push_frame(&bytes, stride).unwrap();
-            let frame = readout.frame().unwrap();
+            let mut readout = Readout::new(format, (columns, lines), window).unwrap();
+            let mut pixels = std::vec![0; readout.pixels()];
+            readout.push_frame(&bytes, stride, &mut pixels).unwrap();
+            let frame = readout.frame(&pixels).unwrap();
             prop_assert_eq!(frame.bounds(), Rect::new(0, 0, width, height));
             let rows = frame.patch(window).unwrap();
             for (y, row) in (usize::from(top)..).zip(rows.rows()) {
@@ -499,71 +424,74 @@ mod tests {
         }
     }
 
-    fn readout(pixels: &mut [u8]) -> Readout<'_> {
-        Readout::new(Format::Gray8, (8, 6), Rect::new(2, 1, 4, 3), pixels).unwrap()
+    fn readout() -> Readout {
+        Readout::new(Format::Gray8, (8, 6), Rect::new(2, 1, 4, 3)).unwrap()
     }
 
     #[test]
     fn lines_must_come_once_and_in_order() {
-        let (mut pixels, line) = ([0; 12], [7; 8]);
-        let mut readout = readout(&mut pixels);
-        assert_eq!(readout.frame().err(), Some(ReadoutError::LineMissing(1)));
+        let (mut readout, mut pixels, line) = (readout(), [0; 12], [7; 8]);
+        assert_eq!(readout.frame(&pixels).err(), Some(ReadoutError::LineMissing(1)));
+        let mut push = |y, bytes: &[u8]| {
+            let result = readout.push_line(y, bytes, &mut pixels);
+            (result, readout.is_complete(), readout.frame(&pixels).err())
+        };
+        let missing = |line| Some(ReadoutError::LineMissing(line));
         // Line 0 is in no window.
-        assert_eq!(readout.push_line(2, &line), Err(ReadoutError::LineMissing(1)));
-        assert_eq!(readout.push_line(1, &line), Ok(()));
-        assert_eq!(readout.push_line(1, &line), Err(ReadoutError::LineOutOfOrder(1)));
-        assert_eq!(readout.push_line(0, &line), Err(ReadoutError::LineOutOfOrder(0)));
-        assert_eq!(readout.push_line(2, &line[..7]), Err(ReadoutError::LineTooShort(2)));
-        assert_eq!(readout.push_line(3, &line), Err(ReadoutError::LineMissing(2)));
-        assert_eq!(readout.push_line(2, &line), Ok(()));
-        assert_eq!(readout.frame().err(), Some(ReadoutError::LineMissing(3)));
-        assert_eq!(readout.push_line(3, &line), Ok(()));
-        assert!(readout.frame().is_ok());
-        // Below the window lines may be left out.
-        assert_eq!(readout.push_line(5, &line), Ok(()));
-        assert_eq!(readout.push_line(6, &line), Err(ReadoutError::LineOutsideFrame(6)));
-        assert!(readout.and_window(Rect::new(0, 0, 1, 1), &mut [0]).is_err());
+        assert_eq!(push(2, &line), (Err(ReadoutError::LineMissing(1)), false, missing(1)));
+        assert_eq!(push(1, &line), (Ok(()), false, missing(2)));
+        assert_eq!(push(1, &line), (Err(ReadoutError::LineOutOfOrder(1)), false, missing(2)));
+        assert_eq!(push(0, &line), (Err(ReadoutError::LineOutOfOrder(0)), false, missing(2)));
+        assert_eq!(push(2, &line[..7]), (Err(ReadoutError::LineTooShort(2)), false, missing(2)));
+        assert_eq!(push(3, &line), (Err(ReadoutError::LineMissing(2)), false, missing(2)));
+        assert_eq!(push(2, &line), (Ok(()), false, missing(3)));
+        assert_eq!(push(3, &line), (Ok(()), true, None));
+        // Below the window lines may be left out, and need no buffer.
+        assert_eq!(readout.push_line(5, &line, &mut []), Ok(()));
+        assert_eq!(readout.push_line(6, &line, &mut pixels), Err(ReadoutError::LineOutsideFrame(6)));
+        assert_eq!(readout.and_window(Rect::new(0, 0, 1, 1)).err(), Some(ReadoutError::LineOutOfOrder(0)));
     }
 
     #[test]
     fn windows_and_buffers_are_checked() {
-        let size = (8, 6);
-        let error = |format, window, bytes: usize| Readout::new(format, size, window, &mut std::vec![0; bytes]).err();
-        assert_eq!(error(Format::Gray8, Rect::new(0, 0, 8, 6), 48), None);
-        assert_eq!(error(Format::Gray8, Rect::new(0, 0, 8, 6), 47), Some(ReadoutError::BufferTooSmall));
+        let needs = |format, window| Readout::new(format, (8, 6), window).map(|readout| readout.pixels());
+        assert_eq!(needs(Format::Gray8, Rect::new(0, 0, 8, 6)), Ok(48));
         for window in [Rect::new(0, 0, 0, 3), Rect::new(-1, 0, 3, 3), Rect::new(5, 0, 4, 3), Rect::new(0, 4, 3, 3)] {
-            assert_eq!(error(Format::Gray8, window, 48), Some(ReadoutError::WindowOutsideFrame), "{window:?}");
+            assert_eq!(needs(Format::Gray8, window), Err(ReadoutError::WindowOutsideFrame), "{window:?}");
+            assert_eq!(readout().and_window(window).err(), Some(ReadoutError::WindowOutsideFrame), "{window:?}");
         }
-        assert_eq!(error(Format::Bayer8, Rect::new(0, 0, 4, 3), 12), None);
-        assert_eq!(error(Format::Bayer8, Rect::new(0, 0, 5, 3), 48), Some(ReadoutError::WindowOutsideFrame));
+        assert_eq!(needs(Format::Bayer8, Rect::new(0, 0, 4, 3)), Ok(12));
+        assert_eq!(needs(Format::Bayer8, Rect::new(0, 0, 5, 3)), Err(ReadoutError::WindowOutsideFrame));
+
+        let mut both = readout().and_window(Rect::new(0, 3, 2, 1)).unwrap();
+        assert_eq!(both.pixels(), 14);
+        assert_eq!(both.push_line(1, &[7; 8], &mut [0; 13]), Err(ReadoutError::BufferTooSmall));
+        assert_eq!(both.push_frame(&[7; 48], 8, &mut [0; 14]), Ok(()));
+        assert_eq!(both.frame(&[0; 13]).err(), Some(ReadoutError::BufferTooSmall));
+        assert_eq!(both.frame(&[0; 14]).err(), None);
     }
 
     #[test]
     fn two_windows_are_filled_at_once() {
         let (bytes, stride) = sensor(Format::Uyvy, 20, 16, 5);
         let (near, far) = (Rect::new(3, 2, 6, 5), Rect::new(10, 9, 10, 7));
-        let (mut first, mut second) = ([0; 30], [0; 70]);
-        let readout = Readout::new(Format::Uyvy, (20, 16), near, &mut first).unwrap();
-        let mut readout = readout.and_window(far, &mut second).unwrap();
-        for y in 0..16 {
-            let line = &bytes[usize::from(y) * stride..];
-            if y == 7 {
-                // Between the windows.
-                continue;
-            }
-            readout.push_line(y, line).unwrap();
+        let mut pixels = [0; 100];
+        let mut readout = Readout::new(Format::Uyvy, (20, 16), near).unwrap().and_window(far).unwrap();
+        // Line 7 is between the windows.
+        for y in (0..16).filter(|&y| y != 7) {
+            readout.push_line(y, &bytes[usize::from(y) * stride..], &mut pixels).unwrap();
         }
-        let frame = readout.frame().unwrap();
+        let frame = readout.frame(&pixels).unwrap();
         assert!(frame.covers(near) && frame.covers(far) && !frame.covers(Rect::new(0, 0, 1, 1)));
+        assert_eq!(frame.patch(near).unwrap().row(4)[5], gray(Format::Uyvy, &bytes, stride, 8, 6));
         assert_eq!(frame.patch(far).unwrap().row(6)[9], gray(Format::Uyvy, &bytes, stride, 19, 15));
     }
 
     #[test]
     fn a_frame_that_ends_early_names_the_line() {
-        let mut pixels = [0; 12];
-        let mut readout = readout(&mut pixels);
-        assert_eq!(readout.push_frame(&[1; 2 * 8 + 7], 8), Err(ReadoutError::LineTooShort(2)));
-        assert_eq!(readout.frame().err(), Some(ReadoutError::LineMissing(2)));
+        let (mut readout, mut pixels) = (readout(), [0; 12]);
+        assert_eq!(readout.push_frame(&[1; 2 * 8 + 7], 8, &mut pixels), Err(ReadoutError::LineTooShort(2)));
+        assert_eq!(readout.frame(&pixels).err(), Some(ReadoutError::LineMissing(2)));
     }
 
     #[test]
@@ -571,9 +499,9 @@ mod tests {
         let side = u16::MAX;
         let last = Rect::new(i32::from(side) - 1, i32::from(side) - 1, 1, 1);
         let (mut pixels, line) = ([0], std::vec![255; 2 * usize::from(side)]);
-        let mut readout = Readout::new(Format::Rgb565Le, (side, side), last, &mut pixels).unwrap();
-        readout.push_line(side - 1, &line).unwrap();
-        assert_eq!(readout.frame().unwrap().patch(last).unwrap().row(0), [255]);
+        let mut readout = Readout::new(Format::Rgb565Le, (side, side), last).unwrap();
+        readout.push_line(side - 1, &line, &mut pixels).unwrap();
+        assert_eq!(readout.frame(&pixels).unwrap().patch(last).unwrap().row(0), [255]);
         assert_eq!(Format::Gray10.line_bytes(side), 81_920);
     }
 }

@@ -35,7 +35,8 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 240;
 const FORMAT: Format = Format::Yuyv;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
-const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
+/// For two windows.
+const PIXELS: usize = 2 * WIDTH as usize * HEIGHT as usize;
 
 /// The place of the target when the button is pressed: 64x64 pixels in the middle.
 const START: Rect = Rect::new(128, 88, 64, 64);
@@ -45,8 +46,7 @@ type Line = [u8; LINE_BYTES];
 // No constructor runs, and nothing is copied through the stack. `main` takes these and keeps them.
 static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::new());
 static WORKSPACE: ConstStaticCell<Workspace> = ConstStaticCell::new(Workspace::new());
-static WINDOW: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
-static SWEEP: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
+static GRAY: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
 static LINES: ConstStaticCell<[Line; 2]> = ConstStaticCell::new([[0; LINE_BYTES]; 2]);
 
 bind_interrupts!(struct Interrupts {
@@ -91,7 +91,7 @@ async fn main(_spawner: Spawner) {
     };
 
     let (target, workspace) = (TARGET.take(), WORKSPACE.take());
-    let (window_pixels, sweep_pixels) = (WINDOW.take(), SWEEP.take());
+    let pixels = GRAY.take();
     loop {
         let is_lock = button.is_low();
         let window = match target.window() {
@@ -99,15 +99,14 @@ async fn main(_spawner: Spawner) {
             _ => target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START),
         };
         let sweep = target.sweep_window().filter(|_| !is_lock);
-        // The gray pixels belong to the read-out and its frame until the end of this round.
-        let readout = Readout::new(FORMAT, (WIDTH, HEIGHT), window, &mut *window_pixels);
+        let readout = Readout::new(FORMAT, (WIDTH, HEIGHT), window);
         let readout = match sweep {
-            Some(window) => readout.and_then(|readout| readout.and_window(window, &mut *sweep_pixels)),
+            Some(window) => readout.and_then(|readout| readout.and_window(window)),
             None => readout,
         };
         let Ok(mut readout) = readout else { continue };
-        camera.read(&mut readout).await;
-        let Ok(frame) = readout.frame() else { continue };
+        camera.read(&mut readout, &mut pixels[..]).await;
+        let Ok(frame) = readout.frame(&pixels[..]) else { continue };
         if is_lock {
             let _ = target.lock(workspace, &frame, START);
         } else if target.window().is_some() {
@@ -128,7 +127,7 @@ struct Camera {
 impl Camera {
     /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a
     /// line, the frame stays incomplete.
-    async fn read(&mut self, readout: &mut Readout<'_>) {
+    async fn read(&mut self, readout: &mut Readout, pixels: &mut [u8]) {
         let [mut filling, mut full] = self.lines.each_mut();
         self.machine.set_enable(false);
         self.vsync.wait_for_falling_edge().await;
@@ -137,7 +136,7 @@ impl Camera {
         self.machine.restart();
         self.machine.set_enable(true);
         for y in 0..=HEIGHT {
-            if readout.frame().is_ok() {
+            if readout.is_complete() {
                 break;
             }
             // The DMA borrows `filling` until both are done. `full` holds line y - 1, whose pixels go to the window in
@@ -149,7 +148,7 @@ impl Camera {
             };
             let push = async {
                 if let Some(y) = y.checked_sub(1) {
-                    let _ = readout.push_line(y, full);
+                    let _ = readout.push_line(y, full, pixels);
                 }
             };
             join(fill, push).await;

@@ -2,8 +2,7 @@
 //! updates. Runs in QEMU.
 //!
 //! There is one buffer for pixels. The task hands it to the interrupt in an [`Order`] for the next window. The
-//! interrupt fills it line by line and hands it back as a [`Picture`]. So the tracker never waits for a lock, and no
-//! pixel is copied.
+//! interrupt fills it line by line and hands it back. So the tracker never waits for a lock, and no pixel is copied.
 
 #![no_std]
 #![no_main]
@@ -11,9 +10,8 @@
 mod camera;
 
 use camera::{HEIGHT, PIXELS, WIDTH};
-use smr_core::Rect;
 use smr_core::paper;
-use smr_core::readout::{Format, Readout, ReadoutError};
+use smr_core::readout::{Format, Readout};
 
 /// A target with room for a template of 256 pixels and a window of +-12.
 type Target = smr_core::Paper<256, 25>;
@@ -22,33 +20,26 @@ type Workspace = paper::Workspace<256, 25>;
 /// The window that the tracker reads of the next frame, and the buffer for it. It belongs to the task, then to the
 /// interrupt.
 pub struct Order {
-    window: Rect,
+    readout: Readout,
     pixels: &'static mut [u8; PIXELS],
 }
 
 impl Order {
-    /// The read-out of this order, whose next line is `line`.
-    fn readout(&mut self, line: u16) -> Result<Readout<'_>, ReadoutError> {
-        Ok(Readout::new(Format::Gray8, (WIDTH, HEIGHT), self.window, self.pixels)?.resume(line))
+    fn new(window: smr_core::Rect, pixels: &'static mut [u8; PIXELS]) -> Option<Self> {
+        Some(Self { readout: Readout::new(Format::Gray8, (WIDTH, HEIGHT), window).ok()?, pixels })
     }
-}
-
-/// An order while the interrupt fills it, and after that.
-pub struct Picture {
-    order: Order,
-    frame: u16,
-    next_line: u16,
 }
 
 #[rtic::app(device = lm3s6965, peripherals = false, dispatchers = [GPIOA])]
 mod app {
     use crate::camera::{self, FRAMES, HEIGHT, PIXELS, START, WIDTH};
-    use crate::{Order, Picture, Target, Workspace};
+    use crate::{Order, Target, Workspace};
     use core::arch::asm;
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
     use cortex_m::peripheral::{SYST, syst::SystClkSource};
     use semihosting::println;
     use semihosting::process::exit;
+    use smr_core::readout::ReadoutError;
     use smr_core::{Answer, Frame, Image, Rect, Target as _};
 
     /// Cycles of the core from line to line. An update takes as long as several lines.
@@ -62,7 +53,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        /// An order on its way from the task to the interrupt.
+        /// An order of the task, while the interrupt fills it.
         order: Option<Order>,
     }
 
@@ -71,7 +62,6 @@ mod app {
         // Used by the interrupt:
         frame: u16,
         y: u16,
-        picture: Option<Picture>,
         // Used by the task:
         target: &'static mut Target,
         workspace: &'static mut Workspace,
@@ -94,50 +84,35 @@ mod app {
             fail("cannot follow the target in whole frames")
         };
         // The first order is the window of the lock.
-        let window = target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START);
+        let order = Order::new(target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START), pixels);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();
-        let local = Local {
-            frame: 0,
-            y: 0,
-            picture: None,
-            target,
-            workspace,
-            whole,
-            updates: 0,
-            differ: 0,
-            instructions_a_cycle,
-        };
-        (Shared { order: Some(Order { window, pixels }) }, local)
+        let (frame, y, updates, differ) = (0, 0, 0, 0);
+        (Shared { order }, Local { frame, y, target, workspace, whole, updates, differ, instructions_a_cycle })
     }
 
     /// Takes a line of the camera: here on a timer, on a board when the DMA has completed a line.
-    #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y, picture])]
+    #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y])]
     fn line(mut context: line::Context) {
         let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // counts down to the interrupt at 0
         LARGEST_DELAY_CYCLES.fetch_max(late, Ordering::Relaxed);
         if IS_UPDATING.load(Ordering::Relaxed) {
             LINES_WHILE_UPDATING.fetch_add(1, Ordering::Relaxed);
         }
-        let line::LocalResources { frame, y, picture, .. } = context.local;
-        // An order that comes in the middle of a frame is taken only if its first line is still to come.
-        let is_ahead = |order: &mut Order| order.window.y >= i32::from(*y);
-        if let Some(order) = context.shared.order.lock(|order| order.take_if(is_ahead)) {
-            *picture = Some(Picture { order, frame: *frame, next_line: *y });
-        }
-        if let Some(mut filling) = picture.take() {
-            let last = filling.order.window.bottom() - 1;
-            let pushed = filling.order.readout(filling.next_line).and_then(|mut readout| {
-                readout.push_line(*y, &camera::line(*frame, *y))?;
-                Ok(readout.next_line())
-            });
-            let Ok(next_line) = pushed else { fail("the read-out refuses a line") };
-            filling.next_line = next_line;
-            if i32::from(*y) < last {
-                *picture = Some(filling);
-            } else if update::spawn(filling).is_err() {
-                fail("an update while one is running");
+        let line::LocalResources { frame, y, .. } = context.local;
+        let filled = context.shared.order.lock(|order| {
+            let Order { readout, pixels } = order.as_mut()?;
+            match readout.push_line(*y, &camera::line(*frame, *y), &mut pixels[..]) {
+                // An order that comes after its first line waits for the next frame.
+                Ok(()) | Err(ReadoutError::LineMissing(_)) => {}
+                Err(_) => fail("the read-out refuses a line"),
             }
+            order.take_if(|order| order.readout.is_complete())
+        });
+        if let Some(order) = filled
+            && update::spawn(*frame, order).is_err()
+        {
+            fail("an update while one is running");
         }
         *y = (*y + 1) % HEIGHT;
         *frame += u16::from(*y == 0);
@@ -145,13 +120,11 @@ mod app {
 
     /// Updates with a complete window. The pixels belong to this task until it orders the next window.
     #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
-    async fn update(mut context: update::Context, mut picture: Picture) {
+    async fn update(mut context: update::Context, number: u16, Order { readout, pixels }: Order) {
         let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =
             context.local;
         IS_UPDATING.store(true, Ordering::Relaxed);
-        let number = picture.frame;
-        let answer = picture.order.readout(picture.next_line).ok().and_then(|readout| {
-            let frame = readout.frame().ok()?;
+        let answer = readout.frame(&pixels[..]).ok().and_then(|frame| {
             if number == 0 {
                 target.lock(workspace, &frame, START).ok().map(|_| None)
             } else {
@@ -172,8 +145,7 @@ mod app {
             println!("from line to line: {}", LINE_CYCLES * instructions);
             exit(0);
         }
-        let Some(window) = target.window() else { fail("no target") };
-        let order = Order { window, pixels: picture.order.pixels };
+        let Some(order) = target.window().and_then(|window| Order::new(window, pixels)) else { fail("no target") };
         context.shared.order.lock(|next| *next = Some(order));
     }
 
