@@ -142,10 +142,8 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   readonly window: Rect | null;
   /** A second window, in which the robust tracker looks for a lost target; null if there is none. */
   readonly sweepWindow: Rect | null;
-  /** The paper's template; null without a target. */
+  /** The template, of the robust tracker the early one; null without a target. */
   readonly template: Picture | null;
-  /** The robust tracker's early template; null without a target. */
-  readonly earlyTemplate: Picture | null;
   /** The similarities of two pixels by their difference, in units of 1/65535. */
   readonly table: Uint16Array;
   /** Follows what is in `box`. Returns the quality. */

@@ -42,8 +42,7 @@ const SAVED_HEAD = 14;
 const CALL = struct({
   frame: struct({ width: u16, height: u16, parts: array(PART, 2) }),
   answer: ANSWER,
-  window: RECT,
-  sweepWindow: RECT,
+  windows: array(RECT, 2),
   box: RECT,
   fine: FINE_RECT,
   number: u32,
@@ -55,7 +54,6 @@ const CALL = struct({
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
 const TABLE_ENTRIES = 256;
-const EARLY_PIXELS = 1600; // SMR_ROBUST_PIXELS
 // Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
 const PIXELS_STEP = 65536;
 const MOST_I32 = 2 ** 31 - 1;
@@ -296,7 +294,7 @@ export class Tracker {
         throw error;
       }
     }
-    const windows = this.#show(given, [this.#get("smr_lock_window", "window", width, height, library.at("box"))]);
+    const windows = this.#show(given, this.#get("smr_lock_window", "windows", width, height, library.at("box")).slice(0, 1));
     lock();
     this.answer = null;
     this.#tell("locked", { width, height, box: library.read("box"), window: windows[0] });
@@ -371,24 +369,21 @@ export class Tracker {
 
   /** The pixels that the next update reads; null without a target. */
   get window() {
-    return this.#ask("smr_window", "window");
+    return this.#ask("smr_windows", "windows")?.[0] ?? null;
   }
 
   /** A second window, in which the robust tracker looks for a lost target; null if there is none. */
   get sweepWindow() {
-    const window = this.#ask("smr_sweep_window", "sweepWindow");
-    return window !== null && window.width * window.height > 0 ? window : null;
+    const window = this.#ask("smr_windows", "windows")?.[1];
+    return window?.width > 0 ? window : null;
   }
 
-  /** The paper's template: { width, height, pixels }; null without a target. */
+  /** The template, of the robust tracker the early one: { width, height, pixels }; null without a target. */
   get template() {
-    return this.#library.copyOf(this.#ask("smr_template", "image"));
-  }
-
-  /** The robust tracker's early template: { width, height, pixels }; null without a target. */
-  get earlyTemplate() {
-    const pixels = this.#library.pixels(EARLY_PIXELS);
-    return this.#library.copyOf(this.#ask("smr_early_template", "image", pixels, EARLY_PIXELS));
+    this.#live();
+    // A saved target has the template in it.
+    const size = this.#get("smr_saved_size", "number");
+    return this.#library.copyOf(this.#ask("smr_template", "image", this.#library.pixels(size), size));
   }
 
   /**
@@ -460,7 +455,7 @@ export class Tracker {
   }
 
   #showWindows(given) {
-    return this.#show(given, [this.#get("smr_window", "window"), this.#get("smr_sweep_window", "sweepWindow")]);
+    return this.#show(given, this.#get("smr_windows", "windows"));
   }
 
   // Copies the gray pixels of the windows into the library's memory, and writes the frame that has them as its parts.

@@ -161,10 +161,12 @@ SMR_RECORD void smr_record_lock(smr_recorder *to, const smr_tracker *tracker, co
 /* Call it before the update. It writes nothing if the frame does not contain the pixels that the tracker needs. */
 SMR_RECORD void smr_record_window(smr_recorder *to, const smr_tracker *tracker, const smr_frame *frame) {
     const smr_rect nothing = {0, 0, 0, 0};
-    smr_rect near_by, sweep;
-    if (to->failed || smr_window(tracker, &near_by) != SMR_OK || smr_sweep_window(tracker, &sweep) != SMR_OK) {
+    smr_rect windows[2], near_by, sweep;
+    if (to->failed || smr_windows(tracker, windows) != SMR_OK) {
         return;
     }
+    near_by = windows[0];
+    sweep = windows[1];
     if (near_by.width == 0 || near_by.height == 0) near_by = nothing;
     if (sweep.width == 0 || sweep.height == 0) sweep = nothing;
     if ((near_by.width > 0 && smr_record_part(frame, &near_by) == NULL)

@@ -7,7 +7,7 @@
  *     track METHOD FILE    writes a flight record to FILE, which `host-sim replay FILE` runs again
  *
  * A program needs memory, a configuration, lock and update. Nothing is allocated. The program simulates a camera that reads out
- * only what the tracker needs: smr_window and smr_sweep_window.
+ * only what the tracker needs: smr_windows.
  */
 
 #include <inttypes.h>
@@ -75,13 +75,13 @@ static smr_part read_out(const smr_rect *window)
     return part;
 }
 
-static smr_frame frame_of(const smr_rect *window, const smr_rect *sweep)
+static smr_frame frame_of(const smr_rect windows[2])
 {
     smr_frame frame;
     frame.width = FRAME_WIDTH;
     frame.height = FRAME_HEIGHT;
-    frame.parts[0] = read_out(window);
-    frame.parts[1] = read_out(sweep);
+    frame.parts[0] = read_out(&windows[0]);
+    frame.parts[1] = read_out(&windows[1]);
     return frame;
 }
 
@@ -113,7 +113,7 @@ static unsigned percent(uint16_t ratio)
 int main(int argc, char **argv)
 {
     int left = 20, top = 20, number, wrong = 0;
-    smr_rect target = {0, 0, TARGET, TARGET}, window, sweep = {0, 0, 0, 0};
+    smr_rect target = {0, 0, TARGET, TARGET}, windows[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};
     smr_config config;
     smr_tracker *tracker;
     smr_frame frame;
@@ -139,8 +139,8 @@ int main(int argc, char **argv)
     target.x = left;
     target.y = top;
     expose(0, 1, left, top);
-    must(smr_lock_window(tracker, FRAME_WIDTH, FRAME_HEIGHT, &target, &window), "smr_lock_window");
-    frame = frame_of(&window, &sweep);
+    must(smr_lock_window(tracker, FRAME_WIDTH, FRAME_HEIGHT, &target, &windows[0]), "smr_lock_window");
+    frame = frame_of(windows);
     must(smr_lock(tracker, &frame, &target), "smr_lock");
     smr_record_lock(&recorder, tracker, &frame, &target);
 
@@ -150,21 +150,20 @@ int main(int argc, char **argv)
         left += in_view ? 2 : 0;
         top += in_view ? number % 3 - 1 : 1;
         expose((uint32_t)number, in_view, left, top);
-        must(smr_window(tracker, &window), "smr_window");
-        must(smr_sweep_window(tracker, &sweep), "smr_sweep_window");
-        frame = frame_of(&window, &sweep);
+        must(smr_windows(tracker, windows), "smr_windows");
+        frame = frame_of(windows);
         smr_record_window(&recorder, tracker, &frame);
         must(smr_update(tracker, &frame, &answer), "smr_update");
         smr_record_answer(&recorder, &answer);
         printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-9s similar %3u %%, %u x %u%s pixels read\n", number,
                answer.bbox.x, answer.bbox.y, (unsigned)answer.bbox.width, (unsigned)answer.bbox.height,
-               name_of(answer.state), percent(answer.ratio), (unsigned)window.width, (unsigned)window.height,
-               sweep.width > 0 ? " and more" : "");
+               name_of(answer.state), percent(answer.ratio), (unsigned)windows[0].width, (unsigned)windows[0].height,
+               windows[1].width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
         /* The tracker must find the target while it is in view, and must not be tracking at the end of the time when it is hidden. When
          * the target comes back outside the window, the robust tracker searches one other place in each frame. It may take three frames,
          * and must not be tracking in them. */
-        sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && sweep.width > 0 && answer.state != SMR_TRACKING;
+        sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }
     wrong += recorder.failed || (recorder.context != NULL && fclose((FILE *)recorder.context) != 0);

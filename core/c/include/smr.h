@@ -242,7 +242,7 @@ enum smr_status
    */
   SMR_ERROR_FRAME_SIZE_CHANGED = 24,
   /**
-   * The parts in memory do not cover #smr_window and #smr_sweep_window.
+   * The parts in memory do not cover #smr_windows.
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
   /**
@@ -594,7 +594,7 @@ typedef struct smr_robust_config {
   /**
    * Else than 0: a small learned network corrects the box. #smr_config_refined sets it; #smr_config_robust does not.
    * A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
-   * #smr_window.
+   * #smr_windows.
    */
   uint8_t refiner;
   /**
@@ -707,7 +707,7 @@ typedef struct smr_part {
  * call.
  *
  * If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
- * tracker needs, give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
+ * tracker needs, give #smr_windows as the parts; the second only if it is not empty.
  */
 typedef struct smr_frame {
   /**
@@ -819,8 +819,8 @@ typedef struct smr_image {
  * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
  *
  * Lines may come in an interrupt while the main loop asks for the frame. Then:
- * - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt
- *   itself or while it is switched off.
+ * - #smr_readout_begin writes all of it: call it where no line can come, in the interrupt itself or while it is
+ *   switched off.
  * - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
  *   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
  *   #smr_update. For the next frame give other memory, or begin it after the update.
@@ -851,17 +851,17 @@ typedef struct smr_readout {
    */
   uint16_t line;
   /**
-   * The windows. If there is no second one, its `pixels` are NULL.
+   * The windows. If there is no second one, its width and height are 0.
    */
   struct smr_rect windows[2];
   /**
-   * Where their gray pixels go.
+   * Where the gray pixels of the first window go, and after them those of the second.
    */
-  uint8_t *pixels[2];
+  uint8_t *pixels;
   /**
    * Bytes there.
    */
-  size_t sizes[2];
+  size_t size;
 } smr_readout;
 
 /* Each type has the size that it has in the library, with pointers of 4 and of 8 bytes. */
@@ -885,7 +885,7 @@ SMR_SIZE(smr_frame, 44, 72);
 SMR_SIZE(smr_fine_rect, 16, 16);
 SMR_SIZE(smr_answer, 48, 48);
 SMR_SIZE(smr_image, 8, 16);
-SMR_SIZE(smr_readout, 52, 72);
+SMR_SIZE(smr_readout, 44, 56);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
 struct smr_storage {
     char before;
@@ -1060,7 +1060,7 @@ smr_status smr_lock_step(struct smr_tracker *tracker,
 /**
  * Finds the target in the next frame.
  *
- * It reads only the pixels in #smr_window and #smr_sweep_window; the rest of the frame need not be in memory.
+ * It reads only the pixels in #smr_windows; the rest of the frame need not be in memory.
  *
  * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
  * in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
@@ -1069,7 +1069,7 @@ smr_status smr_lock_step(struct smr_tracker *tracker,
  * does the same in steps.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
+ * @param frame    The frame. Its parts in memory cover #smr_windows.
  * @param answer   Is set to the answer; unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
  *                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
@@ -1087,7 +1087,7 @@ smr_status smr_update(struct smr_tracker *tracker,
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
- *   of a row of #smr_window) + 7 * #SMR_SPAN.
+ *   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
  * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
  *   `work` by at most 128,000.
  *
@@ -1103,25 +1103,16 @@ smr_status smr_update_step(struct smr_tracker *tracker,
                            struct smr_answer *answer);
 
 /**
- * The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in
- * #smr_sweep_window.
+ * The pixels of the frame that the next #smr_update may read. Firmware need not read out more.
  *
- * @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
- * frame and never empty; unchanged after an error. @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED,
- * #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+ * @param tracker  Made by #smr_init, locked by #smr_lock.
+ * @param windows  Are set to two rectangles, both inside the frame. The first is never empty. In the second the robust tracker searches
+ *                 for a lost target: in most frames, and always for the paper's tracker, its width and height are 0. Unchanged after an
+ *                 error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
  */
-smr_status smr_window(const struct smr_tracker *tracker,
-                      struct smr_rect *window);
-
-/**
- * A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is
- * empty in most frames, and always for the paper's tracker.
- *
- * @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
- * frame; width and height are 0 if it is empty. Unchanged after an error. @return         As #smr_window.
- */
-smr_status smr_sweep_window(const struct smr_tracker *tracker,
-                            struct smr_rect *window);
+smr_status smr_windows(const struct smr_tracker *tracker,
+                       struct smr_rect windows[2]);
 
 /**
  * Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
@@ -1145,7 +1136,7 @@ smr_status smr_moved(struct smr_tracker *tracker,
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
- * @return         As #smr_window.
+ * @return         As #smr_windows.
  */
 smr_status smr_quality(const struct smr_tracker *tracker,
                        uint16_t *quality);
@@ -1156,37 +1147,27 @@ smr_status smr_quality(const struct smr_tracker *tracker,
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param bbox     Is set to the box; unchanged after an error.
  * @param state    Is set to the state; unchanged after an error.
- * @return         As #smr_window.
+ * @return         As #smr_windows.
  */
 smr_status smr_last(const struct smr_tracker *tracker,
                     struct smr_fine_rect *bbox,
                     smr_state *state);
 
 /**
- * The template of the paper's tracker: the appearance of the target at the last update of the template.
+ * A copy of the template: the appearance of the target at the last update of the paper's template, or the robust
+ * tracker's early template, with which it verifies the target.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param image    Is set to the pixels in the tracker's storage. They may only be read, and only until the next call that changes this
- *                 tracker. Unchanged after an error.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_NOT_LOCKED or
- *                 #SMR_ERROR_OTHER_METHOD.
+ * @param pixels   Memory outside the tracker's own, for the pixels, row by row without gaps.
+ * @param size     Bytes at `pixels`; #SMR_PIXELS or #SMR_ROBUST_PIXELS are always enough.
+ * @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
+ *                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_NOT_LOCKED or #SMR_ERROR_BUFFER_TOO_SMALL.
  */
 smr_status smr_template(const struct smr_tracker *tracker,
+                        uint8_t *pixels,
+                        size_t size,
                         struct smr_image *image);
-
-/**
- * The early template of the robust tracker, with which it verifies the target.
- *
- * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param pixels   Memory outside the tracker's own, for a copy of the pixels, row by row without gaps.
- * @param size     Bytes at `pixels`; #SMR_ROBUST_PIXELS are always enough.
- * @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
- * @return         As #smr_template, or #SMR_ERROR_BUFFER_TOO_SMALL.
- */
-smr_status smr_early_template(const struct smr_tracker *tracker,
-                              uint8_t *pixels,
-                              size_t size,
-                              struct smr_image *image);
 
 /**
  * The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.
@@ -1253,18 +1234,19 @@ smr_status smr_other_setting(const struct smr_tracker *tracker,
                              const char **name);
 
 /**
- * Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
+ * Begins a frame.
  *
  * Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
- * #smr_window, or #smr_lock_window before a lock.
+ * #smr_windows; before a lock #smr_lock_window and an empty one.
  *
  * @param readout  Is filled; need not be initialised. Unchanged after an error.
  * @param format   A number of #smr_format.
  * @param columns  Columns of the sensor.
  * @param lines    Lines of the sensor.
- * @param window   The window, not empty and inside the gray frame.
- * @param pixels   Initialised memory for width * height bytes, until the tracker was called with the frame.
- * @param size     Bytes there.
+ * @param windows  Two windows inside the gray frame. Only the second may be empty.
+ * @param pixels   Initialised memory, until the tracker was called with the frame. The gray pixels of the first window go there, then
+ *                 those of the second, row by row without gaps.
+ * @param size     Bytes there; at least width * height of both windows.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
  *                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
  */
@@ -1272,24 +1254,9 @@ smr_status smr_readout_begin(struct smr_readout *readout,
                              int32_t format,
                              uint16_t columns,
                              uint16_t lines,
-                             const struct smr_rect *window,
+                             const struct smr_rect windows[2],
                              uint8_t *pixels,
                              size_t size);
-
-/**
- * Adds a second window: #smr_sweep_window. Before the first line.
- *
- * @param readout  Filled by #smr_readout_begin. Unchanged after an error.
- * @param window   The window, not empty and inside the gray frame.
- * @param pixels   As for #smr_readout_begin; other memory than that of the first window.
- * @param size     Bytes there.
- * @return         As #smr_readout_begin; #SMR_ERROR_OVERLAPS_TRACKER if it is memory of the first window;
- *                 #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
- */
-smr_status smr_readout_add_window(struct smr_readout *readout,
-                                  const struct smr_rect *window,
-                                  uint8_t *pixels,
-                                  size_t size);
 
 /**
  * Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in

@@ -112,7 +112,7 @@ pub struct smr_robust_config {
     pub sweep: u8,
     /// Else than 0: a small learned network corrects the box. #smr_config_refined sets it; #smr_config_robust does not.
     /// A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
-    /// #smr_window.
+    /// #smr_windows.
     pub refiner: u8,
     /// Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds
     /// on for longer: through short occlusions, but also to a wrong target.

@@ -57,7 +57,7 @@ pub struct smr_part {
 /// call.
 ///
 /// If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
-/// tracker needs, give #smr_window as the first part and #smr_sweep_window, if it is not empty, as the second.
+/// tracker needs, give #smr_windows as the parts; the second only if it is not empty.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_frame {

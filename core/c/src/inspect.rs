@@ -3,17 +3,17 @@
 use crate::answer::smr_state;
 use crate::frame::{smr_fine_rect, smr_image};
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, SMR_ERROR_OTHER_METHOD, smr_status, status_of};
+use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, smr_status, status_of};
 use crate::tracker::{Known, ask, each, smr_tracker};
+use smr_core::Target;
 use smr_core::similarity::Table;
-use smr_core::{Image, Robust, Target};
 
 /// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
 /// same when shifted: the tracker follows it, but may slip along it without noticing.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param quality  Is set to the quality in units of 1/65535, poor below #SMR_POOR_QUALITY; unchanged after an error.
-/// @return         As #smr_window.
+/// @return         As #smr_windows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut u16) -> smr_status {
     // SAFETY: as the header demands of the caller.
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn smr_quality(tracker: *const smr_tracker, quality: *mut 
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param bbox     Is set to the box; unchanged after an error.
 /// @param state    Is set to the state; unchanged after an error.
-/// @return         As #smr_window.
+/// @return         As #smr_windows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_last(
     tracker: *const smr_tracker,
@@ -49,37 +49,17 @@ pub unsafe extern "C" fn smr_last(
     })
 }
 
-/// The template of the paper's tracker: the appearance of the target at the last update of the template.
+/// A copy of the template: the appearance of the target at the last update of the paper's template, or the robust
+/// tracker's early template, with which it verifies the target.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param image    Is set to the pixels in the tracker's storage. They may only be read, and only until the next call that changes this
-///                 tracker. Unchanged after an error.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_NOT_LOCKED or
-///                 #SMR_ERROR_OTHER_METHOD.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_template(tracker: *const smr_tracker, image: *mut smr_image) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        ask(tracker, image, |tracker| {
-            let Known::Paper(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
-            let image = |image: Image<'_>| {
-                let pixels = image.row(0).as_ptr();
-                smr_image { pixels, width: image.width(), height: image.height() }
-            };
-            target.template().map(image).ok_or(SMR_ERROR_NOT_LOCKED)
-        })
-    })
-}
-
-/// The early template of the robust tracker, with which it verifies the target.
-///
-/// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param pixels   Memory outside the tracker's own, for a copy of the pixels, row by row without gaps.
-/// @param size     Bytes at `pixels`; #SMR_ROBUST_PIXELS are always enough.
+/// @param pixels   Memory outside the tracker's own, for the pixels, row by row without gaps.
+/// @param size     Bytes at `pixels`; #SMR_PIXELS or #SMR_ROBUST_PIXELS are always enough.
 /// @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
-/// @return         As #smr_template, or #SMR_ERROR_BUFFER_TOO_SMALL.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
+///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_NOT_LOCKED or #SMR_ERROR_BUFFER_TOO_SMALL.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_early_template(
+pub unsafe extern "C" fn smr_template(
     tracker: *const smr_tracker,
     pixels: *mut u8,
     size: usize,
@@ -89,26 +69,32 @@ pub unsafe extern "C" fn smr_early_template(
     status_of(unsafe {
         ask(tracker, image, |tracker| {
             pointer::check_bytes(pixels, size, &tracker.memory())?;
-            let Known::Robust(target) = tracker.known() else { return Err(SMR_ERROR_OTHER_METHOD) };
-            early_template(target, pixels, size)
+            let copied = match tracker.known() {
+                Known::Paper(target) => target.template().map(|image| {
+                    let (width, height) = (image.width(), image.height());
+                    copy(smr_image { pixels, width, height }, size, image.rows().flatten().copied())
+                }),
+                Known::Robust(target) => target.grid().zip(target.early_template()).map(|(grid, template)| {
+                    copy(smr_image { pixels, width: grid.columns, height: grid.rows }, size, template)
+                }),
+            };
+            copied.ok_or(SMR_ERROR_NOT_LOCKED)?
         })
     })
 }
 
 /// # Safety
-/// There is memory for `size` bytes at `pixels`.
-unsafe fn early_template(target: &Robust, pixels: *mut u8, size: usize) -> Result<smr_image, smr_status> {
-    let (Some(grid), Some(template)) = (target.grid(), target.early_template()) else {
-        return Err(SMR_ERROR_NOT_LOCKED);
-    };
-    if size < template.len() {
+/// There is memory for `size` bytes at the pixels of `to`.
+unsafe fn copy(to: smr_image, size: usize, from: impl Iterator<Item = u8>) -> Result<smr_image, smr_status> {
+    let area = usize::from(to.width) * usize::from(to.height);
+    if size < area {
         return Err(SMR_ERROR_BUFFER_TOO_SMALL);
     }
-    for (at, pixel) in template.enumerate() {
+    for (at, pixel) in (0..area).zip(from) {
         // SAFETY: the caller ensures that there is memory for `size` pixels, and `size` is at least their number.
-        unsafe { pixels.add(at).write(pixel) }
+        unsafe { to.pixels.cast_mut().add(at).write(pixel) }
     }
-    Ok(smr_image { pixels, width: grid.columns, height: grid.rows })
+    Ok(to)
 }
 
 /// The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.

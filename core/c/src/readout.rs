@@ -2,10 +2,13 @@
 
 use crate::frame::{smr_frame, smr_part, smr_rect};
 use crate::pointer::{self, Out};
-use crate::status::{SMR_ERROR_FORMAT_UNKNOWN, smr_status, status_of};
-use core::ptr;
+use crate::status::{
+    SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_FORMAT_UNKNOWN, SMR_ERROR_LINE_MISSING, smr_status, status_of,
+};
 use core::sync::atomic::{Ordering, compiler_fence};
-use smr_core::readout::{Format, Lines, Readout, ReadoutError};
+use core::{ptr, slice};
+use smr_core::Rect;
+use smr_core::readout::{Format, Readout, ReadoutError};
 
 /// How a camera sends its pixels.
 #[repr(i32)]
@@ -38,8 +41,8 @@ const _: () = {
 /// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
 ///
 /// Lines may come in an interrupt while the main loop asks for the frame. Then:
-/// - #smr_readout_begin and #smr_readout_add_window write all of it: call them where no line can come, in the interrupt
-///   itself or while it is switched off.
+/// - #smr_readout_begin writes all of it: call it where no line can come, in the interrupt itself or while it is
+///   switched off.
 /// - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
 ///   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
 ///   #smr_update. For the next frame give other memory, or begin it after the update.
@@ -60,12 +63,12 @@ pub struct smr_readout {
     pub next: u16,
     /// The line that the last error SMR_ERROR_LINE_... is about.
     pub line: u16,
-    /// The windows. If there is no second one, its `pixels` are NULL.
+    /// The windows. If there is no second one, its width and height are 0.
     pub windows: [smr_rect; 2],
-    /// Where their gray pixels go.
-    pub pixels: [*mut u8; 2],
+    /// Where the gray pixels of the first window go, and after them those of the second.
+    pub pixels: *mut u8,
     /// Bytes there.
-    pub sizes: [usize; 2],
+    pub size: usize,
 }
 
 impl smr_readout {
@@ -81,8 +84,8 @@ impl smr_readout {
             // Nothing that the lines before `next` brought is read before it.
             compiler_fence(Ordering::Acquire);
             let (format, columns, lines) = ((*from).format, (*from).columns, (*from).lines);
-            let (windows, pixels, sizes) = ((*from).windows, (*from).pixels, (*from).sizes);
-            Ok(Self { format, columns, lines, next, line: 0, windows, pixels, sizes })
+            let (windows, pixels, size) = ((*from).windows, (*from).pixels, (*from).size);
+            Ok(Self { format, columns, lines, next, line: 0, windows, pixels, size })
         }
     }
 
@@ -109,103 +112,70 @@ impl smr_readout {
         known.copied().ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
-    /// The lines, without the pixels, which another call may be writing.
-    fn lines(&self) -> Result<Lines, smr_status> {
-        let ([first, second], [near, far], [room, more]) = (self.pixels, self.windows, self.sizes);
-        let format = self.format()?;
-        pointer::check_bytes(first, room, &[0..0, 0..0])?;
-        let lines = Lines::new(format, (self.columns, self.lines), near.into(), room)?;
-        if second.is_null() {
-            return Ok(lines.resume(self.next));
+    /// The readout of `smr-core`. Another call may be writing the pixels.
+    fn open(&self) -> Result<Readout, smr_status> {
+        let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
+        pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;
+        let mut readout = Readout::new(format, (self.columns, self.lines), first)?;
+        if !second.is_empty() {
+            readout = readout.and_window(second)?;
         }
-        pointer::check_bytes(second, more, &[0..0, 0..0])?;
-        Ok(lines.and_window(far.into(), more)?.resume(self.next))
+        if self.size < readout.pixels() {
+            return Err(SMR_ERROR_BUFFER_TOO_SMALL);
+        }
+        readout.next = self.next;
+        Ok(readout)
     }
 
-    /// The readout of `smr-core`, which has these `lines`.
-    ///
-    /// # Safety
-    /// `pixels` that are not NULL point to as many bytes as `sizes` says, and nobody else uses them while the result
-    /// lives.
-    unsafe fn open<'a>(&self, lines: Lines) -> Readout<'a> {
-        let ([first, second], [room, more]) = (self.pixels, self.sizes);
-        // SAFETY: `lines` has checked the pointers; the rest as the caller ensures.
-        unsafe {
-            let second = if second.is_null() { &mut [] } else { core::slice::from_raw_parts_mut(second, more) };
-            Readout::of(lines, core::slice::from_raw_parts_mut(first, room), second)
-        }
+    /// Windows that were checked, in a frame.
+    fn parts(&self) -> [smr_part; 2] {
+        let area = |window: smr_rect| usize::from(window.width) * usize::from(window.height);
+        let place = |at: i32| u16::try_from(at).unwrap_or(0);
+        let part = |pixels: *mut u8, window: smr_rect| {
+            let smr_rect { x, y, width, height } = window;
+            smr_part { pixels, size: area(window), stride: width.into(), width, height, x: place(x), y: place(y) }
+        };
+        let [first, second] = self.windows;
+        let rest = if area(second) == 0 { ptr::null_mut() } else { self.pixels.wrapping_add(area(first)) };
+        [part(self.pixels, first), part(rest, second)]
     }
 }
 
-/// Begins a frame. The gray pixels of the window go to `pixels`, row by row without gaps.
+/// Begins a frame.
 ///
 /// Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
-/// #smr_window, or #smr_lock_window before a lock.
+/// #smr_windows; before a lock #smr_lock_window and an empty one.
 ///
 /// @param readout  Is filled; need not be initialised. Unchanged after an error.
 /// @param format   A number of #smr_format.
 /// @param columns  Columns of the sensor.
 /// @param lines    Lines of the sensor.
-/// @param window   The window, not empty and inside the gray frame.
-/// @param pixels   Initialised memory for width * height bytes, until the tracker was called with the frame.
-/// @param size     Bytes there.
+/// @param windows  Two windows inside the gray frame. Only the second may be empty.
+/// @param pixels   Initialised memory, until the tracker was called with the frame. The gray pixels of the first window go there, then
+///                 those of the second, row by row without gaps.
+/// @param size     Bytes there; at least width * height of both windows.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
 ///                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
+/// cbindgen:ptrs-as-arrays=[[windows; 2]]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_readout_begin(
     readout: *mut smr_readout,
     format: i32,
     columns: u16,
     lines: u16,
-    window: *const smr_rect,
+    windows: *const smr_rect,
     pixels: *mut u8,
     size: usize,
 ) -> smr_status {
     let begin = || {
         // SAFETY: as the header demands of the caller.
-        let (readout, window) = unsafe { (Out::new(readout)?, pointer::read(window)?) };
-        let (pixels, sizes) = ([pixels, ptr::null_mut()], [size, 0]);
-        let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows: [window; 2], pixels, sizes };
-        begun.lines()?;
+        let (readout, windows) = unsafe { (Out::new(readout)?, pointer::read(windows.cast::<[smr_rect; 2]>())?) };
+        let begun = smr_readout { format, columns, lines, next: 0, line: 0, windows, pixels, size };
+        begun.open()?;
         readout.write(begun);
         Ok(())
     };
     status_of(begin())
-}
-
-/// Adds a second window: #smr_sweep_window. Before the first line.
-///
-/// @param readout  Filled by #smr_readout_begin. Unchanged after an error.
-/// @param window   The window, not empty and inside the gray frame.
-/// @param pixels   As for #smr_readout_begin; other memory than that of the first window.
-/// @param size     Bytes there.
-/// @return         As #smr_readout_begin; #SMR_ERROR_OVERLAPS_TRACKER if it is memory of the first window;
-///                 #SMR_ERROR_LINE_OUT_OF_ORDER after the first line.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_readout_add_window(
-    readout: *mut smr_readout,
-    window: *const smr_rect,
-    pixels: *mut u8,
-    size: usize,
-) -> smr_status {
-    let add = || {
-        // SAFETY: as the header demands of the caller.
-        let (mut changed, window) = unsafe { (pointer::read(readout)?, pointer::read(window)?) };
-        if changed.next > 0 {
-            return Err(smr_status::SMR_ERROR_LINE_OUT_OF_ORDER);
-        }
-        pointer::check(pixels)?;
-        let ([near, _], [first, _], [room, _]) = (changed.windows, changed.pixels, changed.sizes);
-        (changed.windows, changed.pixels, changed.sizes) = ([near, window], [first, pixels], [room, size]);
-        if pointer::overlap(&pointer::range(first, room), &pointer::range(pixels, size)) {
-            return Err(smr_status::SMR_ERROR_OVERLAPS_TRACKER);
-        }
-        changed.lines()?;
-        // SAFETY: `read` has checked the pointer.
-        unsafe { readout.write(changed) };
-        Ok(())
-    };
-    status_of(add())
 }
 
 /// Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in
@@ -229,20 +199,7 @@ pub unsafe extern "C" fn smr_readout_line(
     size: usize,
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe {
-        pushed(readout, bytes, size, |begun, bytes| {
-            let lines = begun.lines()?;
-            Ok(match lines.check(y, bytes.len()) {
-                // Whoever has the frame may be reading its pixels, but then none of its lines is left to come.
-                Ok(true) => begun
-                    .open(lines)
-                    .push_line(y, bytes)
-                    .map_or_else(|error| (begun.next, Err(error)), |()| (y + 1, Ok(()))),
-                Ok(false) => (y + 1, Ok(())),
-                Err(error) => (begun.next, Err(error)),
-            })
-        })
-    })
+    status_of(unsafe { pushed(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
 }
 
 /// Takes all lines of a frame that is in memory. Not for interrupts: it takes as long as all its lines.
@@ -261,11 +218,7 @@ pub unsafe extern "C" fn smr_readout_lines(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        pushed(readout, bytes, size, |begun, bytes| {
-            let mut readout = begun.open(begun.lines()?);
-            let result = readout.push_frame(bytes, stride);
-            Ok((readout.next_line(), result))
-        })
+        pushed(readout, bytes, size, |readout, bytes, pixels| readout.push_frame(bytes, stride, pixels))
     })
 }
 
@@ -277,18 +230,21 @@ unsafe fn pushed(
     to: *mut smr_readout,
     bytes: *const u8,
     size: usize,
-    push: impl FnOnce(&smr_readout, &[u8]) -> Result<(u16, Result<(), ReadoutError>), smr_status>,
+    push: impl FnOnce(&mut Readout, &[u8], &mut [u8]) -> Result<(), ReadoutError>,
 ) -> Result<(), smr_status> {
     // SAFETY: as the caller ensures.
     let begun = unsafe { smr_readout::read(to)? };
-    let ([first, second], [room, more]) = (begun.pixels, begun.sizes);
-    let taken = [(first, room), (second, more)]
-        .map(|(pixels, size)| pointer::range(pixels, if pixels.is_null() { 0 } else { size }));
-    pointer::check_bytes(bytes, size, &taken)?;
+    pointer::check_bytes(bytes, size, &[pointer::range(begun.pixels, begun.size), 0..0])?;
+    let mut readout = begun.open()?;
+    // Whoever has the frame may be reading its pixels, but then no line of the windows is left to come.
+    let room = if readout.is_complete() { 0 } else { begun.size };
     // SAFETY: as the caller ensures; the line is outside the windows' memory.
-    let (next, result) = push(&begun, unsafe { core::slice::from_raw_parts(bytes, size) })?;
+    let result = unsafe {
+        let (bytes, pixels) = (slice::from_raw_parts(bytes, size), slice::from_raw_parts_mut(begun.pixels, room));
+        push(&mut readout, bytes, pixels)
+    };
     // SAFETY: `to` was read.
-    unsafe { smr_readout::note(to, next, result) }
+    unsafe { smr_readout::note(to, readout.next, result) }
 }
 
 /// The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
@@ -304,24 +260,12 @@ pub unsafe extern "C" fn smr_readout_frame(readout: *const smr_readout, frame: *
     let fill = || {
         // SAFETY: as the header demands of the caller.
         let (begun, frame) = unsafe { (smr_readout::read(readout)?, Out::new(frame)?) };
-        let lines = begun.lines()?;
-        lines.check_frame()?;
-        let (width, height) = lines.gray_size();
+        if !begun.open()?.is_complete() {
+            return Err(SMR_ERROR_LINE_MISSING);
+        }
+        let (width, height) = begun.format()?.gray_size((begun.columns, begun.lines));
         frame.write(smr_frame { width, height, parts: begun.parts() });
         Ok(())
     };
     status_of(fill())
-}
-
-impl smr_readout {
-    /// The windows, which were checked.
-    fn parts(&self) -> [smr_part; 2] {
-        let [near, far] = self.windows;
-        let ([first, second], [room, more]) = (self.pixels, self.sizes);
-        [(near, first, room), (far, second, more)].map(|(window, pixels, size)| {
-            let smr_rect { x, y, width, height } = window;
-            let place = |at: i32| u16::try_from(at).unwrap_or(0);
-            smr_part { pixels, size, stride: width.into(), width, height, x: place(x), y: place(y) }
-        })
-    }
 }

@@ -78,7 +78,7 @@ statuses! {
     SMR_ERROR_NOT_LOCKED = 23,
     /// The frame has another size than the one of #smr_lock.
     SMR_ERROR_FRAME_SIZE_CHANGED = 24,
-    /// The parts in memory do not cover #smr_window and #smr_sweep_window.
+    /// The parts in memory do not cover #smr_windows.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
     /// A step has done its work, and more is left: call #smr_update_step or #smr_lock_step again. Not an error.
     SMR_UNDER_WAY = 26,

@@ -9,7 +9,7 @@ use smr_core::Target;
 
 /// Finds the target in the next frame.
 ///
-/// It reads only the pixels in #smr_window and #smr_sweep_window; the rest of the frame need not be in memory.
+/// It reads only the pixels in #smr_windows; the rest of the frame need not be in memory.
 ///
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
 /// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
@@ -18,7 +18,7 @@ use smr_core::Target;
 /// does the same in steps.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param frame    The frame. Its parts in memory cover #smr_window and #smr_sweep_window.
+/// @param frame    The frame. Its parts in memory cover #smr_windows.
 /// @param answer   Is set to the answer; unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
 ///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn smr_update(
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
-///   of a row of #smr_window) + 7 * #SMR_SPAN.
+///   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
 /// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
 ///   `work` by at most 128,000.
 ///
@@ -68,30 +68,21 @@ pub unsafe extern "C" fn smr_update_step(
     })
 }
 
-/// The pixels of the frame that the next #smr_update may read. Firmware need not read out more than these and those in
-/// #smr_sweep_window.
+/// The pixels of the frame that the next #smr_update may read. Firmware need not read out more.
 ///
-/// @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
-/// frame and never empty; unchanged after an error. @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED,
-/// #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param windows  Are set to two rectangles, both inside the frame. The first is never empty. In the second the robust tracker searches
+///                 for a lost target: in most frames, and always for the paper's tracker, its width and height are 0. Unchanged after an
+///                 error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+/// cbindgen:ptrs-as-arrays=[[windows; 2]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe { ask(tracker, window, |tracker| Ok(tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?.into())) })
-}
-
-/// A second window that the next #smr_update may read, in which the robust tracker searches for a lost target. It is
-/// empty in most frames, and always for the paper's tracker.
-///
-/// @param tracker  Made by #smr_init, locked by #smr_lock. @param window   Is set to a rectangle, always inside the
-/// frame; width and height are 0 if it is empty. Unchanged after an error. @return         As #smr_window.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn smr_sweep_window(tracker: *const smr_tracker, window: *mut smr_rect) -> smr_status {
+pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut smr_rect) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        ask(tracker, window, |tracker| {
-            tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
-            Ok(tracker.sweep_window().unwrap_or_default().into())
+        ask(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
+            let window = tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
+            Ok([window, tracker.sweep_window().unwrap_or_default()].map(Into::into))
         })
     })
 }

@@ -73,13 +73,13 @@ static smr_part part_of(unsigned number, const pages *pages, const smr_rect *win
     return part;
 }
 
-static smr_frame frame_of(unsigned number, const smr_rect *window, const smr_rect *sweep, int at_the_end)
+static smr_frame frame_of(unsigned number, const smr_rect windows[2], int at_the_end)
 {
     smr_frame frame;
     frame.width = WIDTH;
     frame.height = HEIGHT;
-    frame.parts[0] = part_of(number, &parts[0], window, at_the_end);
-    frame.parts[1] = part_of(number, &parts[1], sweep, at_the_end);
+    frame.parts[0] = part_of(number, &parts[0], &windows[0], at_the_end);
+    frame.parts[1] = part_of(number, &parts[1], &windows[1], at_the_end);
     return frame;
 }
 
@@ -95,19 +95,18 @@ static unsigned track(const smr_config *config, const smr_rect *target, int at_t
         smr_robust_workspace robust;
     } workspace;
     smr_tracker *tracker;
-    smr_rect window, sweep = {0, 0, 0, 0};
+    smr_rect windows[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};
     smr_frame frame;
     smr_answer answer;
     unsigned number, sweeps = 0;
     must(smr_init(&storage, sizeof storage, &workspace, sizeof workspace, config, &tracker));
-    must(smr_lock_window(tracker, WIDTH, HEIGHT, target, &window));
-    frame = frame_of(0, &window, &sweep, at_the_end);
+    must(smr_lock_window(tracker, WIDTH, HEIGHT, target, &windows[0]));
+    frame = frame_of(0, windows, at_the_end);
     must(smr_lock(tracker, &frame, target));
     for (number = 1; number < 12; number++) {
-        must(smr_window(tracker, &window));
-        must(smr_sweep_window(tracker, &sweep));
-        sweeps += sweep.width > 0;
-        frame = frame_of(number * number, &window, &sweep, at_the_end); /* the target is soon lost, so that the robust tracker also reads the second window */
+        must(smr_windows(tracker, windows));
+        sweeps += windows[1].width > 0;
+        frame = frame_of(number * number, windows, at_the_end); /* the target is soon lost, so that the robust tracker also reads the second window */
         must(smr_update(tracker, &frame, &answer));
     }
     return sweeps;

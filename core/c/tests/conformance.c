@@ -322,11 +322,11 @@ static smr_frame frame_of(const smr_rect *window, const smr_rect *sweep)
 
 static uint32_t template_hash(const smr_tracker *tracker)
 {
-    static uint8_t pixels[SMR_ROBUST_PIXELS];
+    static uint8_t pixels[SMR_PIXELS > SMR_ROBUST_PIXELS ? SMR_PIXELS : SMR_ROBUST_PIXELS];
     smr_image image;
     uint32_t hash = 0x811C9DC5u;
     size_t i;
-    must(robust ? smr_early_template(tracker, pixels, sizeof pixels, &image) : smr_template(tracker, &image));
+    must(smr_template(tracker, pixels, sizeof pixels, &image));
     for (i = 0; i < (size_t)image.width * image.height; i++) {
         hash = (hash ^ image.pixels[i]) * 0x01000193u;
     }
@@ -418,11 +418,10 @@ static void save_and_restore(smr_tracker *tracker, const smr_config *config)
 static void update_both(smr_tracker *whole, smr_tracker *part, const smr_config *config, smr_answer answers[2])
 {
     smr_frame frame = whole_frame();
-    smr_rect window, sweep;
+    smr_rect windows[2];
     must(smr_update(whole, &frame, &answers[0]));
-    must(smr_window(part, &window));
-    must(smr_sweep_window(part, &sweep));
-    frame = frame_of(&window, &sweep);
+    must(smr_windows(part, windows));
+    frame = frame_of(&windows[0], &windows[1]);
     update_in_steps(part, &frame, &answers[1]);
     save_and_restore(part, config);
 }

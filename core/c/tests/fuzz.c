@@ -179,7 +179,7 @@ static void one(uint32_t start)
     for (call = 0; call < CALLS; call++) {
         smr_frame frame;
         smr_answer answer;
-        smr_rect window = {0, 0, 0, 0}, sweep = {0, 0, 0, 0}, target = box(width, height);
+        smr_rect windows[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}}, target = box(width, height);
         smr_fine_rect bbox;
         smr_state state = SMR_TRACKING;
         smr_image image;
@@ -190,14 +190,13 @@ static void one(uint32_t start)
         frame.width = width;
         frame.height = height;
         if (call == 0 || rarely()) {
-            smr_lock_window(tracker, width, height, &target, &window);
+            smr_lock_window(tracker, width, height, &target, &windows[0]);
         } else {
-            smr_window(tracker, &window);
-            smr_sweep_window(tracker, &sweep);
+            smr_windows(tracker, windows);
         }
-        part(&frame.parts[0], window);
-        if (sweep.width) {
-            part(&frame.parts[1], sweep);
+        part(&frame.parts[0], windows[0]);
+        if (windows[1].width) {
+            part(&frame.parts[1], windows[1]);
         }
         read[0] = (uint8_t *)frame.parts[0].pixels;
         read[1] = (uint8_t *)frame.parts[1].pixels;
@@ -222,10 +221,7 @@ static void one(uint32_t start)
             status = smr_restore(tracker, saved, below(2) ? size : below((uint32_t)size + 1));
             break;
         case 4:
-            status = smr_template(tracker, rarely() ? NULL : &image);
-            break;
-        case 6:
-            status = smr_early_template(tracker, saved, below((uint32_t)size + 1), &image);
+            status = smr_template(tracker, saved, below((uint32_t)size + 1), rarely() ? NULL : &image);
             break;
         case 7:
             status = smr_last(tracker, rarely() ? NULL : &bbox, rarely() ? NULL : &state);

@@ -53,7 +53,7 @@ static void switch_interrupt(int how)
 
 int main(void)
 {
-    const smr_rect window = {0, TOP, WIDTH, BOTTOM - TOP};
+    const smr_rect windows[2] = {{0, TOP, WIDTH, BOTTOM - TOP}, {0, 0, 0, 0}};
     struct itimerval every;
     struct sigaction action;
     unsigned long polls = 0, between = 0;
@@ -70,7 +70,7 @@ int main(void)
         smr_frame frame;
         smr_status status;
         switch_interrupt(SIG_BLOCK);
-        status = smr_readout_begin(&readout, SMR_GRAY8, WIDTH, LINES, &window, pixels, sizeof pixels);
+        status = smr_readout_begin(&readout, SMR_GRAY8, WIDTH, LINES, windows, pixels, sizeof pixels);
         next_line = 0;
         switch_interrupt(SIG_UNBLOCK);
         if (status != SMR_OK) {

@@ -277,22 +277,20 @@ static void no_updates(smr_tracker *tracker, smr_status wanted)
 
 static void no_tracker(smr_tracker *tracker, smr_status wanted)
 {
-    smr_rect box = rect(10, 10, 12, 12), window;
+    smr_rect box = rect(10, 10, 12, 12), windows[2];
     smr_fine_rect fine;
     smr_state state;
     smr_image image;
     size_t size;
     no_updates(tracker, wanted);
-    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), wanted);
-    EXPECT(smr_window(tracker, &window), wanted);
-    EXPECT(smr_sweep_window(tracker, &window), wanted);
+    EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, windows), wanted);
+    EXPECT(smr_windows(tracker, windows), wanted);
     EXPECT(smr_last(tracker, &fine, &state), wanted);
     EXPECT(smr_moved(tracker, 256, 256), wanted);
     EXPECT(smr_saved_size(tracker, &size), wanted);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &size), wanted);
     EXPECT(smr_restore(tracker, bytes, sizeof bytes), wanted);
-    EXPECT(smr_template(tracker, &image), wanted);
-    EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), wanted);
+    EXPECT(smr_template(tracker, bytes, sizeof bytes, &image), wanted);
 }
 
 static void no_trackers(void)
@@ -336,21 +334,13 @@ static void shared_workspaces(void)
     no_updates(one, SMR_ERROR_NOT_INITIALISED);
 }
 
-/* The calls for only one of the trackers. */
+/* A target that the other tracker has saved. */
 static void other_methods(void)
 {
     static target other;
     smr_tracker *tracker = locked_tracker();
     smr_config config;
-    smr_image image;
     size_t written;
-    memset(&image, 0x5A, sizeof image);
-    if (robust) {
-        EXPECT(smr_template(tracker, &image), SMR_ERROR_OTHER_METHOD);
-    } else {
-        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_OTHER_METHOD);
-    }
-    HOLD(image.width == 0x5A5A);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_OK);
     robust = !robust;
     config = good_config();
@@ -362,7 +352,7 @@ static void pointers(void)
 {
     smr_tracker *tracker = good_tracker();
     smr_frame frames[2];
-    smr_rect rects[2];
+    smr_rect rects[3];
     smr_fine_rect fine[2];
     smr_state states[2];
     smr_answer answers[2];
@@ -387,24 +377,18 @@ static void pointers(void)
     EXPECT(smr_update_step(tracker, frames, 1, (smr_answer *)askew(answers)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_lock_step(tracker, NULL, rects, 1), SMR_ERROR_NULL);
     EXPECT(smr_lock_step(tracker, frames, NULL, 1), SMR_ERROR_NULL);
-    EXPECT(smr_window(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
-    EXPECT(smr_sweep_window(tracker, NULL), SMR_ERROR_NULL);
-    EXPECT(smr_sweep_window(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_windows(tracker, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_windows(tracker, (smr_rect *)askew(rects)), SMR_ERROR_MISALIGNED);
     EXPECT(smr_last(tracker, NULL, states), SMR_ERROR_NULL);
     EXPECT(smr_last(tracker, fine, NULL), SMR_ERROR_NULL);
     EXPECT(smr_last(tracker, (smr_fine_rect *)askew(fine), states), SMR_ERROR_MISALIGNED);
     EXPECT(smr_last(tracker, fine, (smr_state *)askew(states)), SMR_ERROR_MISALIGNED);
-    if (robust) {
-        EXPECT(smr_early_template(tracker, NULL, sizeof bytes, images), SMR_ERROR_NULL);
-        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, NULL), SMR_ERROR_NULL);
-        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-        EXPECT(smr_early_template(tracker, storage.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
-        EXPECT(smr_early_template(tracker, scratch.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
-    } else {
-        EXPECT(smr_template(tracker, NULL), SMR_ERROR_NULL);
-        EXPECT(smr_template(tracker, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
-    }
+    EXPECT(smr_template(tracker, NULL, sizeof bytes, images), SMR_ERROR_NULL);
+    EXPECT(smr_template(tracker, bytes, sizeof bytes, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_template(tracker, bytes, sizeof bytes, (smr_image *)askew(images)), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_template(tracker, bytes, (size_t)-1, images), SMR_ERROR_MEMORY_TOO_LARGE);
+    EXPECT(smr_template(tracker, storage.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
+    EXPECT(smr_template(tracker, scratch.bytes, sizeof storage, images), SMR_ERROR_OVERLAPS_TRACKER);
 }
 
 /* All calls refuse a wrong frame with the same status. */
@@ -507,7 +491,7 @@ static void windows(void)
 {
     smr_tracker *tracker = good_tracker();
     smr_frame frame;
-    smr_rect box = rect(26, 22, 8, 8), window, less, sweep = rect(-7, -7, 7, 7);
+    smr_rect box = rect(26, 22, 8, 8), window, less, both[2];
     smr_answer answer;
     EXPECT(smr_lock_window(tracker, WIDTH, HEIGHT, &box, &window), SMR_OK);
     HOLD(window.x > 0 && window.y > 0 && window.x + window.width < WIDTH && window.y + window.height < HEIGHT);
@@ -523,10 +507,11 @@ static void windows(void)
     frame = part_of_frame(&window);
     EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
 
-    EXPECT(smr_window(tracker, &window), SMR_OK);
+    memset(both, 0x5A, sizeof both);
+    EXPECT(smr_windows(tracker, both), SMR_OK);
+    window = both[0];
     HOLD(robust || (window.x == 21 && window.y == 17 && window.width == 18 && window.height == 18));
-    EXPECT(smr_sweep_window(tracker, &sweep), SMR_OK);
-    HOLD(sweep.x == 0 && sweep.y == 0 && sweep.width == 0 && sweep.height == 0);
+    HOLD(both[1].x == 0 && both[1].y == 0 && both[1].width == 0 && both[1].height == 0);
     memset(&answer, 0x5A, sizeof answer);
     less = window;
     less.width--;
@@ -549,7 +534,7 @@ static void order(void)
 {
     smr_tracker *tracker = good_tracker();
     smr_frame frame = good_frame(), other = good_frame();
-    smr_rect box = rect(26, 22, 8, 8), window = rect(-7, -7, 7, 7);
+    smr_rect box = rect(26, 22, 8, 8), windows[2];
     smr_fine_rect fine = {-7, -7, 7, 7};
     smr_state state = SMR_LOST;
     smr_answer answer;
@@ -557,12 +542,12 @@ static void order(void)
     memset(&answer, 0x5A, sizeof answer);
     EXPECT(smr_update(tracker, &frame, &answer), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
-    EXPECT(smr_sweep_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
+    memset(windows, 0x5A, sizeof windows);
+    EXPECT(smr_windows(tracker, windows), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_save(tracker, bytes, sizeof bytes, &written), SMR_ERROR_NOT_LOCKED);
     EXPECT(smr_moved(tracker, 1, 1), SMR_OK);
-    HOLD(answer.bbox.x == 0x5A5A5A5A && window.x == -7 && fine.x == -7 && state == SMR_LOST && written == 777);
+    HOLD(answer.bbox.x == 0x5A5A5A5A && windows[0].x == 0x5A5A5A5A && windows[1].x == 0x5A5A5A5A && fine.x == -7 && state == SMR_LOST && written == 777);
 
     EXPECT(smr_lock(tracker, &frame, &box), SMR_OK);
     EXPECT(smr_last(tracker, &fine, &state), SMR_OK);
@@ -618,7 +603,7 @@ static void locks_in_steps(void)
     static uint8_t at_once[sizeof bytes], flat[sizeof pixels];
     smr_tracker *tracker = locked_tracker();
     smr_frame frame = good_frame();
-    smr_rect box = rect(26, 22, 8, 8), window;
+    smr_rect box = rect(26, 22, 8, 8), windows[2];
     smr_fine_rect fine;
     smr_state state;
     smr_answer answer;
@@ -633,7 +618,7 @@ static void locks_in_steps(void)
     while ((status = smr_lock_step(tracker, &frame, &box, 100000)) == SMR_UNDER_WAY) {
         steps++;
         EXPECT(smr_last(tracker, &fine, &state), SMR_ERROR_NOT_LOCKED);
-        EXPECT(smr_window(tracker, &window), SMR_ERROR_NOT_LOCKED);
+        EXPECT(smr_windows(tracker, windows), SMR_ERROR_NOT_LOCKED);
         EXPECT(smr_quality(tracker, &quality), SMR_ERROR_NOT_LOCKED);
         EXPECT(smr_update_step(tracker, &frame, 1, &answer), SMR_ERROR_NOT_LOCKED);
     }
@@ -730,28 +715,23 @@ static void power(void)
     EXPECT(smr_restore(tracker, newer, size), SMR_OK);
 }
 
-/* smr_template gives a pointer into the storage. smr_early_template copies, if the memory is large enough, and writes no more. */
+/* smr_template copies, if the memory is large enough, and writes no more. */
 static void templates(void)
 {
+    const uint16_t side = robust ? 16 : 8; /* robust: a grid of half the target's width and height */
+    const size_t area = (size_t)side * side;
     smr_tracker *tracker = good_tracker();
     smr_image image;
     memset(bytes, 0x5A, sizeof bytes);
     memset(&image, 0x5A, sizeof image);
-    if (robust) {
-        EXPECT(smr_early_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_NOT_LOCKED);
-        tracker = locked_tracker();
-        EXPECT(smr_early_template(tracker, bytes, 16 * 16 - 1, &image), SMR_ERROR_BUFFER_TOO_SMALL);
-        HOLD(bytes[0] == 0x5A && image.width == 0x5A5A);
-        EXPECT(smr_early_template(tracker, bytes, 16 * 16, &image), SMR_OK);
-        HOLD(image.pixels == bytes && image.width == 16 && image.height == 16); /* a grid of half the target's width and height */
-        HOLD(bytes[16 * 16] == 0x5A && memchr(bytes, 0x5A, 16 * 16) != bytes);
-        return;
-    }
-    EXPECT(smr_template(tracker, &image), SMR_ERROR_NOT_LOCKED);
-    HOLD(image.width == 0x5A5A);
+    EXPECT(smr_template(tracker, bytes, sizeof bytes, &image), SMR_ERROR_NOT_LOCKED);
     tracker = locked_tracker();
-    EXPECT(smr_template(tracker, &image), SMR_OK);
-    HOLD(image.width == 8 && image.height == 8 && image.pixels[8] == pixels[23 * WIDTH + 26]);
+    EXPECT(smr_template(tracker, bytes, area - 1, &image), SMR_ERROR_BUFFER_TOO_SMALL);
+    HOLD(bytes[0] == 0x5A && image.width == 0x5A5A);
+    EXPECT(smr_template(tracker, bytes, area, &image), SMR_OK);
+    HOLD(image.pixels == bytes && image.width == side && image.height == side);
+    HOLD(bytes[area] == 0x5A && memchr(bytes, 0x5A, area) != bytes);
+    HOLD(robust || bytes[8] == pixels[23 * WIDTH + 26]);
 }
 
 int main(void)

@@ -26,7 +26,7 @@ static void hold(const char *what, unsigned line, int holds)
 
 /* What a camera sends; twice as high for the mosaic. */
 static uint8_t sent[2 * HEIGHT * STRIDE];
-static uint8_t gray[WIDTH * HEIGHT], first[WIDTH * HEIGHT], second[WIDTH * HEIGHT];
+static uint8_t gray[WIDTH * HEIGHT], read_pixels[2 * WIDTH * HEIGHT];
 
 /* A texture that moves two columns and a row a frame. */
 static uint8_t level(int frame, int x, int y)
@@ -85,18 +85,14 @@ static smr_frame whole(void)
 }
 
 /* The frame with these windows, line by line; the second one may be empty. */
-static smr_frame read_out(int format, smr_rect near, smr_rect far)
+static smr_frame read_out(int format, const smr_rect windows[2])
 {
     smr_readout readout;
     smr_frame frame;
     uint16_t scale = format == SMR_BAYER8 ? 2 : 1, y;
-    smr_status status = smr_readout_begin(&readout, format, scale * WIDTH, scale * HEIGHT, &near, first, sizeof first);
+    smr_status status = smr_readout_begin(&readout, format, scale * WIDTH, scale * HEIGHT, windows, read_pixels, sizeof read_pixels);
     memset(&frame, 0, sizeof frame);
     HOLD(status == SMR_OK);
-    if (far.width > 0) {
-        status = smr_readout_add_window(&readout, &far, second, sizeof second);
-        HOLD(status == SMR_OK);
-    }
     for (y = 0; y < scale * HEIGHT; y++) {
         status = smr_readout_line(&readout, y, sent + y * STRIDE, STRIDE);
         HOLD(status == SMR_OK);
@@ -104,6 +100,26 @@ static smr_frame read_out(int format, smr_rect near, smr_rect far)
     status = smr_readout_frame(&readout, &frame);
     HOLD(status == SMR_OK);
     return frame;
+}
+
+/* Two windows lie in one memory, one after the other, and each is a part of the frame. */
+static void two_windows(int format)
+{
+    static const smr_rect windows[2] = {{7, 5, 20, 10}, {40, 9, 11, 8}};
+    smr_frame frame;
+    int which, y;
+    expose(format, 3);
+    frame = read_out(format, windows);
+    HOLD(frame.width == WIDTH && frame.height == HEIGHT && frame.parts[1].pixels == read_pixels + 20 * 10);
+    for (which = 0; which < 2; which++) {
+        const smr_part *part = &frame.parts[which];
+        const smr_rect *window = &windows[which];
+        HOLD(part->x == window->x && part->y == window->y && part->width == window->width && part->height == window->height);
+        HOLD(part->size == (size_t)window->width * window->height && part->stride == window->width);
+        for (y = 0; y < window->height; y++) {
+            HOLD(memcmp(part->pixels + y * window->width, gray + (window->y + y) * WIDTH + window->x, window->width) == 0);
+        }
+    }
 }
 
 /* A tracker of whole gray frames, and one that is fed by the read-out. */
@@ -114,7 +130,7 @@ static void follow(int format)
     static const smr_rect target = {30, 20, 24, 20};
     smr_tracker *trackers[2];
     smr_config config;
-    smr_rect window, sweep;
+    smr_rect windows[2];
     smr_frame frame;
     int index, number;
     smr_config_robust(&config);
@@ -122,11 +138,11 @@ static void follow(int format)
         HOLD(smr_init(&storages[index], sizeof storages[index], &workspace, sizeof workspace, &config, &trackers[index]) == SMR_OK);
     }
     expose(format, 0);
-    memset(&sweep, 0, sizeof sweep);
-    HOLD(smr_lock_window(trackers[1], WIDTH, HEIGHT, &target, &window) == SMR_OK);
+    memset(windows, 0, sizeof windows);
+    HOLD(smr_lock_window(trackers[1], WIDTH, HEIGHT, &target, windows) == SMR_OK);
     frame = whole();
     HOLD(smr_lock(trackers[0], &frame, &target) == SMR_OK);
-    frame = read_out(format, window, sweep);
+    frame = read_out(format, windows);
     HOLD(smr_lock(trackers[1], &frame, &target) == SMR_OK);
     for (number = 1; number < 8; number++) {
         smr_answer expected, answer;
@@ -135,8 +151,8 @@ static void follow(int format)
         expose(format, number);
         frame = whole();
         HOLD(smr_update(trackers[0], &frame, &expected) == SMR_OK);
-        HOLD(smr_window(trackers[1], &window) == SMR_OK && smr_sweep_window(trackers[1], &sweep) == SMR_OK);
-        frame = read_out(format, window, sweep);
+        HOLD(smr_windows(trackers[1], windows) == SMR_OK);
+        frame = read_out(format, windows);
         HOLD(smr_update(trackers[1], &frame, &answer) == SMR_OK);
         HOLD(memcmp(&expected, &answer, sizeof answer) == 0);
     }
@@ -144,22 +160,25 @@ static void follow(int format)
 
 static void wrong_calls(void)
 {
-    static uint8_t few[3], line[WIDTH];
-    smr_rect window = {4, 2, 8, 4}, outside = {90, 2, 8, 4};
+    static uint8_t line[WIDTH], first[32 + 6];
+    const smr_rect windows[2] = {{4, 2, 8, 4}, {1, 1, 3, 2}}, one[2] = {{4, 2, 8, 4}, {0, 0, 0, 0}};
+    const smr_rect outside[2] = {{90, 2, 8, 4}, {0, 0, 0, 0}}, second_outside[2] = {{4, 2, 8, 4}, {90, 2, 8, 4}};
+    const smr_rect none[2] = {{0, 0, 0, 0}, {4, 2, 8, 4}};
     smr_readout readout, kept;
     smr_frame frame;
-    HOLD(smr_readout_begin(NULL, SMR_GRAY8, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, 7, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_ERROR_FORMAT_UNKNOWN);
+    HOLD(smr_readout_begin(NULL, SMR_GRAY8, WIDTH, HEIGHT, one, first, sizeof first) == SMR_ERROR_NULL);
+    HOLD(smr_readout_begin(&readout, 7, WIDTH, HEIGHT, one, first, sizeof first) == SMR_ERROR_FORMAT_UNKNOWN);
     HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, NULL, first, sizeof first) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, NULL, 99) == SMR_ERROR_NULL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, few, sizeof few) == SMR_ERROR_BUFFER_TOO_SMALL);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_BAYER8, WIDTH, HEIGHT, &outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, first, (size_t)-1) == SMR_ERROR_MEMORY_TOO_LARGE);
-    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, &window, first, sizeof first) == SMR_OK);
-    HOLD(smr_readout_add_window(&readout, &window, NULL, 99) == SMR_ERROR_NULL);
-    HOLD(smr_readout_add_window(&readout, &outside, second, sizeof second) == SMR_ERROR_OUTSIDE_FRAME);
-    HOLD(smr_readout_add_window(&readout, &window, first + 8, 99) == SMR_ERROR_OVERLAPS_TRACKER);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, NULL, 99) == SMR_ERROR_NULL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, 31) == SMR_ERROR_BUFFER_TOO_SMALL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, windows, first, 37) == SMR_ERROR_BUFFER_TOO_SMALL);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, windows, first, 38) == SMR_OK);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, second_outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, none, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_BAYER8, WIDTH, HEIGHT, outside, first, sizeof first) == SMR_ERROR_OUTSIDE_FRAME);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, (size_t)-1) == SMR_ERROR_MEMORY_TOO_LARGE);
+    HOLD(smr_readout_begin(&readout, SMR_GRAY8, WIDTH, HEIGHT, one, first, 32) == SMR_OK);
     kept = readout;
     HOLD(smr_readout_frame(&readout, &frame) == SMR_ERROR_LINE_MISSING && memcmp(&readout, &kept, sizeof kept) == 0);
     HOLD(smr_readout_line(&readout, 3, line, sizeof line) == SMR_ERROR_LINE_MISSING && readout.line == 2);
@@ -169,7 +188,6 @@ static void wrong_calls(void)
     HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_OK);
     HOLD(smr_readout_line(&readout, 2, line, sizeof line) == SMR_ERROR_LINE_OUT_OF_ORDER && readout.line == 2);
     HOLD(smr_readout_line(&readout, HEIGHT, line, sizeof line) == SMR_ERROR_LINE_OUTSIDE_FRAME && readout.line == HEIGHT);
-    HOLD(smr_readout_add_window(&readout, &window, second, sizeof second) == SMR_ERROR_LINE_OUT_OF_ORDER);
     HOLD(smr_readout_lines(&readout, sent, 5 * WIDTH, WIDTH) == SMR_ERROR_LINE_TOO_SHORT && readout.line == 5);
     HOLD(smr_readout_frame(&readout, NULL) == SMR_ERROR_NULL);
     kept = readout;
@@ -182,6 +200,7 @@ int main(void)
 {
     int format;
     for (format = SMR_GRAY8; format <= SMR_GRAY10; format++) {
+        two_windows(format);
         follow(format);
     }
     wrong_calls();

@@ -179,8 +179,8 @@ static uint8_t *pixels(size_t size) {
 // The frame for a call. A gray picture is read where it is; of another one the pixels of the windows are converted.
 static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     const bool is_gray = picture->format == SMR_GRAY8;
-    const size_t sizes[] = { area(&windows[0]), area(&windows[1]) };
-    uint8_t *gray = is_gray ? NULL : pixels(sizes[0] + sizes[1]);
+    const size_t size = area(&windows[0]) + area(&windows[1]);
+    uint8_t *gray = is_gray ? NULL : pixels(size);
     // After the allocation: a finaliser could change the buffer.
     const mp_buffer_info_t bytes = bytes_of(picture->buffer, MP_QSTR_buffer);
     if (is_gray) {
@@ -190,10 +190,7 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     }
     smr_readout readout;
     smr_frame frame;
-    check(smr_readout_begin(&readout, picture->format, picture->width, picture->height, &windows[0], gray, sizes[0]));
-    if (sizes[1] > 0) {
-        check(smr_readout_add_window(&readout, &windows[1], gray + sizes[0], sizes[1]));
-    }
+    check(smr_readout_begin(&readout, picture->format, picture->width, picture->height, windows, gray, size));
     const smr_status status = smr_readout_lines(&readout, bytes.buf, bytes.len, picture->stride);
     check_line(status, readout.line);
     check(smr_readout_frame(&readout, &frame));
@@ -372,8 +369,7 @@ static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) 
     mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
     smr_rect windows[2];
-    check(smr_window(self->tracker, &windows[0]));
-    check(smr_sweep_window(self->tracker, &windows[1]));
+    check(smr_windows(self->tracker, windows));
     const picture_t picture = picture_of(values[BUFFER].u_obj, self->width, self->height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     const smr_frame frame = frame_of(&picture, windows);
     smr_answer answer;
@@ -424,27 +420,26 @@ static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(restore_obj, 2, 4, restore);
 
-typedef smr_status (*ask_window)(const smr_tracker *, smr_rect *);
-
 // None if there is no target yet, or the window is empty.
-static mp_obj_t window_of(mp_obj_t self_in, ask_window ask) {
+static mp_obj_t window_of(mp_obj_t self_in, int which) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
-    smr_rect window;
-    const smr_status status = ask(self->tracker, &window);
+    smr_rect windows[2];
+    const smr_status status = smr_windows(self->tracker, windows);
     if (status == SMR_ERROR_NOT_LOCKED) {
         return mp_const_none;
     }
     check(status);
+    const smr_rect window = windows[which];
     return area(&window) == 0 ? mp_const_none : rect(window.x, window.y, window.width, window.height);
 }
 
 static mp_obj_t window(mp_obj_t self_in) {
-    return window_of(self_in, smr_window);
+    return window_of(self_in, 0);
 }
 static MP_DEFINE_CONST_FUN_OBJ_1(window_obj, window);
 
 static mp_obj_t sweep_window(mp_obj_t self_in) {
-    return window_of(self_in, smr_sweep_window);
+    return window_of(self_in, 1);
 }
 static MP_DEFINE_CONST_FUN_OBJ_1(sweep_window_obj, sweep_window);
 

@@ -5,10 +5,8 @@ import { frameOf, copyWindow } from "../frame.js";
 
 /** The data that the next update compares with; to be read before the update replaces it. */
 export function picturesBefore(tracker, frame) {
-  if (tracker.method === "paper") {
-    return { template: tracker.template };
-  }
-  return { template: tracker.earlyTemplate, responseMap: tracker.responseMap(frame) };
+  const { method, template } = tracker;
+  return method === "paper" ? { template } : { template, responseMap: tracker.responseMap(frame) };
 }
 
 /** The same data after the update, and for the paper's tracker the difference of each pixel of the box. */

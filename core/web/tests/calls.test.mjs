@@ -161,7 +161,7 @@ test("a freed tracker refuses every call, and can be freed again", () => {
   tracker.free();
   const calls = [
     () => tracker.lock(first, box), () => tracker.update(first), () => tracker.moved(0, 0), () => tracker.save(), () => tracker.restore(saved),
-    () => tracker.window, () => tracker.sweepWindow, () => tracker.quality, () => tracker.last, () => tracker.template, () => tracker.earlyTemplate,
+    () => tracker.window, () => tracker.sweepWindow, () => tracker.quality, () => tracker.last, () => tracker.template,
     () => tracker.table, () => tracker.responseMap(first), () => tracker.observe({}),
   ];
   for (const call of calls) {
@@ -206,9 +206,8 @@ test("each option has its place", () => {
 test("a tracker tells what it knows", () => {
   for (const method of ["paper", "robust"]) {
     const tracker = smr[method]();
-    const nothing = [tracker.answer, tracker.window, tracker.sweepWindow, tracker.quality, tracker.last];
-    assert.deepEqual(nothing, [null, null, null, null, null]);
-    assert.equal(method === "paper" ? tracker.template : tracker.earlyTemplate, null);
+    const nothing = [tracker.answer, tracker.window, tracker.sweepWindow, tracker.quality, tracker.last, tracker.template];
+    assert.deepEqual(nothing, [null, null, null, null, null, null]);
     const quality = tracker.lock(first, box);
     assert.ok(quality > POOR_QUALITY && quality === tracker.quality);
     assert.deepEqual(tracker.last.state, State.TRACKING);

@@ -42,7 +42,7 @@ const VECTORS = {
       +x, +y, +width, +height, state, +confidence, +ratio, +scale, found === "1", template,
     ],
     answered: ({ fineBox: { x, y, width, height }, state, confidence, ratio, scale, foundAgain }, tracker) => [
-      x, y, width, height, state, confidence, ratio, scale, foundAgain, hash(tracker.earlyTemplate.pixels),
+      x, y, width, height, state, confidence, ratio, scale, foundAgain, hash(tracker.template.pixels),
     ],
   },
 };

@@ -89,7 +89,7 @@ public:
     /** Finds the target in the next frame, which has the size of the one at the lock. */
     Answer update(const uint8_t *pixels) { return update(whole(pixels, width_, height_)); }
 
-    /** The same for a frame of which only parts are in memory: see smr_window(). */
+    /** The same for a frame of which only parts are in memory: see smr_windows(). */
     Answer update(const smr_frame &frame)
     {
         Answer answer = Answer();
