@@ -20,7 +20,7 @@
 //! }
 //!
 //! # fn wait_for_lines() { for y in 0..240 { line_came(y, &[90; 640]).unwrap() } }
-//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! # fn main() -> Result<(), smr_core::Error> {
 //! let mut tracker = Tracker::<Robust>::new();
 //! let target = Rect::new(100, 80, 40, 48);
 //! for number in 0..3 {
@@ -55,7 +55,7 @@
 //!
 //! [`Tracker::window`]: crate::Tracker::window
 
-use super::{Frame, Image, Rect};
+use super::{Frame, Rect};
 use core::fmt;
 
 /// How a camera sends its pixels.
@@ -329,13 +329,10 @@ impl Readout {
     /// [`ReadoutError::BufferTooSmall`].
     pub fn frame<'a>(&self, pixels: &'a [u8]) -> Result<Frame<'a>, ReadoutError> {
         self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))?;
-        let outside = |_| ReadoutError::WindowOutsideFrame;
-        let (width, height) = self.gray_size();
-        let (image, x, y) = part(self.first, pixels)?;
-        let frame = Frame::part(image, x, y, width, height).map_err(outside)?;
+        let too_small = |_| ReadoutError::BufferTooSmall; // nothing else: the windows are inside the frame
+        let frame = Frame::of_window(pixels, self.first, self.gray_size()).map_err(too_small)?;
         let Some(window) = self.second else { return Ok(frame) };
-        let (image, x, y) = part(window, pixels.get(area(self.first)..).unwrap_or(&[]))?;
-        frame.and_part(image, x, y).map_err(outside)
+        frame.and_window(pixels.get(area(self.first)..).unwrap_or_default(), window).map_err(too_small)
     }
 
     /// The first line of the windows that has not come.
@@ -352,13 +349,6 @@ impl Readout {
 /// Pixels of a window.
 fn area(window: Rect) -> usize {
     usize::from(window.width) * usize::from(window.height)
-}
-
-/// The pixels of a window, and the place of its top left pixel.
-fn part(window: Rect, pixels: &[u8]) -> Result<(Image<'_>, u16, u16), ReadoutError> {
-    let image = Image::new(pixels, window.width, window.height).map_err(|_| ReadoutError::BufferTooSmall)?;
-    let place = |at: i32| u16::try_from(at).unwrap_or(u16::MAX);
-    Ok((image, place(window.x), place(window.y)))
 }
 
 #[cfg(test)]
