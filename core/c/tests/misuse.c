@@ -201,18 +201,18 @@ static void configurations(void)
         HOLD(good_config().robust.size == 1 && good_config().robust.sweep == 1);
         REFUSED(config.robust.reach = 3, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.reach = 9, SMR_ERROR_CONFIG_OUT_OF_RANGE);
-        REFUSED(config.robust.lost_below = 65535, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.lost_below = 65535, SMR_ERROR_UNCERTAIN_BELOW_LOST);
         REFUSED(config.robust.learning_rate = 257, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.early_rate = 1025, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         return;
     }
-    REFUSED(config.paper.k.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.tracking.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.leaving.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.returning.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.lost.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.k.numerator = 0, SMR_ERROR_NOTHING_COUNTS);
-    REFUSED(config.paper.first_threshold = 0, SMR_ERROR_NOTHING_COUNTS);
+    REFUSED(config.paper.k.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_tracking.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_leaving.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_returning.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_lost.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.k.numerator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.first_threshold = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
     REFUSED(config.paper.window_limit.x = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
     REFUSED(config.paper.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
 }

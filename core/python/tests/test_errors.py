@@ -80,7 +80,7 @@ def test_boxes_and_options(make):
 def test_options_have_ranges():
     for make, words in [
         (lambda: smr.Robust(reach=9), "outside its range: {'reach': 9}"),
-        (lambda: smr.Robust(reach=256), "reach: expected a whole number of 0 to 255, found 256"),
+        (lambda: smr.Robust(reach=256), "reach is 4 to 8, not 256"),
         (lambda: smr.Robust(lost_below=-1), "lost_below: expected a whole number of 0 to 65535, found -1"),
         (lambda: smr.Robust(size=1), "size: expected True or False, found 1"),
         (lambda: smr.Paper(window=4), "window: expected a tuple of two whole numbers of 0 to 65535, found 4"),

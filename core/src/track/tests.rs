@@ -3,13 +3,15 @@
 
 use super::checksum::Crc;
 use super::record::Recorder;
+use super::settings::recorded;
 use super::update::Steps;
 use super::{
-    Answer, ConfigError, LockError, RestoreError, SaveError, Setting, State, Target, Tracker, UpdateError, paper,
-    robust,
+    Answer, ConfigError, LockError, RestoreError, SaveError, Setting, Settings, State, Target, Tracker, UpdateError,
+    paper, robust,
 };
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
+use core::fmt::Debug;
 use std::{boxed::Box, collections::BTreeSet, format, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
@@ -19,8 +21,8 @@ fn small_paper() -> paper::Config {
     config.window = paper::Radius { x: 12, y: 12 };
     config.growth = 8;
     // The gate is strict, so that a wrong box becomes a lost target.
-    config.gate.tracking = paper::Fraction::new(5, 4);
-    config.gate.lead = u16::MAX;
+    config.gate_tracking = paper::Fraction::new(5, 4);
+    config.gate_lead = u16::MAX;
     config
 }
 
@@ -474,20 +476,21 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
 type Change<T> = (&'static str, fn(&mut <T as Target>::Config));
 
 /// Saves a target with `config`, and restores it with each of the `changes`. Each error must name its setting, and
-/// the changes must cover all `settings`.
-fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[Change<T>]) {
+/// the changes must cover all settings.
+fn refusals_name<T: Target<Config: Settings>>(config: T::Config, changes: &[Change<T>]) {
     let bytes = saved(locked::<T>(config).target());
     for (name, change) in changes {
         let mut other = config;
         change(&mut other);
         let mut target = T::with(other).unwrap();
-        let Err(refusal @ RestoreError::OtherConfig(setting)) = target.restore(&bytes) else { panic!("{name}") };
-        assert_eq!((setting.name(), target.check_saved(&bytes)), (*name, Err(refusal)));
-        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(*name));
+        let refusal = RestoreError::OtherConfig(name);
+        assert_eq!((target.restore(&bytes), target.check_saved(&bytes)), (Err(refusal), Err(refusal)));
         let text = format!("the target was saved with another configuration: {name} differs");
         assert_eq!(refusal.to_string(), text);
     }
-    let names: BTreeSet<&str> = settings.iter().map(|setting| setting.name()).collect();
+    let names = T::Config::SETTINGS.iter().map(Setting::name).chain(["table"]);
+    // Only with its feature can the refiner be on.
+    let names: BTreeSet<_> = names.filter(|name| *name != "refiner" || cfg!(feature = "refiner")).collect();
     assert_eq!(changes.iter().map(|(name, _)| *name).collect::<BTreeSet<_>>(), names);
 }
 
@@ -498,25 +501,22 @@ static OTHER_TABLE: Table = match Table::new(100) {
 
 #[test]
 fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
-    let numbers = paper::numbers(&small_paper()).map(|(setting, _)| setting);
-    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).collect();
     refusals_name::<SmallPaper>(
         small_paper(),
-        &settings,
         &[
             ("table", |of| of.table = &OTHER_TABLE),
             ("k", |of| of.k.numerator += 1),
             ("k", |of| of.k.denominator += 1),
-            ("gate.tracking", |of| of.gate.tracking.numerator += 1),
-            ("gate.tracking", |of| of.gate.tracking.denominator += 1),
-            ("gate.leaving", |of| of.gate.leaving.numerator += 1),
-            ("gate.leaving", |of| of.gate.leaving.denominator += 1),
-            ("gate.returning", |of| of.gate.returning.numerator += 1),
-            ("gate.returning", |of| of.gate.returning.denominator += 1),
-            ("gate.lost", |of| of.gate.lost.numerator += 1),
-            ("gate.lost", |of| of.gate.lost.denominator += 1),
-            ("gate.lead", |of| of.gate.lead -= 1),
-            ("gate.least_ratio", |of| of.gate.least_ratio += 1),
+            ("gate_tracking", |of| of.gate_tracking.numerator += 1),
+            ("gate_tracking", |of| of.gate_tracking.denominator += 1),
+            ("gate_leaving", |of| of.gate_leaving.numerator += 1),
+            ("gate_leaving", |of| of.gate_leaving.denominator += 1),
+            ("gate_returning", |of| of.gate_returning.numerator += 1),
+            ("gate_returning", |of| of.gate_returning.denominator += 1),
+            ("gate_lost", |of| of.gate_lost.numerator += 1),
+            ("gate_lost", |of| of.gate_lost.denominator += 1),
+            ("gate_lead", |of| of.gate_lead -= 1),
+            ("least_ratio", |of| of.least_ratio += 1),
             ("first_threshold", |of| of.first_threshold += 1),
             ("least_threshold", |of| of.least_threshold += 1),
             ("padding", |of| of.padding += 1),
@@ -526,7 +526,7 @@ fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
             ("window_limit", |of| of.window_limit.x -= 1),
             ("window_limit", |of| of.window_limit.y -= 1),
             ("neighbourhood", |of| of.neighbourhood += 1),
-            ("runner_up", |of| of.runner_up = paper::RunnerUp::Always),
+            ("runner_up_always", |of| of.runner_up_always = true),
             ("update_zone", |of| of.update_zone.left += 1),
             ("update_zone", |of| of.update_zone.top += 1),
             ("update_zone", |of| of.update_zone.right += 1),
@@ -537,23 +537,12 @@ fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
 
 #[test]
 fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
-    let numbers = robust::numbers(&robust::Config::robust()).map(|(setting, _)| setting);
-    // Only with their features can a part be left out and the refiner be on.
-    let left_out = |setting: &Setting| match setting {
-        Setting::Parts => !cfg!(feature = "unstable"),
-        Setting::Refiner => !cfg!(feature = "refiner"),
-        _ => false,
-    };
-    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).filter(|setting| !left_out(setting)).collect();
     refusals_name::<Robust>(
         robust::Config::robust(),
-        &settings,
         &[
             ("table", |of| of.table = &OTHER_TABLE),
             ("size", |of| of.size = false),
             ("sweep", |of| of.sweep = false),
-            #[cfg(feature = "unstable")]
-            ("parts", |of| *of = crate::unstable::without(*of, robust::config::Part::GatedLearning)),
             ("reach", |of| of.reach -= 1),
             ("patience", |of| of.patience += 1),
             ("lost_below", |of| of.lost_below += 1),
@@ -566,13 +555,70 @@ fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
     );
 }
 
+/// The numbers of a record, without the table.
+fn numbers_of<C: Settings>(config: &C) -> Vec<u16> {
+    let mut numbers = vec![];
+    recorded(config, |number| numbers.push(number));
+    numbers.split_off(256)
+}
+
+/// Every setting by its name: other values are kept, also through the numbers of a record.
+fn settings_have_names<C: Settings + Debug + PartialEq>(mut config: C, other: impl Fn(&Setting) -> Vec<u16>) {
+    let before = config;
+    for setting in C::SETTINGS {
+        let values = other(setting);
+        assert_eq!((config.set(setting.name(), &values), values.len()), (Ok(()), setting.shape.count()));
+        assert!(config.get(setting.name()).unwrap().starts_with(&values), "{setting:?}");
+        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(setting.name()));
+        let found = setting.highest.saturating_add(1);
+        if found > setting.highest {
+            let (name, lowest, highest) = (setting.name(), setting.lowest, setting.highest);
+            let refused = ConfigError::OutOfRange { name, lowest, highest, found };
+            assert_eq!(config.set(name, &values.iter().map(|_| found).collect::<Vec<_>>()), Err(refused));
+        }
+        let refused = ConfigError::WrongCount { name: setting.name(), count: setting.shape.count() };
+        assert_eq!(config.set(setting.name(), &[1; 3]), Err(refused));
+    }
+    assert!(C::TEXTS.iter().all(|text| text.ends_with('.') && !text.contains("  ")));
+    assert_eq!((config.set("speed", &[1]), config.get("speed")), (Err(ConfigError::UnknownSetting), None));
+    for config in [before, config] {
+        let numbers = numbers_of(&config);
+        assert_eq!(C::of_numbers(&Table::PAPER, &numbers), Ok(config));
+        assert!(C::of_numbers(&Table::PAPER, &numbers[2..]).is_err());
+    }
+}
+
+#[test]
+fn the_settings_of_the_papers_tracker_have_names() {
+    let other =
+        |setting: &Setting| (1..=4).map(|value| setting.lowest.max(value)).take(setting.shape.count()).collect();
+    settings_have_names(paper::Config::paper(), |setting| match setting.name() {
+        "runner_up_always" => vec![1],
+        _ => other(setting),
+    });
+}
+
+#[test]
+fn the_settings_of_the_robust_tracker_have_names() {
+    settings_have_names(robust::Config::robust(), |setting| match setting.name() {
+        "refiner" => vec![u16::from(cfg!(feature = "refiner"))],
+        _ => vec![setting.lowest],
+    });
+    for part in 2..6 {
+        let mut numbers = numbers_of(&robust::Config::robust());
+        numbers[part] = 0;
+        let refused = ConfigError::OutOfRange { name: "parts", lowest: 1, highest: 1, found: 0 };
+        assert_eq!(robust::Config::of_numbers(&Table::PAPER, &numbers), Err(refused));
+    }
+}
+
 /// Two settings differ: the first one in the order of the bytes is named.
 #[test]
 fn a_refusal_names_the_first_of_several() {
     let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
     let mut other = robust::Config::robust();
     (other.reach, other.early_rate) = (5, 9);
-    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig(Setting::Reach)));
+    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig("reach")));
 }
 
 #[test]
@@ -587,7 +633,8 @@ fn the_preset_robust_is_the_same_in_every_build() {
     } else {
         assert_eq!(config.check(), Err(ConfigError::RefinerNotBuiltIn));
         config.reach = 9;
-        assert_eq!(config.check(), Err(ConfigError::OutOfRange));
+        let out_of_range = ConfigError::OutOfRange { name: "reach", lowest: 4, highest: 8, found: 9 };
+        assert_eq!(config.check(), Err(out_of_range));
     }
 }
 

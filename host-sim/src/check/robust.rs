@@ -149,7 +149,6 @@ mod tests {
     use crate::check::{self, Check};
     use rayon::prelude::*;
     use smr_core::robust::Config;
-    use smr_core::unstable::{Part, has, without};
     use smr_recordings::{CHECKED, OpenOptions};
     use std::path::Path;
 
@@ -182,14 +181,9 @@ mod tests {
     fn numbers(config: &Config) -> Numbers {
         let mut numbers = Numbers::refined();
         let parts = &mut numbers.parts;
-        parts.velocity = has(config, Part::Velocity);
-        parts.distance_penalty = has(config, Part::DistancePenalty);
         parts.size = config.size;
-        parts.verification = has(config, Part::Verification);
-        parts.gated_learning = has(config, Part::GatedLearning);
         parts.sweep = config.sweep;
         parts.refiner = config.refiner;
-        parts.opinion = has(config, Part::Opinion);
         numbers
     }
 
@@ -203,8 +197,7 @@ mod tests {
     #[test]
     fn built_in_recordings_hold_with_all_parts_and_without_each() {
         let parts: &[Change<Config>] = changes! { of;
-            of.size = true, of.size = false, of.sweep = false, of.refiner = false, *of = without(*of, Part::Velocity), *of = without(*of, Part::DistancePenalty),
-            *of = without(*of, Part::Verification), *of = without(*of, Part::GatedLearning), *of = without(*of, Part::Opinion),
+            of.size = true, of.size = false, of.sweep = false, of.refiner = false,
         };
         for (what, change) in parts {
             let mut config = Config::refined();
