@@ -6,13 +6,13 @@ use super::record::Recorder;
 use super::settings::recorded;
 use super::update::Steps;
 use super::{
-    Answer, ConfigError, LockError, RestoreError, SaveError, Setting, Settings, State, Target, Tracker, UpdateError,
+    Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
     paper, robust,
 };
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
-use std::{boxed::Box, collections::BTreeSet, format, string::ToString, vec, vec::Vec};
+use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
 
@@ -472,87 +472,42 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(SmallPaper::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
-/// A setting's name, and a change of it.
-type Change<T> = (&'static str, fn(&mut <T as Target>::Config));
-
-/// Saves a target with `config`, and restores it with each of the `changes`. Each error must name its setting, and
-/// the changes must cover all settings.
-fn refusals_name<T: Target<Config: Settings>>(config: T::Config, changes: &[Change<T>]) {
-    let bytes = saved(locked::<T>(config).target());
-    for (name, change) in changes {
-        let mut other = config;
-        change(&mut other);
-        let mut target = T::with(other).unwrap();
-        let refusal = RestoreError::OtherConfig(name);
-        assert_eq!((target.restore(&bytes), target.check_saved(&bytes)), (Err(refusal), Err(refusal)));
-        let text = format!("the target was saved with another configuration: {name} differs");
-        assert_eq!(refusal.to_string(), text);
-    }
-    let names = T::Config::SETTINGS.iter().map(Setting::name).chain(["table"]);
-    // Only with its feature can the refiner be on.
-    let names: BTreeSet<_> = names.filter(|name| *name != "refiner" || cfg!(feature = "refiner")).collect();
-    assert_eq!(changes.iter().map(|(name, _)| *name).collect::<BTreeSet<_>>(), names);
-}
-
 static OTHER_TABLE: Table = match Table::new(100) {
     Ok(table) => table,
     Err(_) => panic!("in range"),
 };
 
-#[test]
-fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
-    refusals_name::<SmallPaper>(
-        small_paper(),
-        &[
-            ("table", |of| of.table = &OTHER_TABLE),
-            ("k", |of| of.k.numerator += 1),
-            ("k", |of| of.k.denominator += 1),
-            ("gate_tracking", |of| of.gate_tracking.numerator += 1),
-            ("gate_tracking", |of| of.gate_tracking.denominator += 1),
-            ("gate_leaving", |of| of.gate_leaving.numerator += 1),
-            ("gate_leaving", |of| of.gate_leaving.denominator += 1),
-            ("gate_returning", |of| of.gate_returning.numerator += 1),
-            ("gate_returning", |of| of.gate_returning.denominator += 1),
-            ("gate_lost", |of| of.gate_lost.numerator += 1),
-            ("gate_lost", |of| of.gate_lost.denominator += 1),
-            ("gate_lead", |of| of.gate_lead -= 1),
-            ("least_ratio", |of| of.least_ratio += 1),
-            ("first_threshold", |of| of.first_threshold += 1),
-            ("least_threshold", |of| of.least_threshold += 1),
-            ("padding", |of| of.padding += 1),
-            ("window", |of| of.window.x -= 1),
-            ("window", |of| of.window.y -= 1),
-            ("growth", |of| of.growth += 1),
-            ("window_limit", |of| of.window_limit.x -= 1),
-            ("window_limit", |of| of.window_limit.y -= 1),
-            ("neighbourhood", |of| of.neighbourhood += 1),
-            ("runner_up_always", |of| of.runner_up_always = true),
-            ("update_zone", |of| of.update_zone.left += 1),
-            ("update_zone", |of| of.update_zone.top += 1),
-            ("update_zone", |of| of.update_zone.right += 1),
-            ("update_zone", |of| of.update_zone.bottom += 1),
-        ],
-    );
-}
-
-#[test]
-fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
-    refusals_name::<Robust>(
-        robust::Config::robust(),
-        &[
-            ("table", |of| of.table = &OTHER_TABLE),
-            ("size", |of| of.size = false),
-            ("sweep", |of| of.sweep = false),
-            ("reach", |of| of.reach -= 1),
-            ("patience", |of| of.patience += 1),
-            ("lost_below", |of| of.lost_below += 1),
-            ("uncertain_below", |of| of.uncertain_below += 1),
-            ("learning_rate", |of| of.learning_rate += 1),
-            ("early_rate", |of| of.early_rate += 1),
-            #[cfg(feature = "refiner")]
-            ("refiner", |of| *of = robust::Config::refined()),
-        ],
-    );
+/// Changes each number of `config` by the name of its setting. The change is kept, also in a record, and a target that
+/// was saved before is refused with that name.
+fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
+    let bytes = saved(locked::<T>(config).target());
+    let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
+    // Only with its feature can the refiner be on.
+    let settings =
+        T::Config::SETTINGS.iter().filter(|setting| setting.name() != "refiner" || cfg!(feature = "refiner"));
+    for (setting, place) in settings.flat_map(|setting| (0..setting.shape.count()).map(move |place| (setting, place))) {
+        let (name, count) = (setting.name(), setting.shape.count());
+        let (mut other, mut values) = (config, config.get(name).unwrap());
+        let least = setting.lowest + u16::from(setting.shape == Shape::Fraction);
+        values[place] = if values[place] > least { values[place] - 1 } else { values[place] + 1 };
+        assert_eq!((other.set(name, &values[..count]), other.get(name)), (Ok(()), Some(values)));
+        assert_eq!(T::Config::of_numbers(&Table::PAPER, &numbers_of(&other)), Ok(other));
+        assert_eq!(refusal(other), RestoreError::OtherConfig(name));
+        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(name));
+        assert_eq!(other.set(name, &[1; 3]), Err(ConfigError::WrongCount { name, count }));
+        if let Some(found) = setting.highest.checked_add(1) {
+            values[place] = found;
+            let (lowest, highest) = (setting.lowest, setting.highest);
+            let refused = ConfigError::OutOfRange { name, lowest, highest, found };
+            assert_eq!(other.set(name, &values[..count]), Err(refused));
+        }
+    }
+    assert_eq!(config.get("speed"), None);
+    assert!(T::Config::TEXTS.iter().all(|text| text.ends_with('.') && !text.contains("  ")));
+    assert!(T::Config::of_numbers(&Table::PAPER, &numbers_of(&config)[2..]).is_err());
+    let other = T::Config::of_numbers(&OTHER_TABLE, &numbers_of(&config)).unwrap();
+    let text = "the target was saved with another configuration: table differs";
+    assert_eq!(refusal(other).to_string(), text);
 }
 
 /// The numbers of a record, without the table.
@@ -562,48 +517,14 @@ fn numbers_of<C: Settings>(config: &C) -> Vec<u16> {
     numbers.split_off(256)
 }
 
-/// Every setting by its name: other values are kept, also through the numbers of a record.
-fn settings_have_names<C: Settings + Debug + PartialEq>(mut config: C, other: impl Fn(&Setting) -> Vec<u16>) {
-    let before = config;
-    for setting in C::SETTINGS {
-        let values = other(setting);
-        assert_eq!((config.set(setting.name(), &values), values.len()), (Ok(()), setting.shape.count()));
-        assert!(config.get(setting.name()).unwrap().starts_with(&values), "{setting:?}");
-        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(setting.name()));
-        let found = setting.highest.saturating_add(1);
-        if found > setting.highest {
-            let (name, lowest, highest) = (setting.name(), setting.lowest, setting.highest);
-            let refused = ConfigError::OutOfRange { name, lowest, highest, found };
-            assert_eq!(config.set(name, &values.iter().map(|_| found).collect::<Vec<_>>()), Err(refused));
-        }
-        let refused = ConfigError::WrongCount { name: setting.name(), count: setting.shape.count() };
-        assert_eq!(config.set(setting.name(), &[1; 3]), Err(refused));
-    }
-    assert!(C::TEXTS.iter().all(|text| text.ends_with('.') && !text.contains("  ")));
-    assert_eq!((config.set("speed", &[1]), config.get("speed")), (Err(ConfigError::UnknownSetting), None));
-    for config in [before, config] {
-        let numbers = numbers_of(&config);
-        assert_eq!(C::of_numbers(&Table::PAPER, &numbers), Ok(config));
-        assert!(C::of_numbers(&Table::PAPER, &numbers[2..]).is_err());
-    }
-}
-
 #[test]
 fn the_settings_of_the_papers_tracker_have_names() {
-    let other =
-        |setting: &Setting| (1..=4).map(|value| setting.lowest.max(value)).take(setting.shape.count()).collect();
-    settings_have_names(paper::Config::paper(), |setting| match setting.name() {
-        "runner_up_always" => vec![1],
-        _ => other(setting),
-    });
+    settings_have_names::<SmallPaper>(small_paper());
 }
 
 #[test]
 fn the_settings_of_the_robust_tracker_have_names() {
-    settings_have_names(robust::Config::robust(), |setting| match setting.name() {
-        "refiner" => vec![u16::from(cfg!(feature = "refiner"))],
-        _ => vec![setting.lowest],
-    });
+    settings_have_names::<Robust>(robust::Config::robust());
     for part in 2..6 {
         let mut numbers = numbers_of(&robust::Config::robust());
         numbers[part] = 0;
