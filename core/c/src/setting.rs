@@ -42,8 +42,25 @@ pub unsafe extern "C" fn smr_set(
     values: *const u16,
     count: usize,
 ) -> smr_status {
-    // SAFETY: as the header demands of the caller.
-    status_of(unsafe { set(config, name, values, count) })
+    // SAFETY: as the header demands of the caller: a string, and `count` values.
+    status_of(unsafe {
+        given(config).and_then(|(now, method)| {
+            pointer::check(name)?;
+            pointer::check(values)?;
+            if count > 4 {
+                return Err(SMR_ERROR_SETTING_COUNT);
+            }
+            let (name, values) = (CStr::from_ptr(name), core::slice::from_raw_parts(values, count));
+            let mut changed = *now;
+            if method.is_paper {
+                changed.paper = (&with(now.paper(), name, values)?).into();
+            } else {
+                changed.robust = (&with(now.robust(), name, values)?).into();
+            }
+            config.write(changed);
+            Ok(())
+        })
+    })
 }
 
 /// Gives the name, the range and the values of a setting, one after the other until #SMR_ERROR_SETTING_UNKNOWN.
@@ -67,33 +84,6 @@ pub unsafe extern "C" fn smr_setting_at(
             Ok(())
         })
     })
-}
-
-/// # Safety
-/// As `smr_set` demands.
-unsafe fn set(
-    config: *mut smr_config,
-    name: *const c_char,
-    values: *const u16,
-    count: usize,
-) -> Result<(), smr_status> {
-    // SAFETY: as the caller ensures.
-    let (_, method) = unsafe { given(config)? };
-    pointer::check(name)?;
-    pointer::check(values)?;
-    if count > 4 {
-        return Err(SMR_ERROR_SETTING_COUNT);
-    }
-    // SAFETY: as the caller ensures: a string, and `count` values.
-    let (name, values) = unsafe { (CStr::from_ptr(name), core::slice::from_raw_parts(values, count)) };
-    // SAFETY: as the caller ensures.
-    let config = unsafe { &mut *config };
-    if method.is_paper {
-        config.paper = (&with(config.paper(), name, values)?).into();
-    } else {
-        config.robust = (&with(config.robust(), name, values)?).into();
-    }
-    Ok(())
 }
 
 fn with<C: Settings>(mut config: C, name: &CStr, values: &[u16]) -> Result<C, ConfigError> {

@@ -48,7 +48,9 @@ impl Shape {
 }
 
 impl Setting {
-    pub(super) const fn new(name: &'static str, shape: Shape, (lowest, highest): (u16, u16), ones: usize) -> Self {
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn new(name: &'static str, shape: Shape, (lowest, highest): (u16, u16), ones: usize) -> Self {
         Self { name, shape, lowest, highest, ones }
     }
 

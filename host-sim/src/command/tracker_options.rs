@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use smr_core::paper::Config;
 use smr_core::similarity::{Backend, Table};
-use smr_core::{ConfigError, Settings, Shape, robust};
+use smr_core::{ConfigError, Setting, Settings, Shape, robust};
 use smr_evaluation::{Configs, MethodKind, Variant};
 use smr_recordings::messages::choice_name;
 use smr_reference::{Numbers, robust as reference};
@@ -62,9 +62,7 @@ pub struct TrackerOptions {
 /// A setting that `--set` takes.
 #[derive(Clone, Copy, Debug)]
 struct Known {
-    name: &'static str,
-    shape: Shape,
-    range: (u16, u16),
+    setting: Setting,
     text: &'static str,
     methods: &'static [MethodKind],
 }
@@ -72,59 +70,51 @@ struct Known {
 /// The settings of both trackers, and two of the paper's that only `--set` knows.
 fn known() -> impl Iterator<Item = Known> {
     use MethodKind::{Lk, Ncc, Robust, Sad, Smr, Ssd};
-    fn of<C: Settings>() -> impl Iterator<Item = Known> {
-        C::SETTINGS.iter().zip(C::TEXTS).map(|(setting, text)| Known {
-            name: setting.name(),
-            shape: setting.shape,
-            range: (setting.lowest, setting.highest),
-            text,
-            methods: match setting.name() {
-                // Those that search a window of a given radius in a padded frame.
-                "window" | "padding" => &[Smr, Sad, Ssd, Ncc, Lk],
-                _ if C::SETTINGS.len() == robust::Config::SETTINGS.len() => &[Robust],
-                _ => &[Smr],
-            },
+    fn of<C: Settings>(methods: &'static [MethodKind]) -> impl Iterator<Item = Known> {
+        C::SETTINGS.iter().zip(C::TEXTS).map(move |(&setting, text)| match setting.name() {
+            // The baselines search a window of a given radius in a padded frame.
+            "window" | "padding" => Known { setting, text, methods: &[Smr, Sad, Ssd, Ncc, Lk] },
+            _ => Known { setting, text, methods },
         })
     }
-    let (range, methods): (_, &[_]) = ((1, 4096), &[Smr]);
-    let scale = "p = exp(-d / scale) of a difference of d gray levels.";
-    let pruning = "Whether offsets that cannot change the result are skipped; changes only the time.";
-    let scale = Known { name: "scale", shape: Shape::Number, range, text: scale, methods };
-    let pruning = Known { name: "pruning", shape: Shape::Switch, range: (0, 1), text: pruning, methods };
-    of::<Config>().chain([scale, pruning]).chain(of::<robust::Config>())
+    let scale = Setting::new("scale\0", Shape::Number, (1, 4096), 0);
+    let scale_text = "p = exp(-d / scale) of a difference of d gray levels.";
+    let pruning = Setting::new("pruning\0", Shape::Switch, (0, 1), 0);
+    let pruning_text = "Whether offsets that cannot change the result are skipped; changes only the time.";
+    let own = [(scale, scale_text), (pruning, pruning_text)];
+    let own = own.into_iter().map(|(setting, text)| Known { setting, text, methods: &[Smr] });
+    of::<Config>(&[Smr]).chain(own).chain(of::<robust::Config>(&[Robust]))
 }
 
 impl Known {
+    fn of(name: &str) -> Option<Self> {
+        known().find(|known| known.setting.name() == name)
+    }
+
     /// As it is typed, with its range.
     fn form(&self) -> String {
-        let (lowest, highest) = self.range;
-        let form = match self.shape {
-            Shape::Switch => return format!("{}=on or off", self.name),
-            Shape::Number => return format!("{}=N, {lowest} to {highest}", self.name),
-            Shape::Fraction => "N/M",
-            Shape::Radius => "XxY",
-            Shape::Margins => "LEFTxTOPxRIGHTxBOTTOM",
+        let Setting { shape, lowest, highest, .. } = self.setting;
+        let form = match shape {
+            Shape::Switch => "on or off".to_owned(),
+            Shape::Number => format!("N, {lowest} to {highest}"),
+            Shape::Fraction => format!("N/M, each {lowest} to {highest}"),
+            Shape::Radius => format!("XxY, each {lowest} to {highest}"),
+            Shape::Margins => format!("LEFTxTOPxRIGHTxBOTTOM, each {lowest} to {highest}"),
         };
-        format!("{}={form}, each {lowest} to {highest}", self.name)
+        format!("{}={form}", self.setting.name())
     }
 
     /// Errors: Another form, or a number out of range.
     fn values(&self, text: &str) -> Result<Vec<u16>> {
-        let separator = if self.shape == Shape::Fraction { '/' } else { 'x' };
-        let values = match (self.shape, text) {
+        let shape = self.setting.shape;
+        let values: Result<Vec<u16>, _> = match (shape, text) {
             (Shape::Switch, "on") => Ok(vec![1]),
             (Shape::Switch, "off") => Ok(vec![0]),
-            _ => text.split(separator).map(str::parse).collect(),
+            _ => text.split(if shape == Shape::Fraction { '/' } else { 'x' }).map(str::parse).collect(),
         };
-        let values: Vec<u16> = values
-            .ok()
-            .filter(|values: &Vec<u16>| values.len() == self.shape.count())
-            .with_context(|| format!("expected {}", self.form()))?;
-        for (place, &found) in values.iter().enumerate() {
-            let least = u16::from(self.shape == Shape::Fraction && place == 1);
-            let (name, lowest, highest) = (self.name, self.range.0.max(least), self.range.1);
-            ensure!((lowest..=highest).contains(&found), ConfigError::OutOfRange { name, lowest, highest, found });
-        }
+        let values = values.ok().filter(|values| values.len() == shape.count());
+        let values = values.with_context(|| format!("expected {}", self.form()))?;
+        self.setting.check(&values)?;
         Ok(values)
     }
 }
@@ -154,7 +144,7 @@ impl FromStr for Given {
 
     fn from_str(given: &str) -> Result<Self> {
         let (name, text) = given.split_once('=').context("expected NAME=VALUE, like window=16x16")?;
-        let values = known().find(|setting| setting.name == name).map(|setting| setting.values(text)).transpose()?;
+        let values = Known::of(name).map(|known| known.values(text)).transpose()?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), values: values.unwrap_or_default() })
     }
 }
@@ -167,9 +157,7 @@ impl Serialize for Given {
 
 /// The methods that take an option or a setting.
 fn taken_by(name: &str) -> &'static [MethodKind] {
-    known()
-        .find(|setting| setting.name == name)
-        .map_or(&[MethodKind::Smr, MethodKind::Robust], |setting| setting.methods)
+    Known::of(name).map_or(&[MethodKind::Smr, MethodKind::Robust], |known| known.methods)
 }
 
 fn backend(text: &str) -> Result<Backend> {
@@ -354,7 +342,7 @@ impl TrackerOptions {
 
 /// An error of two settings, with the values of both.
 fn both<C: Settings>(config: &C, error: ConfigError) -> anyhow::Error {
-    let shown = |setting: &smr_core::Setting| {
+    let shown = |setting: &Setting| {
         let values = config.get(setting.name()).unwrap_or_default().map(|value| value.to_string());
         format!("{}={}", setting.name(), values[..setting.shape.count()].join("x"))
     };
