@@ -491,13 +491,13 @@ typedef struct smr_margins {
  */
 typedef struct smr_paper_config {
   /**
-   * The next threshold alpha as a part of the largest difference of two pixels of template and box
-   * (step 6). 1 to 65535.
+   * The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6). 1 to
+   * 65535.
    */
   struct smr_fraction k;
   /**
-   * The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1
-   * every peak above 0 is accepted.
+   * The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above
+   * 0 is accepted.
    */
   struct smr_fraction gate_tracking;
   /**
@@ -505,8 +505,7 @@ typedef struct smr_paper_config {
    */
   struct smr_fraction gate_leaving;
   /**
-   * The ratio that is needed after a box was partly outside the frame, until a lost target is found
-   * again.
+   * The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
    */
   struct smr_fraction gate_returning;
   /**
@@ -514,15 +513,13 @@ typedef struct smr_paper_config {
    */
   struct smr_fraction gate_lost;
   /**
-   * The lead over the runner-up that is enough without any of these ratios, in fully similar
-   * pixels.
+   * The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
    */
   uint16_t gate_lead;
   /**
-   * The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's
-   * value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of
-   * the template's contrast (mean absolute deviation), and at most half of all pixels more than the
-   * template has may be 0 or 255.
+   * The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns
+   * off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean
+   * absolute deviation), and at most half of all pixels more than the template has may be 0 or 255.
    */
   uint16_t least_ratio;
   /**
@@ -530,8 +527,8 @@ typedef struct smr_paper_config {
    */
   uint8_t first_threshold;
   /**
-   * The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound:
-   * after a still scene no pixel counts once the light changes. 0 to 255.
+   * The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene
+   * no pixel counts once the light changes. 0 to 255.
    */
   uint8_t least_threshold;
   /**
@@ -547,8 +544,7 @@ typedef struct smr_paper_config {
    */
   uint16_t growth;
   /**
-   * The largest radius while the target is lost, in pixels; at least `window`. The padded frame
-   * always bounds it.
+   * The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
    */
   struct smr_radius window_limit;
   /**
@@ -556,13 +552,12 @@ typedef struct smr_paper_config {
    */
   uint16_t neighbourhood;
   /**
-   * The distances that a box must keep from the edges of the frame for the tracker to learn from
-   * it, in pixels.
+   * The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
    */
   struct smr_margins update_zone;
   /**
-   * Whether the runner-up is searched in every frame, which takes several times as long, or only
-   * where the gate's decision depends on it. 0 or 1.
+   * Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's
+   * decision depends on it. 0 or 1.
    */
   uint8_t runner_up_always;
 } smr_paper_config;
@@ -572,8 +567,8 @@ typedef struct smr_paper_config {
  */
 typedef struct smr_robust_config {
   /**
-   * The radius of the search in cells. The side of a cell is a tenth of the root of the target's
-   * area. The work of an update grows with the square of 2 `reach` + 1. 4 to 8.
+   * The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
+   * update grows with the square of 2 `reach` + 1. 4 to 8.
    */
   uint8_t reach;
   /**
@@ -585,14 +580,14 @@ typedef struct smr_robust_config {
    */
   uint8_t sweep;
   /**
-   * Whether a small learned network corrects the box. It keeps the box to a target that comes
-   * nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain*
-   * or *lost*. In firmware a build without the feature `refiner` refuses it. 0 or 1.
+   * Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or
+   * changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build
+   * without the feature `refiner` refuses it. 0 or 1.
    */
   uint8_t refiner;
   /**
-   * The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one
-   * holds on to the target for longer: through short occlusions, but also through errors. 0 to 255.
+   * The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the
+   * target for longer: through short occlusions, but also through errors. 0 to 255.
    */
   uint8_t patience;
   /**
@@ -600,13 +595,12 @@ typedef struct smr_robust_config {
    */
   uint16_t lost_below;
   /**
-   * The target is uncertain while the confidence is below this, in units of 1/65535; at least
-   * `lost_below`.
+   * The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`.
    */
   uint16_t uncertain_below;
   /**
-   * The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256
-   * takes the exact step for the present frame. 0 to 256.
+   * The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256 takes the exact
+   * step for the present frame. 0 to 256.
    */
   uint16_t learning_rate;
   /**

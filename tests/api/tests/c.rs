@@ -49,7 +49,7 @@ fn document<C: Settings>(header: &mut String, name: &str) {
             (_, u16::MAX) if setting.lowest == 0 => String::new(),
             _ => format!(" {} to {}.", setting.lowest, setting.highest),
         };
-        format!("  /**\n{}   */\n{line}\n", wrapped(&format!("{text}{range}"), "   * ", 100))
+        format!("  /**\n{}   */\n{line}\n", wrapped(&format!("{text}{range}"), "   * ", 118))
     };
     assert_eq!(header[start..end].lines().count(), C::SETTINGS.len(), "{name}");
     let fields: String = header[start..end].lines().map(documented).collect();
