@@ -129,6 +129,6 @@ pub use track::record;
 pub use track::robust;
 pub use track::robust::target::Robust;
 pub use track::{
-    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, Setting, State, Steps, Target, Tracker,
-    UpdateError,
+    Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, Setting, Settings, Shape, State, Steps,
+    Target, Tracker, UpdateError,
 };

@@ -3,7 +3,7 @@
 
 use crate::image::{FineRect, Frame};
 use crate::track::paper::{self, Paper};
-use crate::track::robust::{Config, Robust, Workspace};
+use crate::track::robust::{Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
 /// The bytes of the refiner's weights, layer by layer.
@@ -11,25 +11,6 @@ use crate::track::{UpdateError, robust};
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use crate::kernels::{CutTable, Scorer, check};
 pub use crate::search::{Found, Peak, Window};
-pub use robust::config::Part;
-
-/// Returns `config` without one part of the robust tracker.
-///
-/// ```
-/// use smr_core::robust::Config;
-/// use smr_core::unstable::{Part, has, without};
-/// assert!(!has(&without(Config::robust(), Part::Velocity), Part::Velocity));
-/// ```
-#[must_use]
-pub const fn without(config: Config, part: Part) -> Config {
-    config.without(part)
-}
-
-/// True if `config` has a part.
-#[must_use]
-pub const fn has(config: &Config, part: Part) -> bool {
-    config.has(part)
-}
 
 /// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first
 /// lock.

@@ -1,43 +1,14 @@
-// The options of a tracker, and their places in the C interface's `smr_config`.
+// The options of a tracker: the settings of the C interface, whose names are in camel case here.
 
-import { object } from "./errors.js";
+import { object, whole } from "./errors.js";
 import { array, flag, struct, u16, u32, u8 } from "./layout.js";
 
-const pair = array(u16, 2);
-
-// The names are those of smr.h in camel case. The name of the gate precedes those of its fields, except for
-// `leastRatio`.
-const PAPER = {
-  k: pair,
-  firstThreshold: u8,
-  leastThreshold: u8,
-  padding: u16,
-  window: pair,
-  growth: u16,
-  windowLimit: pair,
-  neighbourhood: u16,
-  updateZone: array(u16, 4),
-  gateTracking: pair,
-  gateLeaving: pair,
-  gateReturning: pair,
-  gateLost: pair,
-  gateLead: u16,
-  leastRatio: u16,
-  runnerUpAlways: flag,
-};
-const ROBUST = {
-  reach: u8,
-  size: flag,
-  sweep: flag,
-  refiner: flag,
-  patience: u8,
-  lostBelow: u16,
-  uncertainBelow: u16,
-  learningRate: u16,
-  earlyRate: u16,
-};
-const METHODS = { paper: struct(PAPER), robust: struct(ROBUST) };
-export const CONFIG = struct({ method: u32, plainLoop: flag, ...METHODS });
+/** The C interface's `smr_setting`. */
+export const SETTING = struct({ name: u32, shape: u8, count: u8, lowest: u16, highest: u16, values: array(u16, 4) });
+/** Memory for an `smr_config`. */
+export const CONFIG = array(u32, 32);
+const [SWITCH, FRACTION] = [1, 2]; // shapes
+const PLAIN_LOOP = 4; // its place in an `smr_config`
 
 /** Checks `options`: an object, or nothing. */
 export function checkOptions(options = {}) {
@@ -45,27 +16,41 @@ export function checkOptions(options = {}) {
 }
 
 /**
- * Writes `options` over the numbers of a preset at `at`. An option that is undefined keeps the number of the preset.
+ * Writes `options` over the numbers of a preset at `config`, and returns all options by name. An option that is undefined
+ * keeps the number of the preset.
  */
-export function writeOptions(view, at, method, options) {
-  const known = optionsOf(method);
-  for (const [name, value] of Object.entries(options).filter(([, value]) => value !== undefined)) {
-    if (!Object.hasOwn(known, name)) {
-      throw new TypeError(`the ${method} tracker has no option ${name}: expected ${Object.keys(known).join(", ")}`);
+export function useOptions(library, config, method, options) {
+  const [given, known] = [Object.entries(options).filter(([, value]) => value !== undefined), settingsOf(library, config)];
+  for (const [name, value] of given) {
+    if (name === "plainLoop") {
+      flag.write(library.memory.view, config + PLAIN_LOOP, value, name);
+    } else if (Object.hasOwn(known, name)) {
+      library.write("values", [...numbersOf(known[name], value, name), 0, 0, 0, 0].slice(0, 4));
+      library.call("smr_set", config, known[name].name, library.at("values"), known[name].count);
+    } else {
+      throw new TypeError(`the ${method} tracker has no option ${name}: expected ${["plainLoop", ...Object.keys(known)].join(", ")}`);
     }
-    known[name].type.write(view, at + known[name].place, value, name);
   }
+  const all = Object.entries(settingsOf(library, config)).map(([name, { shape, count, values }]) => {
+    const [first] = values;
+    return [name, shape === SWITCH ? first !== 0 : count === 1 ? first : values.slice(0, count)];
+  });
+  return Object.fromEntries([["plainLoop", flag.read(library.memory.view, config + PLAIN_LOOP)], ...all]);
 }
 
-/** All options of a configuration, by name. */
-export function readOptions(view, at, method) {
-  return Object.fromEntries(Object.entries(optionsOf(method)).map(([name, { type, place }]) => [name, type.read(view, at + place)]));
+function settingsOf(library, config) {
+  const settings = {};
+  for (let index = 0; library.exports.smr_setting_at(config, index, library.at("setting")) === 0; index++) {
+    const setting = library.read("setting");
+    settings[library.memory.text(setting.name).replace(/_(.)/g, (_, letter) => letter.toUpperCase())] = setting;
+  }
+  return settings;
 }
 
-// The types and places of a tracker's options, by name.
-function optionsOf(method) {
-  const { plainLoop, [method]: start } = CONFIG.places;
-  const { fields, places } = METHODS[method];
-  const own = Object.entries(fields).map(([name, type]) => [name, { type, place: start + places[name] }]);
-  return Object.fromEntries([["plainLoop", { type: flag, place: plainLoop }], ...own]);
+function numbersOf({ shape, count, lowest, highest }, value, name) {
+  if (count > 1 && (!Array.isArray(value) || value.length !== count)) {
+    throw new TypeError(`${name} must be an array of ${count} numbers`);
+  }
+  const values = count > 1 ? value : [shape === SWITCH && typeof value === "boolean" ? Number(value) : value];
+  return values.map((one, i) => whole(one, shape === FRACTION && i === 1 ? Math.max(lowest, 1) : lowest, highest, name));
 }

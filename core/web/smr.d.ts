@@ -67,23 +67,38 @@ export type Pair = [number, number];
 /** The options of smr_paper_config in smr.h. */
 export interface PaperOptions {
   preset?: "camera" | "paper";
+  /** The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6). 1 to 65535. */
   k?: Pair;
-  firstThreshold?: number;
-  leastThreshold?: number;
-  padding?: number;
-  window?: Pair;
-  growth?: number;
-  windowLimit?: Pair;
-  neighbourhood?: number;
-  /** Left, top, right, bottom. */
-  updateZone?: [number, number, number, number];
+  /** The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted. 0 to 65535. */
   gateTracking?: Pair;
+  /** The ratio that is needed if the box at the peak is partly outside the frame. 0 to 65535. */
   gateLeaving?: Pair;
+  /** The ratio that is needed after a box was partly outside the frame, until a lost target is found again. 0 to 65535. */
   gateReturning?: Pair;
+  /** The ratio that is needed to find a lost target again. 0 to 65535. */
   gateLost?: Pair;
+  /** The lead over the runner-up that is enough without any of these ratios, in fully similar pixels. 0 to 65535. */
   gateLead?: number;
+  /** The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and at most half of all pixels more than the template has may be 0 or 255. 0 to 65535. */
   leastRatio?: number;
+  /** alpha of the first update, in gray levels. Pixels that differ by less are similar. 1 to 255. */
+  firstThreshold?: number;
+  /** The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no pixel counts once the light changes. 0 to 255. */
+  leastThreshold?: number;
+  /** The width of the black border around the frame, in pixels: how far a box may leave the frame. 0 to 65535. */
+  padding?: number;
+  /** The radius of the search window around the last place, in pixels. 0 to 65535. */
+  window?: Pair;
+  /** The growth of the window in each frame while the target is lost, in pixels on each side. 0 to 65535. */
+  growth?: number;
+  /** The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it. 0 to 65535. */
+  windowLimit?: Pair;
+  /** The runner-up is the best score more than this many pixels from the peak, in x or in y. 0 to 65535. */
+  neighbourhood?: number;
+  /** Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's decision depends on it. */
   runnerUpAlways?: boolean;
+  /** The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels. 0 to 65535. */
+  updateZone?: [number, number, number, number];
   plainLoop?: boolean;
 }
 
@@ -91,16 +106,24 @@ export interface PaperOptions {
 export interface RobustOptions {
   /** "refined" (the default) has the refiner, "robust" has not. In firmware: smr_config_refined, smr_config_robust. */
   preset?: "refined" | "robust";
-  reach?: number;
+  /** Whether the box follows the size of the target. */
   size?: boolean;
+  /** Whether a lost target is searched in the whole frame, or only around its last place. */
   sweep?: boolean;
-  /** Whether a small learned network corrects the box. */
-  refiner?: boolean;
+  /** The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1. 4 to 8. */
+  reach?: number;
+  /** The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the target for longer: through short occlusions, but also through errors. 0 to 255. */
   patience?: number;
+  /** The target is lost while the confidence is below this, in units of 1/65535. 0 to 65535. */
   lostBelow?: number;
+  /** The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`. 0 to 65535. */
   uncertainBelow?: number;
+  /** The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256 takes the exact step for the present frame. 0 to 256. */
   learningRate?: number;
+  /** The learning rate of the early template, in units of 1/1024. 0 to 1024. */
   earlyRate?: number;
+  /** Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it. */
+  refiner?: boolean;
   plainLoop?: boolean;
 }
 

@@ -1,7 +1,7 @@
 // The trackers of smr in JavaScript: conversions over the C interface (smr.h), which is compiled to WebAssembly.
 // README.md describes them.
 
-import { CONFIG, checkOptions, readOptions, writeOptions } from "./config.js";
+import { CONFIG, SETTING, checkOptions, useOptions } from "./config.js";
 import { SmrError, bytesOf, kindOf, named, object, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
 import { array, flag, i32, struct, u16, u32, u8 } from "./layout.js";
@@ -50,6 +50,8 @@ const CALL = struct({
   state: i32,
   image: struct({ pixels: u32, width: u16, height: u16 }),
   config: CONFIG,
+  setting: SETTING,
+  values: array(u16, 4),
   head: array(u8, SAVED_HEAD),
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
@@ -266,10 +268,8 @@ export class Tracker {
     if (!Object.hasOwn(CONFIGS[this.method], this.preset)) {
       throw new TypeError(`preset must be ${Object.keys(CONFIGS[this.method]).join(" or ")}, not ${String(this.preset)}`);
     }
-    memory.bytes.fill(0, config, config + CONFIG.size);
     this.#library.call(CONFIGS[this.method][this.preset], config);
-    writeOptions(memory.view, config, this.method, options);
-    this.options = readOptions(memory.view, config, this.method);
+    this.options = useOptions(this.#library, config, this.method, options);
     const size = exports.smr_target_size(config);
     const workspace = this.#library.workspace(this.method, exports.smr_workspace_size(config));
     this.#storage = memory.take(size);

@@ -2,10 +2,7 @@
 
 export const WORDS = {
   SMR_ERROR_OTHER_METHOD: "the target was saved by the other tracker",
-  SMR_ERROR_ZERO_DENOMINATOR: "a fraction of the configuration has a denominator of 0",
-  SMR_ERROR_NOTHING_COUNTS: "k and the first threshold must be more than 0, or no pixel counts",
-  SMR_ERROR_LIMIT_BELOW_WINDOW: "the window's limit is smaller than the window",
-  SMR_ERROR_CONFIG_OUT_OF_RANGE: "a number of the configuration is outside its range",
+  SMR_ERROR_LIMIT_BELOW_WINDOW: "window_limit is smaller than window",
   SMR_ERROR_FRAME_EMPTY: "the image has no pixels: width and height must be at least 1",
   SMR_ERROR_STRIDE_TOO_SMALL: "the stride is smaller than the width",
   SMR_ERROR_FRAME_TOO_SHORT: "the slice is shorter than (height - 1) * stride + width bytes",
@@ -21,4 +18,5 @@ export const WORDS = {
   SMR_ERROR_DAMAGED: "the saved target is damaged: its checksum is wrong",
   SMR_ERROR_OTHER_CONFIG: "the target was saved with another configuration: {} differs",
   SMR_ERROR_SAVED_TOO_LARGE: "the saved target is too large for this tracker",
+  SMR_ERROR_UNCERTAIN_BELOW_LOST: "uncertain_below is smaller than lost_below",
 };

@@ -1,1 +1,16 @@
-//! Only its tests do something: they need much to be built that nobody else needs.
+//! What its tests share. They need much to be built that nobody else needs.
+
+/// `text` in lines of at most `width` characters, each after `before`.
+#[must_use]
+pub fn wrapped(text: &str, before: &str, width: usize) -> String {
+    let (mut lines, mut line) = (String::new(), String::new());
+    for word in text.split(' ') {
+        if before.len() + line.len() + word.len() > width {
+            lines += &format!("{before}{}\n", line.trim_end());
+            line.clear();
+        }
+        line += word;
+        line.push(' ');
+    }
+    lines + &format!("{before}{}\n", line.trim_end())
+}

@@ -209,7 +209,7 @@ fn the_results_have_the_figures_of_the_built_in_recording() {
         let said = host_sim(&[&["eval", "synthetic", "--method", "robust", "--json"], more].concat()).json();
         said["measured"][0]["mean_iou"].as_f64().unwrap()
     };
-    let falls = format!("falls from {:.3} to {:.3}", iou(&["--without", "refiner"]), iou(&[]));
+    let falls = format!("falls from {:.3} to {:.3}", iou(&["--set", "refiner=off"]), iou(&[]));
     assert!(include_str!("../../host-sim/RESULTS.md").contains(&falls), "host-sim/RESULTS.md: the mean IoU {falls}");
 }
 

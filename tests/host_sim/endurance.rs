@@ -68,7 +68,7 @@ fn peak(process: &Child) -> u64 {
 #[test]
 fn live_input_takes_no_more_memory_with_time() {
     for method in ["smr", "robust"] {
-        let window: &[&str] = if method == "smr" { &["--window", "8x8"] } else { &[] };
+        let window: &[&str] = if method == "smr" { &["--set", "window=8x8"] } else { &[] };
         let arguments = [&["track", "-", "--init", START, "--method", method, "--json"], window].concat();
         let mut live = Live::start(&arguments, Stdio::piped());
         let mut lines = BufReader::new(live.process.stdout.take().expect("it is piped")).lines();
@@ -298,7 +298,7 @@ fn a_hangup_that_is_ignored_stays_so() {
 
 #[test]
 fn a_measurement_that_is_stopped_prints_what_it_has() {
-    let methods = ["--method", "sad,robust", "--window", "4x4", "--starts-every", "4", "--format", "csv"];
+    let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts-every", "4", "--format", "csv"];
     let arguments = [&["eval", "synthetic", "--frames", "..80", "--robustness"], &methods[..]].concat();
     // The pause grows until the first tracker is done and the second is not.
     let mut pause = Duration::from_millis(100);

@@ -27,7 +27,7 @@ fn small_paper() -> paper::Config {
     config.window_limit = Radius { x: 32, y: 31 };
     (config.k, config.growth, config.padding) = (Fraction::new(2, 7), 3, 17);
     (config.neighbourhood, config.least_threshold) = (6, 11);
-    config.gate.tracking = Fraction::new(21, 20);
+    config.gate_tracking = Fraction::new(21, 20);
     config
 }
 

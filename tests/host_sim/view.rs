@@ -207,8 +207,10 @@ fn the_page_has_all_that_it_asks_for() {
     let empty = target(&[(1, [1, 1, 0, 5])]);
     assert_eq!(window.post("targets", &empty), (400, "the box of car in frame 1 has no pixels".to_owned()));
     assert_eq!(window.post("method", &json!({ "method": "other" })).0, 400);
-    for (option, value, meant) in [("windw", "16x16", "--window"), ("window", "16,16", "--window 16x16")] {
-        let (status, said) = window.post("method", &json!({ "method": "smr", "options": { option: value } }));
+    let bad =
+        [(json!({ "bakend": "scalar" }), "--backend"), (json!({ "set": ["window=16,16"] }), "--set window=16x16")];
+    for (options, meant) in bad {
+        let (status, said) = window.post("method", &json!({ "method": "smr", "options": options }));
         assert!(status == 400 && said.ends_with(&format!("did you mean {meant}?")), "{said}");
     }
     assert_eq!(window.post("film", &json!({ "as": "exe" })).0, 400);

@@ -1,7 +1,7 @@
 //! The vectors of the paper's tracker.
 
 use crate::{Vectors, Words, fnv};
-use smr_core::paper::{Config, RunnerUp};
+use smr_core::paper::Config;
 use smr_core::similarity::Table;
 use smr_core::unstable::{Found, Peak, found};
 use smr_core::{Answer, Paper, State, Tracker};
@@ -53,20 +53,18 @@ impl Vectors for SmallPaper {
             "first_threshold" => config.first_threshold = words.number()?,
             "least_threshold" => config.least_threshold = words.number()?,
             "update_zone" => config.update_zone = words.margins()?,
-            "gate_least_ratio" => config.gate.least_ratio = words.number()?,
+            "gate_least_ratio" => config.least_ratio = words.number()?,
             "padding" => config.padding = words.number()?,
             "window" => config.window = words.radius()?,
             "growth" => config.growth = words.number()?,
             "window_limit" => config.window_limit = words.radius()?,
             "neighbourhood" => config.neighbourhood = words.number()?,
-            "gate_tracking" => config.gate.tracking = words.fraction()?,
-            "gate_leaving" => config.gate.leaving = words.fraction()?,
-            "gate_returning" => config.gate.returning = words.fraction()?,
-            "gate_lost" => config.gate.lost = words.fraction()?,
-            "gate_lead" => config.gate.lead = words.number()?,
-            "runner_up_always" => {
-                config.runner_up = if words.switch()? { RunnerUp::Always } else { RunnerUp::WhenItDecides };
-            }
+            "gate_tracking" => config.gate_tracking = words.fraction()?,
+            "gate_leaving" => config.gate_leaving = words.fraction()?,
+            "gate_returning" => config.gate_returning = words.fraction()?,
+            "gate_lost" => config.gate_lost = words.fraction()?,
+            "gate_lead" => config.gate_lead = words.number()?,
+            "runner_up_always" => config.runner_up_always = words.switch()?,
             _ => return None,
         }
         Some(())

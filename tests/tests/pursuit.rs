@@ -206,9 +206,9 @@ fn small() -> Config {
     config.window_limit = Radius { x: 32, y: 32 };
     // The paper's gate of 1.0 accepts every peak inside the frame. Here the tracker must distinguish the target from
     // the occluder.
-    config.gate.tracking = Fraction::new(5, 4);
+    config.gate_tracking = Fraction::new(5, 4);
     // A lead of 100 pixels is easy to reach with the target's 2304. So only the ratio decides here.
-    config.gate.lead = u16::MAX;
+    config.gate_lead = u16::MAX;
     config
 }
 

@@ -126,11 +126,10 @@ SMR_RECORD void smr_record_begin(smr_recorder *to, const smr_config *config) {
             smr_record_u16(to, 1);
         }
     } else {
-        const smr_gate *gate = &paper->gate;
         const uint32_t numbers[26] = {
-            paper->k.numerator, paper->k.denominator, gate->tracking.numerator, gate->tracking.denominator,
-            gate->leaving.numerator, gate->leaving.denominator, gate->returning.numerator, gate->returning.denominator,
-            gate->lost.numerator, gate->lost.denominator, gate->lead, gate->least_ratio,
+            paper->k.numerator, paper->k.denominator, paper->gate_tracking.numerator, paper->gate_tracking.denominator,
+            paper->gate_leaving.numerator, paper->gate_leaving.denominator, paper->gate_returning.numerator, paper->gate_returning.denominator,
+            paper->gate_lost.numerator, paper->gate_lost.denominator, paper->gate_lead, paper->least_ratio,
             paper->first_threshold, paper->least_threshold, paper->padding, paper->window.x, paper->window.y,
             paper->growth, paper->window_limit.x, paper->window_limit.y, paper->neighbourhood,
             paper->runner_up_always != 0, paper->update_zone.left, paper->update_zone.top,

@@ -129,7 +129,7 @@ int main(int argc, char **argv)
         must(smr_config_camera(&config), "smr_config_camera");
         config.paper.window.x = config.paper.window.y = 12;
         config.paper.window_limit.x = config.paper.window_limit.y = 24;
-        config.paper.gate.least_ratio = 65535 / 2; /* do not accept noise */
+        config.paper.least_ratio = 65535 / 2; /* do not accept noise */
     }
     must(smr_init(&storage, sizeof storage, &workspace, sizeof workspace, &config, &tracker), "smr_init");
     printf("smr %s, %lu bytes for the target, %lu for the workspace\n", smr_version(),

@@ -174,19 +174,19 @@ enum smr_status
    */
   SMR_ERROR_OTHER_METHOD = 7,
   /**
-   * A fraction of the configuration has a denominator of 0.
+   * No setting of this tracker has this name.
    */
-  SMR_ERROR_ZERO_DENOMINATOR = 8,
+  SMR_ERROR_SETTING_UNKNOWN = 8,
   /**
-   * `k` or `first_threshold` is 0, so no pixel would ever count.
+   * The setting has another count of values.
    */
-  SMR_ERROR_NOTHING_COUNTS = 9,
+  SMR_ERROR_SETTING_COUNT = 9,
   /**
    * `window_limit` is smaller than `window`.
    */
   SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
   /**
-   * A number of the configuration lies outside its documented range.
+   * A number of the configuration lies outside its range, which stands beside its field.
    */
   SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
   /**
@@ -307,6 +307,10 @@ enum smr_status
    * the feature `refiner` (core/c/install.sh --refiner).
    */
   SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
+  /**
+   * `uncertain_below` is smaller than `lost_below`.
+   */
+  SMR_ERROR_UNCERTAIN_BELOW_LOST = 41,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -483,140 +487,124 @@ typedef struct smr_margins {
 } smr_margins;
 
 /**
- * When a peak is accepted: how far it must exceed the runner-up.
- *
- * The four fractions are limits: score(peak) / score(runner-up) must be larger. With a fraction below 1, every peak
- * with a score above 0 is accepted.
- */
-typedef struct smr_gate {
-  /**
-   * The limit while the target stays inside the frame.
-   */
-  struct smr_fraction tracking;
-  /**
-   * The limit if the box at the peak is partly outside the frame.
-   */
-  struct smr_fraction leaving;
-  /**
-   * The limit for a box inside the frame after the target has been partly outside. It applies until a lost target is
-   * found again.
-   */
-  struct smr_fraction returning;
-  /**
-   * The limit for finding a lost target again.
-   */
-  struct smr_fraction lost;
-  /**
-   * The alternative to all limits: a peak is also accepted if its score exceeds the runner-up's by more than this
-   * many fully similar pixels.
-   */
-  uint16_t lead;
-  /**
-   * The least similarity matching ratio of the peak, in units of 1/65535. Below it no peak is accepted.
-   *
-   * If it is not 0, a patch inside the frame is also checked against a covered lens: it needs a quarter of the
-   * template's contrast (mean absolute deviation), and its number of pixels at 0 or 255 must not exceed that of the
-   * template plus half of all pixels. 0, the paper's value, checks neither the ratio nor the contrast.
-   */
-  uint16_t least_ratio;
-} smr_gate;
-
-/**
- * The numbers of the paper's tracker.
+ * The settings of the paper's tracker.
  */
 typedef struct smr_paper_config {
   /**
-   * k in alpha = k * (largest change of a template pixel); more than 0.
+   * The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6). 1 to
+   * 65535.
    */
   struct smr_fraction k;
   /**
-   * alpha before the first update, in gray levels; at least 1. A pixel counts if its difference is below alpha.
+   * The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above
+   * 0 is accepted.
+   */
+  struct smr_fraction gate_tracking;
+  /**
+   * The ratio that is needed if the box at the peak is partly outside the frame.
+   */
+  struct smr_fraction gate_leaving;
+  /**
+   * The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
+   */
+  struct smr_fraction gate_returning;
+  /**
+   * The ratio that is needed to find a lost target again.
+   */
+  struct smr_fraction gate_lost;
+  /**
+   * The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
+   */
+  uint16_t gate_lead;
+  /**
+   * The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns
+   * off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean
+   * absolute deviation), and at most half of all pixels more than the template has may be 0 or 255.
+   */
+  uint16_t least_ratio;
+  /**
+   * alpha of the first update, in gray levels. Pixels that differ by less are similar. 1 to 255.
    */
   uint8_t first_threshold;
   /**
-   * The least alpha after an update, in gray levels. 0 and 1, the paper's value, mean the same. With them no pixel
-   * counts when the light changes slightly after a still scene.
+   * The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene
+   * no pixel counts once the light changes. 0 to 255.
    */
   uint8_t least_threshold;
   /**
-   * Width of the virtual black border around the frame, in pixels: how far a box may leave the frame.
+   * The width of the black border around the frame, in pixels: how far a box may leave the frame.
    */
   uint16_t padding;
   /**
-   * The search window around the last box.
+   * The radius of the search window around the last place, in pixels.
    */
   struct smr_radius window;
   /**
-   * By how many pixels the window grows on each side, per frame while the target is lost.
+   * The growth of the window in each frame while the target is lost, in pixels on each side.
    */
   uint16_t growth;
   /**
-   * The largest window; at least `window`. On each axis 2 * `window_limit` + 1 offsets must not exceed #SMR_SPAN,
-   * unless the padded frame is smaller than that.
+   * The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
    */
   struct smr_radius window_limit;
   /**
-   * The runner-up is the best score at more than this distance from the peak, in pixels, in x or in y.
+   * The runner-up is the best score more than this many pixels from the peak, in x or in y.
    */
   uint16_t neighbourhood;
   /**
-   * The box becomes the new template only if it keeps these distances from the edges of the frame.
+   * The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
    */
   struct smr_margins update_zone;
   /**
-   * When a peak is accepted.
-   */
-  struct smr_gate gate;
-  /**
-   * 0: the tracker searches for the runner-up only if the gate's decision depends on it. Else: in every frame, which
-   * takes several times as long.
+   * Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's
+   * decision depends on it. 0 or 1.
    */
   uint8_t runner_up_always;
 } smr_paper_config;
 
 /**
- * The numbers of the robust tracker.
+ * The settings of the robust tracker.
  */
 typedef struct smr_robust_config {
   /**
-   * Radius of the search window in cells: 4 to 8. A cell is sqrt(area of the target) / 10 wide. The work of an
-   * update grows with (2 * `reach` + 1) squared.
+   * The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
+   * update grows with the square of 2 `reach` + 1. 4 to 8.
    */
   uint8_t reach;
   /**
-   * 0: the box keeps its size. Else: it follows the size of the target.
+   * Whether the box follows the size of the target. 0 or 1.
    */
   uint8_t size;
   /**
-   * 0: a lost target is searched only where it was lost. Else: in the whole frame.
+   * Whether a lost target is searched in the whole frame, or only around its last place. 0 or 1.
    */
   uint8_t sweep;
   /**
-   * Else than 0: a small learned network corrects the box. #smr_config_refined sets it; #smr_config_robust does not.
-   * A library that was built without the feature `refiner` refuses it in #smr_init. It reads more of the frame: see
-   * #smr_windows.
+   * Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or
+   * changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build
+   * without the feature `refiner` refuses it. 0 or 1.
    */
   uint8_t refiner;
   /**
-   * Weight of the previous confidence in the running mean, in units of 1/256. With a higher weight the tracker holds
-   * on for longer: through short occlusions, but also to a wrong target.
+   * The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the
+   * target for longer: through short occlusions, but also through errors. 0 to 255.
    */
   uint8_t patience;
   /**
-   * The target is lost while the confidence is below this. In units of 1/65535.
+   * The target is lost while the confidence is below this, in units of 1/65535.
    */
   uint16_t lost_below;
   /**
-   * The target is uncertain while the confidence is below this; at least `lost_below`.
+   * The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`.
    */
   uint16_t uncertain_below;
   /**
-   * Learning rate of the filter, in units of 1/256: 0 (keeps the filter of the first frame) to 256 (takes the exact
-   * step for the present frame).
+   * The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256 takes the exact
+   * step for the present frame. 0 to 256.
    */
   uint16_t learning_rate;
   /**
-   * Learning rate of the early template, in units of 1/1024: 0 to 1024.
+   * The learning rate of the early template, in units of 1/1024. 0 to 1024.
    */
   uint16_t early_rate;
 } smr_robust_config;
@@ -645,6 +633,36 @@ typedef struct smr_config {
    */
   struct smr_robust_config robust;
 } smr_config;
+
+/**
+ * A setting of a configuration: see #smr_setting_at.
+ */
+typedef struct smr_setting {
+  /**
+   * The name, a static string: that of its field in #smr_paper_config or #smr_robust_config.
+   */
+  const char *name;
+  /**
+   * 0: a number. 1: a switch. 2: numerator and denominator. 3: x and y. 4: left, top, right and bottom.
+   */
+  uint8_t shape;
+  /**
+   * How many values it has.
+   */
+  uint8_t count;
+  /**
+   * The lowest value. A denominator is also at least 1.
+   */
+  uint16_t lowest;
+  /**
+   * The highest value.
+   */
+  uint16_t highest;
+  /**
+   * The values in the configuration, then zeros.
+   */
+  uint16_t values[4];
+} smr_setting;
 
 /**
  * A rectangle in whole pixels of the frame. It may reach outside the frame.
@@ -875,10 +893,10 @@ typedef struct smr_readout {
 SMR_SIZE(smr_fraction, 4, 4);
 SMR_SIZE(smr_radius, 4, 4);
 SMR_SIZE(smr_margins, 8, 8);
-SMR_SIZE(smr_gate, 20, 20);
 SMR_SIZE(smr_paper_config, 50, 50);
 SMR_SIZE(smr_robust_config, 14, 14);
 SMR_SIZE(smr_config, 72, 80);
+SMR_SIZE(smr_setting, 20, 24);
 SMR_SIZE(smr_rect, 12, 12);
 SMR_SIZE(smr_part, 20, 32);
 SMR_SIZE(smr_frame, 44, 72);
@@ -962,6 +980,35 @@ smr_status smr_config_robust(struct smr_config *config);
 smr_status smr_config_refined(struct smr_config *config);
 
 /**
+ * Sets a setting by its name, such as "window" to { 16, 16 }. A program that knows the name can also set the field of the
+ * configuration; this call is for names from a file, a console or another language.
+ *
+ * @param config  Filled by one of the calls smr_config_...
+ * @param name    A string: the name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
+ * @param values  The values, in the order of the field.
+ * @param count   How many there are.
+ * @return        #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration),
+ *                #SMR_ERROR_SETTING_UNKNOWN, #SMR_ERROR_SETTING_COUNT or #SMR_ERROR_CONFIG_OUT_OF_RANGE.
+ */
+smr_status smr_set(struct smr_config *config,
+                   const char *name,
+                   const uint16_t *values,
+                   size_t count);
+
+/**
+ * Gives the name, the range and the values of a setting, one after the other until #SMR_ERROR_SETTING_UNKNOWN.
+ *
+ * @param config   Filled by one of the calls smr_config_...
+ * @param index    0 for the first setting.
+ * @param setting  Is set; unchanged after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration) or
+ *                 #SMR_ERROR_SETTING_UNKNOWN.
+ */
+smr_status smr_setting_at(const struct smr_config *config,
+                          size_t index,
+                          struct smr_setting *setting);
+
+/**
  * The size of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE of the library as it was built.
  *
  * @param config  Filled by one of the calls smr_config_...
@@ -994,8 +1041,8 @@ size_t smr_workspace_size(const struct smr_config *config);
  * @param tracker         Is set to the tracker, or to NULL after an error.
  * @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
  *                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
- *                        configuration) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
- *                        #SMR_ERROR_CONFIG_OUT_OF_RANGE).
+ *                        configuration) or an error of the configuration (#SMR_ERROR_CONFIG_OUT_OF_RANGE,
+ *                        #SMR_ERROR_LIMIT_BELOW_WINDOW, #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
  */
 smr_status smr_init(void *storage,
                     size_t storage_size,
@@ -1224,7 +1271,7 @@ smr_status smr_restore(struct smr_tracker *tracker,
  * @param tracker  Made by #smr_init.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
  * @param size     Bytes there; there may be more than were written.
- * @param name     Is set to a static string, such as "refiner" or "gate.lost", the field of the configuration; to NULL if no setting
+ * @param name     Is set to a static string, such as "refiner" or "gate_lost", the field of the configuration; to NULL if no setting
  *                 differs. Unchanged after an error.
  * @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
  */

@@ -1,10 +1,11 @@
 //! Makes a tracker in the caller's memory, and returns the sizes of that memory.
 
 use crate::capacity::ALIGNMENT;
-use crate::config::{smr_config, smr_method};
+use crate::config::smr_config;
 use crate::pointer::{self, Out};
+use crate::setting::given;
 use crate::status::{
-    SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_INITIALISED, SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL,
+    SMR_ERROR_MISALIGNED, SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL,
     SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status, status_of,
 };
 use crate::tracker::smr_tracker;
@@ -47,8 +48,8 @@ pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize 
 /// @param tracker         Is set to the tracker, or to NULL after an error.
 /// @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
 ///                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
-///                        configuration) or an error of the configuration (#SMR_ERROR_ZERO_DENOMINATOR to
-///                        #SMR_ERROR_CONFIG_OUT_OF_RANGE).
+///                        configuration) or an error of the configuration (#SMR_ERROR_CONFIG_OUT_OF_RANGE,
+///                        #SMR_ERROR_LIMIT_BELOW_WINDOW, #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_init(
     storage: *mut c_void,
@@ -98,17 +99,4 @@ unsafe fn init(
     }
     // SAFETY: sizes and alignment are checked; the caller ensures the rest.
     unsafe { (method.make)(storage, workspace, config) }
-}
-
-/// A configuration, and the method that it names.
-///
-/// # Safety
-/// A `config` that passes `pointer::check` points to one that stays, and whose method is NULL or was filled in.
-unsafe fn given<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
-    pointer::check(config)?;
-    // SAFETY: as the caller ensures.
-    let config = unsafe { &*config };
-    let method = config.method;
-    // SAFETY: as the caller ensures. The presets fill in the address of a constant.
-    unsafe { method.as_ref() }.map(|method| (config, method)).ok_or(SMR_ERROR_NOT_INITIALISED)
 }

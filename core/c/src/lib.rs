@@ -17,7 +17,7 @@
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
-//! | `preset`, `init`, `lock`, `update`, `inspect`, `saved`, `readout` | the exported calls |
+//! | `preset`, `setting`, `init`, `lock`, `update`, `inspect`, `saved`, `readout` | the exported calls |
 //! | `unstable` | calls for the browser's page, which the header does not declare (feature `unstable`) |
 //!
 //! # Linking
@@ -55,6 +55,8 @@ mod version;
 // The exported calls, in the order of the header.
 mod preset;
 
+mod setting;
+
 mod init;
 
 mod lock;
@@ -80,6 +82,7 @@ pub use lock::*;
 pub use preset::*;
 pub use readout::*;
 pub use saved::*;
+pub use setting::*;
 pub use status::*;
 pub use tracker::*;
 pub use update::*;

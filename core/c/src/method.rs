@@ -43,8 +43,12 @@ pub(crate) fn method_of<T: Method>() -> *const smr_method {
 }
 
 impl Method for PaperTarget {
-    const METHOD: smr_method =
-        smr_method { target_size: PAPER_TARGET_SIZE, workspace_size: PAPER_WORKSPACE_SIZE, make: make::<Self> };
+    const METHOD: smr_method = smr_method {
+        is_paper: true,
+        target_size: PAPER_TARGET_SIZE,
+        workspace_size: PAPER_WORKSPACE_SIZE,
+        make: make::<Self>,
+    };
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.paper()
@@ -56,8 +60,12 @@ impl Method for PaperTarget {
 }
 
 impl Method for Robust {
-    const METHOD: smr_method =
-        smr_method { target_size: ROBUST_TARGET_SIZE, workspace_size: ROBUST_WORKSPACE_SIZE, make: make::<Self> };
+    const METHOD: smr_method = smr_method {
+        is_paper: false,
+        target_size: ROBUST_TARGET_SIZE,
+        workspace_size: ROBUST_WORKSPACE_SIZE,
+        make: make::<Self>,
+    };
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.robust()

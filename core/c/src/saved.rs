@@ -2,6 +2,7 @@
 
 use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
 use crate::pointer;
+use crate::setting::name_in_c;
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, smr_status, status_of};
 use crate::tracker::{Known, ask, borrow, each, smr_tracker};
 use core::ffi::c_char;
@@ -95,7 +96,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
 /// @param size     Bytes there; there may be more than were written.
-/// @param name     Is set to a static string, such as "refiner" or "gate.lost", the field of the configuration; to NULL if no setting
+/// @param name     Is set to a static string, such as "refiner" or "gate_lost", the field of the configuration; to NULL if no setting
 ///                 differs. Unchanged after an error.
 /// @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
 #[unsafe(no_mangle)]
@@ -111,7 +112,7 @@ pub unsafe extern "C" fn smr_other_setting(
             pointer::check_bytes(bytes, size, &tracker.memory())?;
             match each!(tracker.known(), target => target.check_saved(core::slice::from_raw_parts(bytes, size))) {
                 Ok(()) => Ok(ptr::null()),
-                Err(RestoreError::OtherConfig(setting)) => Ok(setting.name_with_zero().as_ptr().cast()),
+                Err(RestoreError::OtherConfig(name)) => Ok(name_in_c(name)),
                 Err(error) => Err(error.into()),
             }
         })

@@ -44,13 +44,13 @@ statuses! {
     SMR_ERROR_NOT_INITIALISED = 6,
     /// The call is for the other kind of tracker, or the target was saved by the other kind.
     SMR_ERROR_OTHER_METHOD = 7,
-    /// A fraction of the configuration has a denominator of 0.
-    SMR_ERROR_ZERO_DENOMINATOR = 8,
-    /// `k` or `first_threshold` is 0, so no pixel would ever count.
-    SMR_ERROR_NOTHING_COUNTS = 9,
+    /// No setting of this tracker has this name.
+    SMR_ERROR_SETTING_UNKNOWN = 8,
+    /// The setting has another count of values.
+    SMR_ERROR_SETTING_COUNT = 9,
     /// `window_limit` is smaller than `window`.
     SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
-    /// A number of the configuration lies outside its documented range.
+    /// A number of the configuration lies outside its range, which stands beside its field.
     SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
     /// Width or height of a part of the frame is 0.
     SMR_ERROR_FRAME_EMPTY = 12,
@@ -112,6 +112,8 @@ statuses! {
     /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
     /// the feature `refiner` (core/c/install.sh --refiner).
     SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
+    /// `uncertain_below` is smaller than `lost_below`.
+    SMR_ERROR_UNCERTAIN_BELOW_LOST = 41,
 }
 
 /// The name of a status, for logs: "SMR_OK" and so on.
@@ -160,9 +162,10 @@ called! {
         LineMissing => SMR_ERROR_LINE_MISSING, .._
     }
     ConfigError {
-        ZeroDenominator => SMR_ERROR_ZERO_DENOMINATOR,
-        NothingCounts => SMR_ERROR_NOTHING_COUNTS,
+        UnknownSetting => SMR_ERROR_SETTING_UNKNOWN,
+        WrongCount => SMR_ERROR_SETTING_COUNT,
         LimitBelowWindow => SMR_ERROR_LIMIT_BELOW_WINDOW,
+        UncertainBelowLost => SMR_ERROR_UNCERTAIN_BELOW_LOST,
         WindowTooLarge => SMR_ERROR_WINDOW_TOO_LARGE,
         OutOfRange => SMR_ERROR_CONFIG_OUT_OF_RANGE,
         RefinerNotBuiltIn => SMR_ERROR_REFINER_NOT_BUILT_IN, .._
@@ -207,7 +210,7 @@ mod tests {
             let said = unsafe { CStr::from_ptr(smr_status_name(number)) };
             assert_eq!(said.to_bytes_with_nul(), name.as_bytes());
         }
-        for unknown in [-1, 41, i32::MIN, i32::MAX] {
+        for unknown in [-1, 42, i32::MIN, i32::MAX] {
             // SAFETY: it returns a static string.
             assert_eq!(unsafe { CStr::from_ptr(smr_status_name(unknown)) }, c"SMR_ERROR_UNKNOWN");
         }

@@ -145,7 +145,7 @@ static void names(void)
     HOLD(strcmp(smr_status_name(SMR_OK), "SMR_OK") == 0);
     HOLD(strcmp(smr_status_name(SMR_ERROR_WINDOW_NOT_IN_MEMORY), "SMR_ERROR_WINDOW_NOT_IN_MEMORY") == 0);
     HOLD(strcmp(smr_status_name(-1), "SMR_ERROR_UNKNOWN") == 0);
-    HOLD(strcmp(smr_status_name(SMR_ERROR_REFINER_NOT_BUILT_IN + 1), "SMR_ERROR_UNKNOWN") == 0);
+    HOLD(strcmp(smr_status_name(SMR_ERROR_UNCERTAIN_BELOW_LOST + 1), "SMR_ERROR_UNKNOWN") == 0);
 }
 
 static void version(void)
@@ -201,20 +201,56 @@ static void configurations(void)
         HOLD(good_config().robust.size == 1 && good_config().robust.sweep == 1);
         REFUSED(config.robust.reach = 3, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.reach = 9, SMR_ERROR_CONFIG_OUT_OF_RANGE);
-        REFUSED(config.robust.lost_below = 65535, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        REFUSED(config.robust.lost_below = 65535, SMR_ERROR_UNCERTAIN_BELOW_LOST);
         REFUSED(config.robust.learning_rate = 257, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.early_rate = 1025, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         return;
     }
-    REFUSED(config.paper.k.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.tracking.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.leaving.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.returning.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.gate.lost.denominator = 0, SMR_ERROR_ZERO_DENOMINATOR);
-    REFUSED(config.paper.k.numerator = 0, SMR_ERROR_NOTHING_COUNTS);
-    REFUSED(config.paper.first_threshold = 0, SMR_ERROR_NOTHING_COUNTS);
+    REFUSED(config.paper.k.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_tracking.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_leaving.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_returning.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.gate_lost.denominator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.k.numerator = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
+    REFUSED(config.paper.first_threshold = 0, SMR_ERROR_CONFIG_OUT_OF_RANGE);
     REFUSED(config.paper.window_limit.x = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
     REFUSED(config.paper.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
+}
+
+/* Every setting by its name: it takes its values, and no others. */
+static void settings(void)
+{
+    static smr_config several[2];
+    static smr_setting room[2];
+    smr_config config = good_config(), before = config;
+    smr_setting setting;
+    uint16_t few[5] = {1, 1, 1, 1, 1};
+    size_t count;
+    for (count = 0; smr_setting_at(&config, count, &setting) == SMR_OK; count++) {
+        EXPECT(smr_set(&config, setting.name, setting.values, setting.count), SMR_OK);
+        EXPECT(smr_set(&config, setting.name, setting.values, 5), SMR_ERROR_SETTING_COUNT);
+        EXPECT(smr_set(&config, setting.name, few, setting.count % 2 + 1 + (setting.count == 4)), SMR_ERROR_SETTING_COUNT);
+        if (setting.highest < 65535) {
+            few[0] = (uint16_t)(setting.highest + 1);
+            EXPECT(smr_set(&config, setting.name, few, setting.count), SMR_ERROR_CONFIG_OUT_OF_RANGE);
+        }
+        few[0] = 1;
+    }
+    HOLD(count == (robust ? 9 : 16) && memcmp(&config.paper, &before.paper, sizeof config.paper) == 0);
+    EXPECT(smr_set(&config, robust ? "patience" : "growth", few, 1), SMR_OK);
+    HOLD(robust ? config.robust.patience == 1 : config.paper.growth == 1);
+    EXPECT(smr_set(&config, robust ? "window" : "reach", few, 1), SMR_ERROR_SETTING_UNKNOWN);
+    EXPECT(smr_set(&config, "", few, 1), SMR_ERROR_SETTING_UNKNOWN);
+    EXPECT(smr_set(NULL, "padding", few, 1), SMR_ERROR_NULL);
+    EXPECT(smr_set(&config, NULL, few, 1), SMR_ERROR_NULL);
+    EXPECT(smr_set(&config, "padding", NULL, 1), SMR_ERROR_NULL);
+    EXPECT(smr_set(&config, "padding", (uint16_t *)askew(few), 1), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_set(several, "padding", few, 1), SMR_ERROR_NOT_INITIALISED);
+    EXPECT(smr_setting_at(several, 0, &setting), SMR_ERROR_NOT_INITIALISED);
+    EXPECT(smr_setting_at((smr_config *)askew(several), 0, &setting), SMR_ERROR_MISALIGNED);
+    EXPECT(smr_setting_at(&config, count, &setting), SMR_ERROR_SETTING_UNKNOWN);
+    EXPECT(smr_setting_at(&config, 0, NULL), SMR_ERROR_NULL);
+    EXPECT(smr_setting_at(&config, 0, (smr_setting *)askew(room)), SMR_ERROR_MISALIGNED);
 }
 
 static int is_zero(const void *memory, size_t size)
@@ -746,6 +782,7 @@ int main(void)
     for (robust = 0; robust < 2; robust++) {
         sizes();
         configurations();
+        settings();
         storages();
         no_trackers();
         shared_workspaces();

@@ -112,11 +112,6 @@ static smr_rect box_of(mp_obj_t value) {
     };
 }
 
-static smr_radius radius_of(mp_obj_t value, const char *of, qstr name) {
-    const mp_obj_t *items = items_of(value, 2, name);
-    return (smr_radius) { number(items[0], 0, UINT16_MAX, of, MP_QSTR_x), number(items[1], 0, UINT16_MAX, of, MP_QSTR_y) };
-}
-
 static mp_buffer_info_t bytes_of(mp_obj_t value, qstr name) {
     mp_buffer_info_t bytes;
     if (!mp_get_buffer(value, &bytes, MP_BUFFER_READ)) {
@@ -199,48 +194,34 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
 
 // Trackers
 
+static bool is_same(const char *one, const char *other) {
+    while (*one != 0 && *one == *other) {
+        one++, other++;
+    }
+    return *one == *other;
+}
+
+// Sets an option: a setting of the configuration by its name, or plain_loop.
 static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t keyword, mp_obj_t value) {
-    // Numbers of the configuration: the name of the argument, the tracker that has it, and its place.
-    TABLE struct {
-        qstr name;
-        const mp_obj_type_t *type; // NULL: both
-        uint16_t place;
-        uint8_t bytes;
-    } options[] = {
-        #define OPTION(name, type, field) { MP_QSTR_##name, type, offsetof(smr_config, field), sizeof(((smr_config *)NULL)->field) }
-        OPTION(plain_loop, NULL, plain_loop),
-        OPTION(first_threshold, PAPER, paper.first_threshold),
-        OPTION(least_threshold, PAPER, paper.least_threshold),
-        OPTION(padding, PAPER, paper.padding),
-        OPTION(growth, PAPER, paper.growth),
-        OPTION(neighbourhood, PAPER, paper.neighbourhood),
-        OPTION(least_ratio, PAPER, paper.gate.least_ratio),
-        OPTION(runner_up_always, PAPER, paper.runner_up_always),
-        OPTION(reach, ROBUST, robust.reach),
-        OPTION(size, ROBUST, robust.size),
-        OPTION(sweep, ROBUST, robust.sweep),
-        OPTION(refiner, ROBUST, robust.refiner),
-        OPTION(patience, ROBUST, robust.patience),
-        OPTION(lost_below, ROBUST, robust.lost_below),
-        OPTION(uncertain_below, ROBUST, robust.uncertain_below),
-        OPTION(learning_rate, ROBUST, robust.learning_rate),
-        OPTION(early_rate, ROBUST, robust.early_rate),
-        #undef OPTION
-    };
-    for (size_t i = 0; i < MP_ARRAY_SIZE(options); i++) {
-        const qstr name = options[i].name;
-        if (keyword != MP_OBJ_NEW_QSTR(name) || (options[i].type != NULL && options[i].type != type)) {
-            continue;
-        }
-        uint8_t *place = (uint8_t *)config + options[i].place;
-        if (options[i].bytes == 1) {
-            *place = number(value, 0, UINT8_MAX, "", name);
-        } else {
-            *(uint16_t *)place = number(value, 0, UINT16_MAX, "", name);
-        }
+    const char *name = mp_obj_str_get_str(keyword);
+    if (keyword == MP_OBJ_NEW_QSTR(MP_QSTR_plain_loop)) {
+        config->plain_loop = number(value, 0, 1, "", MP_QSTR_plain_loop);
         return;
     }
-    mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %s"), type->name, mp_obj_str_get_str(keyword));
+    smr_setting setting;
+    for (size_t i = 0; smr_setting_at(config, i, &setting) == SMR_OK; i++) {
+        if (is_same(setting.name, name)) {
+            const qstr shown = MP_OBJ_QSTR_VALUE(keyword);
+            const mp_obj_t *items = setting.count == 1 ? &value : items_of(value, setting.count, shown);
+            for (size_t k = 0; k < setting.count; k++) {
+                const bool is_denominator = setting.shape == 2 && k == 1 && setting.lowest == 0;
+                setting.values[k] = number(items[k], setting.lowest + is_denominator, setting.highest, "", shown);
+            }
+            check(smr_set(config, setting.name, setting.values, setting.count));
+            return;
+        }
+    }
+    mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q has no option %s"), type->name, name);
 }
 
 static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
@@ -276,13 +257,8 @@ static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t c
         set_preset(&config, is_paper, preset);
     }
     for (size_t i = 0; i < count; i++) {
-        const mp_obj_t keyword = keywords[2 * i], value = keywords[2 * i + 1];
-        if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window)) {
-            config.paper.window = radius_of(value, "window: ", MP_QSTR_window);
-        } else if (is_paper && keyword == MP_OBJ_NEW_QSTR(MP_QSTR_window_limit)) {
-            config.paper.window_limit = radius_of(value, "window_limit: ", MP_QSTR_window_limit);
-        } else if (keyword != MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
-            set_option(&config, type, keyword, value);
+        if (keywords[2 * i] != MP_OBJ_NEW_QSTR(MP_QSTR_preset)) {
+            set_option(&config, type, keywords[2 * i], keywords[2 * i + 1]);
         }
     }
     return config;

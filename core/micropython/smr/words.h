@@ -2,9 +2,7 @@
 static mp_rom_error_text_t words(smr_status status) {
     switch (status) {
         case SMR_ERROR_OTHER_METHOD: return MP_ERROR_TEXT("the target was saved by the other tracker");
-        case SMR_ERROR_NOTHING_COUNTS: return MP_ERROR_TEXT("k and the first threshold must be more than 0, or no pixel counts");
-        case SMR_ERROR_LIMIT_BELOW_WINDOW: return MP_ERROR_TEXT("the window's limit is smaller than the window");
-        case SMR_ERROR_CONFIG_OUT_OF_RANGE: return MP_ERROR_TEXT("a number of the configuration is outside its range");
+        case SMR_ERROR_LIMIT_BELOW_WINDOW: return MP_ERROR_TEXT("window_limit is smaller than window");
         case SMR_ERROR_FRAME_EMPTY: return MP_ERROR_TEXT("the image has no pixels: width and height must be at least 1");
         case SMR_ERROR_STRIDE_TOO_SMALL: return MP_ERROR_TEXT("the stride is smaller than the width");
         case SMR_ERROR_FRAME_TOO_SHORT: return MP_ERROR_TEXT("the slice is shorter than (height - 1) * stride + width bytes");
@@ -24,6 +22,7 @@ static mp_rom_error_text_t words(smr_status status) {
         case SMR_ERROR_FORMAT_UNKNOWN: return MP_ERROR_TEXT("the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10");
         case SMR_ERROR_LINE_TOO_SHORT: return MP_ERROR_TEXT("line %d has fewer bytes than its format needs");
         case SMR_ERROR_REFINER_NOT_BUILT_IN: return MP_ERROR_TEXT("the refiner is on, and this build is without it (feature refiner)");
+        case SMR_ERROR_UNCERTAIN_BELOW_LOST: return MP_ERROR_TEXT("uncertain_below is smaller than lost_below");
         default: return NULL;
     }
 }

@@ -97,12 +97,13 @@ raises(
 )
 del large
 smr.Robust(reach=4, size=False, sweep=False, plain_loop=True)
-raises(ValueError, "k and the first threshold must be more than 0, or no pixel counts", lambda: smr.Paper(first_threshold=0))
-raises(ValueError, "the window's limit is smaller than the window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))
-raises(ValueError, "a number of the configuration is outside its range", lambda: smr.Robust(reach=3))
+raises(ValueError, "first_threshold must be 1 to 255", lambda: smr.Paper(first_threshold=0))
+raises(ValueError, "gate_lost must be 1 to 65535", lambda: smr.Paper(gate_lost=(5, 0)))
+raises(ValueError, "window_limit is smaller than window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))
+raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=3))
 raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset="robust"))
 raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset=1))
-raises(ValueError, "reach must be 0 to 255", lambda: smr.Robust(reach=256))
+raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=9))
 raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
 raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
 raises(ValueError, "preset must be 'robust' or 'refined'", lambda: smr.Robust(preset="camera"))
@@ -117,8 +118,8 @@ raises(TypeError, "preset is given twice", lambda: smr.Paper("camera", preset="c
 raises(TypeError, "", lambda: smr.Paper("camera", 5))
 raises(TypeError, "window must be a tuple of 2 numbers", lambda: smr.Paper(window=4))
 raises(ValueError, "window must be 2 numbers, not 3", lambda: smr.Paper(window=(4, 2, 1)))
-raises(TypeError, "window_limit: y must be a whole number", lambda: smr.Paper(window_limit=(4, None)))
-raises(ValueError, "window: x must be 0 to 65535", lambda: smr.Paper(window=(70000, 2)))
+raises(TypeError, "window_limit must be a whole number", lambda: smr.Paper(window_limit=(4, None)))
+raises(ValueError, "window must be 0 to 65535", lambda: smr.Paper(window=(70000, 2)))
 raises(TypeError, "padding must be a whole number", lambda: smr.Paper(padding="much"))
 
 # Frames, boxes and buffers

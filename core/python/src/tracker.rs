@@ -2,12 +2,12 @@
 
 use crate::answer;
 use crate::frame::{Borrowed, Pixels};
-use crate::options::{Options, of_range, with};
+use crate::options::{of_range, with};
 use crate::target::{Scratch, Target, each, refused, with_scratch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use smr_core::{Answer, ConfigError, Rect, State, Target as _, paper, robust};
+use smr_core::{Answer, ConfigError, Rect, Settings, State, Target as _, paper, robust};
 use smr_recordings::BoundingBox;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -27,26 +27,6 @@ pub struct Tracker {
 ///
 /// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
 /// it. Numbers are whole; `options` shows those in use.
-///
-/// - `window`: (x, y), the radius of the search around the last place, in pixels, 0 to 65535.
-/// - `window_limit`: (x, y), the largest radius while the target is lost, in pixels. At least `window`.
-/// - `growth`: how much the radius grows in each frame while the target is lost, in pixels, 0 to 65535.
-/// - `padding`: how far a box may leave the frame, in pixels, 0 to 65535.
-/// - `neighbourhood`: the runner-up lies more than this many pixels from the peak, in x or in y, 0 to 65535.
-/// - `update_zone`: (left, top, right, bottom), how far a box must keep from the edges of the frame for the tracker to
-///   learn from it, in pixels, 0 to 65535.
-/// - `k`: (numerator, denominator), the next threshold as a part of the largest difference of two pixels. More than 0.
-/// - `first_threshold`: of the first update, in gray levels, 1 to 255. Pixels that differ by less are similar.
-/// - `least_threshold`: of all later updates, in gray levels, 0 to 255. 0 and 1 set no bound.
-/// - `gate_tracking`: (numerator, denominator), the score of the peak over that of the runner-up that is needed inside
-///   the frame. Below 1 every peak is accepted. Each part is 0 to 65535, the denominator at least 1.
-/// - `gate_leaving`: the same for a box that is partly outside the frame.
-/// - `gate_returning`: the same after a box was partly outside the frame.
-/// - `gate_lost`: the same to find a lost target again.
-/// - `gate_lead`: the lead over the runner-up that is enough without any of these, in similar pixels, 0 to 65535.
-/// - `least_ratio`: the least similarity of an accepted peak, in units of 1/65535, 0 to 65535. 0 also turns off the
-///   detection of a covered lens.
-/// - `runner_up_always`: True searches the runner-up in every frame, which takes more time, False where it decides.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
@@ -54,17 +34,6 @@ pub struct Paper;
 ///
 /// `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
 /// whole; `options` shows those in use.
-///
-/// - `reach`: the radius of the search in cells, 4 to 8. A cell is a tenth of the root of the target's area.
-/// - `size`: True if the box follows the target's size.
-/// - `sweep`: True to search a lost target in the whole frame, False to search around its last place.
-/// - `refiner`: True if a small learned network corrects the box. It can also make the state uncertain or lost.
-/// - `patience`: the part of its value that the confidence keeps in each frame, in units of 1/256, 0 to 255. A higher
-///   one holds on for longer, also to errors.
-/// - `lost_below`: the confidence below which the target is lost, in units of 1/65535, 0 to 65535.
-/// - `uncertain_below`: the confidence below which it is uncertain, in the same units. At least `lost_below`.
-/// - `learning_rate`: how fast the filter learns, in units of 1/256, 0 (never) to 256.
-/// - `early_rate`: how fast the template of the first frame learns, in units of 1/1024, 0 (never) to 1024.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
@@ -86,7 +55,7 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 
 impl Tracker {
     /// With the configuration of a preset, the first or the second one, and the options put in.
-    fn new<C: Options>(
+    fn new<C: Settings>(
         presets: [(&'static str, C); 2],
         name: &str,
         options: Option<&Bound<'_, PyDict>>,

@@ -15,11 +15,11 @@ from conftest import recorded
 # The trackers and what host-sim calls them.
 TRACKERS = {
     "robust": (smr.Robust, []),
-    "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=False), ["--reach=5", "--patience=200", "--without=sweep"]),
-    "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--without=refiner"]),
+    "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=False), ["--set=reach=5", "--set=patience=200", "--set=sweep=off"]),
+    "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--set=refiner=off"]),
     "the preset robust": (lambda: smr.Robust("robust"), ["--config=robust"]),
     "camera": (smr.Paper, ["--method=smr", "--config=camera"]),
-    "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=smr", "--k=7/20", "--runner-up-always"]),
+    "paper": (lambda: smr.Paper(preset="paper", k=(7, 20), runner_up_always=True), ["--method=smr", "--set=k=7/20", "--set=runner_up_always=on"]),
 }  # fmt: skip
 RECORDINGS = [
     *(pytest.param(name, id=name) for name in ("synthetic", "border", "periodic", "noise")),

@@ -54,6 +54,6 @@ pub struct Found {
     /// The offset with the largest score.
     pub peak: Peak,
     /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the
-    /// decision did not depend on it: see [`RunnerUp`](crate::paper::RunnerUp).
+    /// decision did not depend on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up: Option<u32>,
 }

@@ -77,7 +77,7 @@ pub struct Answer {
     /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no
-    /// decision depended on it ([`RunnerUp`](crate::paper::RunnerUp)), and always from [`Robust`](crate::Robust).
+    /// decision depended on it ([`runner_up_always`](crate::paper::Config::runner_up_always)), and always from [`Robust`](crate::Robust).
     pub runner_up_ratio: Option<u16>,
     /// The threshold of this frame: alpha, rounded up to whole gray levels. A pixel counted if it differed by less.
     /// `None` from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.

@@ -7,29 +7,48 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// A fraction has a denominator of 0.
-    ZeroDenominator,
-    /// `k` or `first_threshold` is 0, so no pixel would count.
-    NothingCounts,
+    /// A number of a setting is outside its range.
+    OutOfRange {
+        /// The name of the setting.
+        name: &'static str,
+        /// The lowest value.
+        lowest: u16,
+        /// The highest value.
+        highest: u16,
+        /// The number.
+        found: u16,
+    },
     /// `window_limit` is smaller than `window`.
     LimitBelowWindow,
+    /// `uncertain_below` is smaller than `lost_below`.
+    UncertainBelowLost,
     /// `window` has more offsets on an axis than the tracker's `SPAN`. Only from [`Paper`](crate::Paper).
     WindowTooLarge,
-    /// A number is outside its documented range.
-    OutOfRange,
     /// The configuration has the refiner on, in a build without the feature `refiner`.
     RefinerNotBuiltIn,
+    /// No setting has this name: see [`Settings::SETTINGS`](crate::Settings::SETTINGS).
+    UnknownSetting,
+    /// A setting has another count of numbers.
+    WrongCount {
+        /// The name of the setting.
+        name: &'static str,
+        /// How many it has.
+        count: usize,
+    },
 }
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::ZeroDenominator => "a fraction of the configuration has a denominator of 0",
-            Self::NothingCounts => "k and the first threshold must be more than 0, or no pixel counts",
-            Self::LimitBelowWindow => "the window's limit is smaller than the window",
+            Self::OutOfRange { name, lowest, highest, found } => {
+                return write!(f, "{name} is {lowest} to {highest}, not {found}");
+            }
+            Self::LimitBelowWindow => "window_limit is smaller than window",
+            Self::UncertainBelowLost => "uncertain_below is smaller than lost_below",
             Self::WindowTooLarge => "the window has more offsets on an axis than this tracker has room for",
-            Self::OutOfRange => "a number of the configuration is outside its range",
             Self::RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
+            Self::UnknownSetting => "no setting of this tracker has this name",
+            Self::WrongCount { name, count } => return write!(f, "{name} takes {count} numbers"),
         })
     }
 }

@@ -22,6 +22,9 @@
 //! - `#[inline(always)]` on a constructor builds the value in place. As a call it would be built on the stack and
 //!   copied.
 
+#[macro_use]
+mod settings;
+
 mod answer;
 mod bound;
 mod budget;
@@ -44,7 +47,8 @@ pub use answer::{Answer, State};
 pub use bound::MostWork;
 pub use error::{ConfigError, LockError, UpdateError};
 pub use quality::Quality;
-pub use saved::{RestoreError, SaveError, Setting};
+pub use saved::{RestoreError, SaveError};
+pub use settings::{Setting, Settings, Shape};
 pub use target::Target;
 pub use tracker::Tracker;
 pub use update::Steps;

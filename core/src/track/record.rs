@@ -66,25 +66,18 @@
 //!
 //! The numbers of the configuration of each tracker:
 //!
-//! - `P`: the 256 entries of the table; numerator and denominator of `k` and of the gate's `tracking`, `leaving`,
-//!   `returning`, `lost`; the gate's `lead`, `least_ratio`; `first_threshold`, `least_threshold`, `padding`; `window`
-//!   x, y; `growth`; `window_limit` x, y; `neighbourhood`; 1 if it always searches for the runner-up; `update_zone`
-//!   left, top, right, bottom
-//! - `R`: the 256 entries of the table; `size`, `sweep`; four parts that are always 1 in firmware (velocity, distance
-//!   penalty, verification, gated learning); `reach`, `patience`, `lost_below`, `uncertain_below`, `learning_rate`,
-//!   `early_rate`; with the refiner a 1
+//! - `P`: the 256 entries of the table, then [`paper::Config`](crate::paper::Config)'s [`Settings::SETTINGS`]
+//! - `R`: the 256 entries of the table, then [`robust::Config`](crate::robust::Config)'s, with four numbers that are
+//!   always 1 after `sweep`; without the refiner its number is left out
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.
 
 use super::checksum::Crc;
-use super::paper::Paper;
-use super::robust::Robust;
-use super::saved::{Kind, Setting};
-use super::update::{SEAL, Seal};
-use super::{Answer, Target, paper, robust};
+use super::settings::{Numbers, recorded};
+use super::update::SEAL;
+use super::{Answer, Settings, Target};
 use crate::image::{Frame, Image, Rect};
-use crate::similarity::Table;
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;
@@ -135,38 +128,14 @@ impl Tag {
     }
 }
 
-/// A target that can be recorded. Both trackers' targets can.
-pub trait Recorded: Target {
+/// A target that can be recorded. Both trackers' targets can. Its configuration can be made of the numbers of a record:
+/// [`Settings::of_numbers`].
+pub trait Recorded: Target<Config: Settings> {
     /// The tracker's letter in a record.
-    const TRACKER: u8;
-
-    /// Calls `add` with each number of the configuration that answers depend on, in the order of the record.
-    #[doc(hidden)]
-    fn numbers(config: &Self::Config, add: impl FnMut(u16), _: &Seal);
+    const TRACKER: u8 = <Self::Config as Numbers>::KIND as u8;
 }
 
-impl<const PIXELS: usize, const SPAN: usize> Recorded for Paper<PIXELS, SPAN> {
-    const TRACKER: u8 = Kind::Paper as u8;
-
-    fn numbers(config: &paper::Config, add: impl FnMut(u16), _: &Seal) {
-        each_number(config.table, &paper::numbers(config), add);
-    }
-}
-
-impl Recorded for Robust {
-    const TRACKER: u8 = Kind::Robust as u8;
-
-    fn numbers(config: &robust::Config, add: impl FnMut(u16), _: &Seal) {
-        each_number(config.table, &robust::numbers(config), add);
-    }
-}
-
-/// Calls `add` with the entries of the table, then with the other numbers. The refiner's number is left out if the
-/// refiner is off, so that the record is the same as that of a build without it.
-fn each_number(table: &Table, numbers: &[(Setting, u16)], add: impl FnMut(u16)) {
-    let numbers = numbers.iter().filter(|&&number| number != (Setting::Refiner, 0)).map(|&(_, number)| number);
-    table.entries().iter().copied().chain(numbers).for_each(add);
-}
+impl<T: Target<Config: Settings>> Recorded for T {}
 
 /// Writes a record; see the [module](self).
 ///
@@ -192,11 +161,11 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     pub fn begin<T: Recorded>(target: &T, write: W) -> Result<Self, E> {
         let mut recorder = Self { write, entries: 0, failed: false };
         let mut numbers = 0;
-        T::numbers(target.config(), |_| numbers += 1, SEAL);
+        recorded(target.config(), |_| numbers += 1);
         recorder.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
             entry.u16(VERSION);
             entry.put(&[T::TRACKER, 0]);
-            T::numbers(target.config(), |number| entry.u16(number), SEAL);
+            recorded(target.config(), |number| entry.u16(number));
         })?;
         Ok(recorder)
     }

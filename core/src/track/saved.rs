@@ -7,7 +7,7 @@
 //! | 4, 5 | version of this format |
 //! | 6 to 9 | checksum of the table of similarities |
 //! | 10 to 13 | length of all bytes |
-//! | then 2 each | the other numbers of the configuration: 26 of `P`, 13 of `R`, in the order of their `numbers` |
+//! | then 2 each | the other numbers of the configuration: 26 of `P`, 13 of `R`, in the order of their settings |
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
@@ -16,6 +16,7 @@
 //! table has 512 bytes, so only its checksum is saved.
 
 use super::checksum::Crc;
+use super::settings::Settings;
 use crate::similarity::Table;
 use core::fmt;
 
@@ -29,20 +30,25 @@ pub(super) const fn around(numbers: usize) -> usize {
 }
 
 /// The tracker that wrote the bytes.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub(super) enum Kind {
+pub enum Kind {
     Paper = b'P',
     Robust = b'R',
 }
 
-/// The settings of a configuration that answers depend on.
-pub(super) struct Settings<'a> {
-    pub(super) table: &'a Table,
-    pub(super) numbers: &'a [(Setting, u16)],
+/// A configuration as a saved target has it.
+pub(super) struct Saved<'a> {
+    kind: Kind,
+    table: &'static Table,
+    numbers: &'a [u16],
 }
 
-impl Settings<'_> {
+impl<'a> Saved<'a> {
+    pub(super) fn of<C: Settings>(config: &C, numbers: &'a C::Array) -> Self {
+        Self { kind: C::KIND, table: config.table(), numbers: numbers.as_ref() }
+    }
+
     fn table_sum(&self) -> u32 {
         let mut sum = Crc::new();
         self.table.entries().iter().for_each(|entry| sum.update(&entry.to_le_bytes()));
@@ -58,20 +64,15 @@ pub(super) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// Begins a saved target of `size` bytes in all. Writes nothing if `bytes` is too small.
-    pub(super) fn new(
-        bytes: &'a mut [u8],
-        size: usize,
-        kind: Kind,
-        settings: &Settings<'_>,
-    ) -> Result<Self, SaveError> {
+    pub(super) fn new(bytes: &'a mut [u8], size: usize, config: &Saved<'_>) -> Result<Self, SaveError> {
         let bytes = bytes.get_mut(..size).ok_or(SaveError::BufferTooSmall)?;
         let mut writer = Self { bytes, at: 0 };
         writer.put(&MAGIC);
-        writer.put(&[kind as u8]);
+        writer.put(&[config.kind as u8]);
         writer.u16(VERSION);
-        writer.u32(settings.table_sum());
+        writer.u32(config.table_sum());
         writer.u32(u32::try_from(size).unwrap_or(u32::MAX));
-        settings.numbers.iter().for_each(|&(_, number)| writer.u16(number));
+        config.numbers.iter().for_each(|&number| writer.u16(number));
         Ok(writer)
     }
 
@@ -114,37 +115,37 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of the state of a tracker of this `kind`, if everything around the state is valid.
-    pub(super) fn new(bytes: &'a [u8], kind: Kind, settings: &Settings<'_>) -> Result<Self, RestoreError> {
+    /// A reader of the state of a tracker with this configuration, if everything around the state is valid.
+    pub(super) fn new(bytes: &'a [u8], config: &Saved<'_>) -> Result<Self, Refusal> {
         let mut head = Reader { bytes };
         if head.take::<3>() != Some(MAGIC) {
-            return Err(RestoreError::NotSaved);
+            return Err(RestoreError::NotSaved.into());
         }
         let tracker = head.u8().ok_or(RestoreError::Truncated)?;
         if head.u16().ok_or(RestoreError::Truncated)? != VERSION {
-            return Err(RestoreError::OtherVersion);
+            return Err(RestoreError::OtherVersion.into());
         }
         let (table, length) = (head.u32(), head.u32());
-        let (Some(table), Some(length)) = (table, length) else { return Err(RestoreError::Truncated) };
+        let (Some(table), Some(length)) = (table, length) else { return Err(RestoreError::Truncated.into()) };
         let length = usize::try_from(length).unwrap_or(usize::MAX);
         if length < around(0) {
-            return Err(RestoreError::Damaged);
+            return Err(RestoreError::Damaged.into());
         }
         let all = bytes.get(..length).ok_or(RestoreError::Truncated)?;
         let (body, sum) = all.split_at_checked(length - 4).ok_or(RestoreError::Truncated)?;
         if (Reader { bytes: sum }).u32() != Some(Crc::of(body)) {
-            return Err(RestoreError::Damaged);
+            return Err(RestoreError::Damaged.into());
         }
-        if tracker != kind as u8 {
-            return Err(RestoreError::OtherTracker);
+        if tracker != config.kind as u8 {
+            return Err(RestoreError::OtherTracker.into());
         }
-        if table != settings.table_sum() {
-            return Err(RestoreError::OtherConfig(Setting::Table));
+        if table != config.table_sum() {
+            return Err(RestoreError::OtherConfig("table").into());
         }
         let mut state = Self { bytes: body.get(HEAD..).unwrap_or_default() };
-        for &(setting, number) in settings.numbers {
+        for (place, &number) in config.numbers.iter().enumerate() {
             if state.u16().ok_or(RestoreError::Damaged)? != number {
-                return Err(RestoreError::OtherConfig(setting));
+                return Err(Refusal::Setting(place));
             }
         }
         Ok(state)
@@ -214,6 +215,29 @@ impl fmt::Display for SaveError {
 
 impl core::error::Error for SaveError {}
 
+/// Why a target was not restored, without the names of settings: a program that does not ask for them does not link them.
+pub(super) enum Refusal {
+    Error(RestoreError),
+    /// The place of the first number that differs.
+    Setting(usize),
+}
+
+impl From<RestoreError> for Refusal {
+    fn from(error: RestoreError) -> Self {
+        Self::Error(error)
+    }
+}
+
+impl Refusal {
+    #[inline(always)]
+    pub(super) fn named<C: Settings>(self) -> RestoreError {
+        match self {
+            Self::Error(error) => error,
+            Self::Setting(place) => RestoreError::OtherConfig(C::NAMES.get(place).copied().unwrap_or_default()),
+        }
+    }
+}
+
 /// Why a target was not restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -229,8 +253,9 @@ pub enum RestoreError {
     Damaged,
     /// The other tracker saved the target.
     OtherTracker,
-    /// The target was saved with another configuration, so answers would differ. The first setting that differs.
-    OtherConfig(Setting),
+    /// The target was saved with another configuration, so answers would differ. The name of the first setting that
+    /// differs.
+    OtherConfig(&'static str),
     /// The template has more pixels, or the window more offsets, than this tracker has room for.
     TooLarge,
 }
@@ -238,8 +263,8 @@ pub enum RestoreError {
 impl fmt::Display for RestoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::OtherConfig(setting) => {
-                return write!(f, "the target was saved with another configuration: {setting} differs");
+            Self::OtherConfig(name) => {
+                return write!(f, "the target was saved with another configuration: {name} differs");
             }
             Self::NotSaved => "these are not the bytes of a saved target",
             Self::OtherVersion => "the target was saved by another version",
@@ -252,98 +277,3 @@ impl fmt::Display for RestoreError {
 }
 
 impl core::error::Error for RestoreError {}
-
-/// Defines the settings and their names.
-macro_rules! settings {
-    ($($(#[doc = $text:literal])+ $setting:ident = $name:literal,)+) => {
-        /// A setting of either tracker's configuration that answers depend on.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-        #[non_exhaustive]
-        pub enum Setting {
-            $($(#[doc = $text])+ $setting,)+
-        }
-
-        impl Setting {
-            /// The name of its field in the configuration.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$setting => $name,)+
-                }
-            }
-
-            /// The name followed by a zero byte, for C.
-            #[doc(hidden)]
-            #[must_use]
-            pub const fn name_with_zero(self) -> &'static str {
-                match self {
-                    $(Self::$setting => concat!($name, "\0"),)+
-                }
-            }
-        }
-    };
-}
-
-settings! {
-    /// The table of similarities, of both trackers.
-    Table = "table",
-    /// k of the paper's tracker.
-    K = "k",
-    /// The ratio of its gate for a target that is tracked.
-    GateTracking = "gate.tracking",
-    /// The ratio for a target that leaves the frame.
-    GateLeaving = "gate.leaving",
-    /// The ratio for a target that returns.
-    GateReturning = "gate.returning",
-    /// The ratio for a lost target.
-    GateLost = "gate.lost",
-    /// The lead over the runner-up that is always enough.
-    GateLead = "gate.lead",
-    /// The least similarity matching ratio.
-    GateLeastRatio = "gate.least_ratio",
-    /// alpha before the first update.
-    FirstThreshold = "first_threshold",
-    /// The least alpha.
-    LeastThreshold = "least_threshold",
-    /// The border around the frame.
-    Padding = "padding",
-    /// The search window.
-    Window = "window",
-    /// The growth of the window.
-    Growth = "growth",
-    /// The largest window.
-    WindowLimit = "window_limit",
-    /// How far the runner-up is from the peak.
-    Neighbourhood = "neighbourhood",
-    /// When the runner-up is searched.
-    RunnerUp = "runner_up",
-    /// Where the template is updated.
-    UpdateZone = "update_zone",
-    /// Whether the robust tracker's box follows the size.
-    Size = "size",
-    /// Whether it searches the whole frame.
-    Sweep = "sweep",
-    /// A part of the robust tracker; only the feature `unstable` can leave it out.
-    Parts = "parts",
-    /// The radius of its window.
-    Reach = "reach",
-    /// The inertia of the confidence.
-    Patience = "patience",
-    /// The confidence below which the target is lost.
-    LostBelow = "lost_below",
-    /// The confidence below which it is uncertain.
-    UncertainBelow = "uncertain_below",
-    /// How fast the filter learns.
-    LearningRate = "learning_rate",
-    /// How fast the early template learns.
-    EarlyRate = "early_rate",
-    /// Whether the refiner corrects the box.
-    Refiner = "refiner",
-}
-
-impl fmt::Display for Setting {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}

@@ -3,14 +3,16 @@
 
 use super::checksum::Crc;
 use super::record::Recorder;
+use super::settings::recorded;
 use super::update::Steps;
 use super::{
-    Answer, ConfigError, LockError, RestoreError, SaveError, Setting, State, Target, Tracker, UpdateError, paper,
-    robust,
+    Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
+    paper, robust,
 };
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
-use std::{boxed::Box, collections::BTreeSet, format, string::ToString, vec, vec::Vec};
+use core::fmt::Debug;
+use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
 
@@ -19,8 +21,8 @@ fn small_paper() -> paper::Config {
     config.window = paper::Radius { x: 12, y: 12 };
     config.growth = 8;
     // The gate is strict, so that a wrong box becomes a lost target.
-    config.gate.tracking = paper::Fraction::new(5, 4);
-    config.gate.lead = u16::MAX;
+    config.gate_tracking = paper::Fraction::new(5, 4);
+    config.gate_lead = u16::MAX;
     config
 }
 
@@ -470,100 +472,65 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(SmallPaper::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
-/// A setting's name, and a change of it.
-type Change<T> = (&'static str, fn(&mut <T as Target>::Config));
-
-/// Saves a target with `config`, and restores it with each of the `changes`. Each error must name its setting, and
-/// the changes must cover all `settings`.
-fn refusals_name<T: Target>(config: T::Config, settings: &[Setting], changes: &[Change<T>]) {
-    let bytes = saved(locked::<T>(config).target());
-    for (name, change) in changes {
-        let mut other = config;
-        change(&mut other);
-        let mut target = T::with(other).unwrap();
-        let Err(refusal @ RestoreError::OtherConfig(setting)) = target.restore(&bytes) else { panic!("{name}") };
-        assert_eq!((setting.name(), target.check_saved(&bytes)), (*name, Err(refusal)));
-        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(*name));
-        let text = format!("the target was saved with another configuration: {name} differs");
-        assert_eq!(refusal.to_string(), text);
-    }
-    let names: BTreeSet<&str> = settings.iter().map(|setting| setting.name()).collect();
-    assert_eq!(changes.iter().map(|(name, _)| *name).collect::<BTreeSet<_>>(), names);
-}
-
 static OTHER_TABLE: Table = match Table::new(100) {
     Ok(table) => table,
     Err(_) => panic!("in range"),
 };
 
-#[test]
-fn a_refusal_names_the_setting_of_the_papers_tracker_that_differs() {
-    let numbers = paper::numbers(&small_paper()).map(|(setting, _)| setting);
-    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).collect();
-    refusals_name::<SmallPaper>(
-        small_paper(),
-        &settings,
-        &[
-            ("table", |of| of.table = &OTHER_TABLE),
-            ("k", |of| of.k.numerator += 1),
-            ("k", |of| of.k.denominator += 1),
-            ("gate.tracking", |of| of.gate.tracking.numerator += 1),
-            ("gate.tracking", |of| of.gate.tracking.denominator += 1),
-            ("gate.leaving", |of| of.gate.leaving.numerator += 1),
-            ("gate.leaving", |of| of.gate.leaving.denominator += 1),
-            ("gate.returning", |of| of.gate.returning.numerator += 1),
-            ("gate.returning", |of| of.gate.returning.denominator += 1),
-            ("gate.lost", |of| of.gate.lost.numerator += 1),
-            ("gate.lost", |of| of.gate.lost.denominator += 1),
-            ("gate.lead", |of| of.gate.lead -= 1),
-            ("gate.least_ratio", |of| of.gate.least_ratio += 1),
-            ("first_threshold", |of| of.first_threshold += 1),
-            ("least_threshold", |of| of.least_threshold += 1),
-            ("padding", |of| of.padding += 1),
-            ("window", |of| of.window.x -= 1),
-            ("window", |of| of.window.y -= 1),
-            ("growth", |of| of.growth += 1),
-            ("window_limit", |of| of.window_limit.x -= 1),
-            ("window_limit", |of| of.window_limit.y -= 1),
-            ("neighbourhood", |of| of.neighbourhood += 1),
-            ("runner_up", |of| of.runner_up = paper::RunnerUp::Always),
-            ("update_zone", |of| of.update_zone.left += 1),
-            ("update_zone", |of| of.update_zone.top += 1),
-            ("update_zone", |of| of.update_zone.right += 1),
-            ("update_zone", |of| of.update_zone.bottom += 1),
-        ],
-    );
+/// Changes each number of `config` by the name of its setting. The change is kept, also in a record, and a target that
+/// was saved before is refused with that name.
+fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
+    let bytes = saved(locked::<T>(config).target());
+    let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
+    // Only with its feature can the refiner be on.
+    let settings =
+        T::Config::SETTINGS.iter().filter(|setting| setting.name() != "refiner" || cfg!(feature = "refiner"));
+    for (setting, place) in settings.flat_map(|setting| (0..setting.shape.count()).map(move |place| (setting, place))) {
+        let (name, count) = (setting.name(), setting.shape.count());
+        let (mut other, mut values) = (config, config.get(name).unwrap());
+        let least = setting.lowest + u16::from(setting.shape == Shape::Fraction);
+        values[place] = if values[place] > least { values[place] - 1 } else { values[place] + 1 };
+        assert_eq!((other.set(name, &values[..count]), other.get(name)), (Ok(()), Some(values)));
+        assert_eq!(T::Config::of_numbers(&Table::PAPER, &numbers_of(&other)), Ok(other));
+        assert_eq!(refusal(other), RestoreError::OtherConfig(name));
+        assert_eq!(setting.name_with_zero().strip_suffix('\0'), Some(name));
+        assert_eq!(other.set(name, &[1; 3]), Err(ConfigError::WrongCount { name, count }));
+        if let Some(found) = setting.highest.checked_add(1) {
+            values[place] = found;
+            let (lowest, highest) = (setting.lowest, setting.highest);
+            let refused = ConfigError::OutOfRange { name, lowest, highest, found };
+            assert_eq!(other.set(name, &values[..count]), Err(refused));
+        }
+    }
+    assert_eq!(config.get("speed"), None);
+    assert!(T::Config::TEXTS.iter().all(|text| text.ends_with('.') && !text.contains("  ")));
+    assert!(T::Config::of_numbers(&Table::PAPER, &numbers_of(&config)[2..]).is_err());
+    let other = T::Config::of_numbers(&OTHER_TABLE, &numbers_of(&config)).unwrap();
+    let text = "the target was saved with another configuration: table differs";
+    assert_eq!(refusal(other).to_string(), text);
+}
+
+/// The numbers of a record, without the table.
+fn numbers_of<C: Settings>(config: &C) -> Vec<u16> {
+    let mut numbers = vec![];
+    recorded(config, |number| numbers.push(number));
+    numbers.split_off(256)
 }
 
 #[test]
-fn a_refusal_names_the_setting_of_the_robust_tracker_that_differs() {
-    let numbers = robust::numbers(&robust::Config::robust()).map(|(setting, _)| setting);
-    // Only with their features can a part be left out and the refiner be on.
-    let left_out = |setting: &Setting| match setting {
-        Setting::Parts => !cfg!(feature = "unstable"),
-        Setting::Refiner => !cfg!(feature = "refiner"),
-        _ => false,
-    };
-    let settings: Vec<_> = numbers.into_iter().chain([Setting::Table]).filter(|setting| !left_out(setting)).collect();
-    refusals_name::<Robust>(
-        robust::Config::robust(),
-        &settings,
-        &[
-            ("table", |of| of.table = &OTHER_TABLE),
-            ("size", |of| of.size = false),
-            ("sweep", |of| of.sweep = false),
-            #[cfg(feature = "unstable")]
-            ("parts", |of| *of = crate::unstable::without(*of, robust::config::Part::GatedLearning)),
-            ("reach", |of| of.reach -= 1),
-            ("patience", |of| of.patience += 1),
-            ("lost_below", |of| of.lost_below += 1),
-            ("uncertain_below", |of| of.uncertain_below += 1),
-            ("learning_rate", |of| of.learning_rate += 1),
-            ("early_rate", |of| of.early_rate += 1),
-            #[cfg(feature = "refiner")]
-            ("refiner", |of| *of = robust::Config::refined()),
-        ],
-    );
+fn the_settings_of_the_papers_tracker_have_names() {
+    settings_have_names::<SmallPaper>(small_paper());
+}
+
+#[test]
+fn the_settings_of_the_robust_tracker_have_names() {
+    settings_have_names::<Robust>(robust::Config::robust());
+    for part in 2..6 {
+        let mut numbers = numbers_of(&robust::Config::robust());
+        numbers[part] = 0;
+        let refused = ConfigError::OutOfRange { name: "parts", lowest: 1, highest: 1, found: 0 };
+        assert_eq!(robust::Config::of_numbers(&Table::PAPER, &numbers), Err(refused));
+    }
 }
 
 /// Two settings differ: the first one in the order of the bytes is named.
@@ -572,7 +539,7 @@ fn a_refusal_names_the_first_of_several() {
     let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
     let mut other = robust::Config::robust();
     (other.reach, other.early_rate) = (5, 9);
-    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig(Setting::Reach)));
+    assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig("reach")));
 }
 
 #[test]
@@ -587,7 +554,8 @@ fn the_preset_robust_is_the_same_in_every_build() {
     } else {
         assert_eq!(config.check(), Err(ConfigError::RefinerNotBuiltIn));
         config.reach = 9;
-        assert_eq!(config.check(), Err(ConfigError::OutOfRange));
+        let out_of_range = ConfigError::OutOfRange { name: "reach", lowest: 4, highest: 8, found: 9 };
+        assert_eq!(config.check(), Err(out_of_range));
     }
 }
 

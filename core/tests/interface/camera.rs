@@ -42,6 +42,6 @@ fn a_peak_of_a_few_pixels_is_not_accepted() {
     let mut config = Config::camera();
     config.least_threshold = 0;
     assert_eq!(states(config)[1], (TARGET, State::Lost));
-    config.gate.least_ratio = 0;
+    config.least_ratio = 0;
     assert_ne!(states(config)[1].0, TARGET);
 }

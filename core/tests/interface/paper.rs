@@ -105,8 +105,8 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
 #[test]
 fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
     let mut config = Config::paper();
-    config.gate.leaving.numerator = u16::MAX;
-    config.gate.lead = u16::MAX;
+    config.gate_leaving.numerator = u16::MAX;
+    config.gate_lead = u16::MAX;
     let mut tracker = locked(config, (5, 30));
     assert_eq!(update(&mut tracker, 2, &[(-3, 30)]).state, State::Lost);
     let found = update(&mut tracker, 3, &[(4, 30)]);
@@ -136,10 +136,10 @@ fn a_peak_that_is_no_larger_than_the_runner_up_is_not_accepted() {
 fn a_lead_of_many_pixels_is_enough_in_every_state() {
     let accepted = |lead: u16, places: &[(i32, i32)]| {
         let mut config = Config::paper();
-        for ratio in [&mut config.gate.tracking, &mut config.gate.leaving, &mut config.gate.lost] {
+        for ratio in [&mut config.gate_tracking, &mut config.gate_leaving, &mut config.gate_lost] {
             ratio.numerator = u16::MAX;
         }
-        config.gate.lead = lead;
+        config.gate_lead = lead;
         let mut tracker = locked(config, (5, 30));
         let answers = (2..).zip(places).map(|(seed, &place)| update(&mut tracker, seed, &[place]));
         answers.last().is_some_and(|answer| answer.state != State::Lost)
@@ -168,7 +168,7 @@ fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
 #[test]
 fn a_least_ratio_is_asked_of_the_peak_alone() {
     let mut config = Config::camera();
-    config.gate.least_ratio = u16::MAX / 2;
+    config.least_ratio = u16::MAX / 2;
     let mut tracker = locked(config, (30, 30));
     assert_eq!(update(&mut tracker, 2, &[]).state, State::Lost);
     let answer = update(&mut tracker, 3, &[(33, 28)]);

@@ -36,7 +36,7 @@ class HostSim:
         """The file of the tracker's boxes, made if it is not there."""
         path = cache / "tracked" / f"{recording.name}-{recording.digest[:16]}-{self.digest[:16]}.txt"
         if not path.exists():
-            answers = self.run("track", recording.folder, "--method", "robust", "--without", "refiner", "--format", "tld")
+            answers = self.run("track", recording.folder, "--method", "robust", "--set", "refiner=off", "--format", "tld")
             path.parent.mkdir(parents=True, exist_ok=True)
             unfinished = path.with_suffix(f".{os.getpid()}")
             unfinished.write_text(answers)

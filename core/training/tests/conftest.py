@@ -68,7 +68,7 @@ def host_sim(tmp_path):
 import sys
 if sys.argv[1] == "--version":
     sys.exit(print("host-sim 0"))
-assert sys.argv[3:] == ["--method", "robust", "--without", "refiner", "--format", "tld"], sys.argv
+assert sys.argv[3:] == ["--method", "robust", "--set", "refiner=off", "--format", "tld"], sys.argv
 for number, line in enumerate(open(sys.argv[2] + "/gt.txt")):
     print("NaN,NaN,NaN,NaN" if number == 5 else ",".join(str(float(word) + 1) for word in line.split(",")))
 """

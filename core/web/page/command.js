@@ -11,13 +11,19 @@ export function optionsOf(method, settings) {
     return config === "paper" ? {} : { config };
   }
   const { reach } = settings.robust;
-  const without = PARTS.filter((part) => !settings.robust[part]);
-  return { ...(reach === SETTINGS.robust.reach ? {} : { reach }), ...(without.length === 0 ? {} : { without }) };
+  const set = PARTS.filter((part) => !settings.robust[part]).map((part) => `${part}=off`);
+  const all = reach === SETTINGS.robust.reach ? set : [`reach=${reach}`, ...set];
+  return all.length === 0 ? {} : { set: all };
+}
+
+/** Options as they are typed. */
+export function typed(options) {
+  return Object.entries(options).flatMap(([name, value]) => [value].flat().map((one) => `--${name} ${one}`));
 }
 
 /** `targets`: a list of { name, locks }, each lock { number, box }. `source`: what frames come from, { kind, name }. */
 export function commandLine(method, settings, targets, source) {
-  const words = Object.entries(optionsOf(method, settings)).map(([name, value]) => `--${name} ${value}`);
+  const words = typed(optionsOf(method, settings));
   const inits = initsOf(targets);
   if (source.kind === "camera") {
     const first = targets.map(({ name, locks }) => `--init ${targets.length > 1 ? `${name}=` : ""}${placed({ ...locks.at(-1), number: 1 })}`);

@@ -1,6 +1,6 @@
 // What the user takes away: files that host-sim makes, and command lines that repeat what was done.
 
-import { initsOf } from "./command.js";
+import { initsOf, typed } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
 import { nameOf } from "./edits.js";
 
@@ -54,7 +54,7 @@ export function drawCommands(place, verbs, { words, method, options }, targets) 
   }
   const named = targets.map((target) => ({ name: nameOf(target), locks: target.locks }));
   const inits = initsOf(named, targets.length > 1 || targets.some(({ name }) => name !== ""));
-  const chosen = Object.entries(options).map(([name, value]) => `--${name} ${value}`);
+  const chosen = typed(options);
   for (const verb of shown) {
     const parts = ["host-sim", verb, words, ...inits, `--method ${method}`, ...chosen, verbs[verb]];
     write(verb, targets.length === 0 ? "Drag a box first." : parts.filter(Boolean).join(" "));

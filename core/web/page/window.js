@@ -531,10 +531,12 @@ function zoom() {
 // Options that the page does not show stay as they were given.
 function useMethod() {
   const method = byId("method").value;
-  const { reach, without, config, ...others } = method === source.method ? source.options : {};
+  const { set = [], config, ...others } = method === source.method ? source.options : {};
   const isOn = (id) => byId(id).checked;
   const robust = { reach: Number(byId("reach").value), size: isOn("size"), sweep: isOn("sweep"), refiner: isOn("refiner") };
-  [source.method, source.options] = [method, { ...others, ...optionsOf(method, { robust, smr: { config: byId("config").value } }) }];
+  const { set: own = [], ...options } = optionsOf(method, { robust, smr: { config: byId("config").value } });
+  const all = [...set.filter((one) => !(one.split("=")[0] in robust)), ...own];
+  [source.method, source.options] = [method, { ...others, ...options, ...(all.length === 0 ? {} : { set: all }) }];
   trying(connection.method(source.method, source.options));
   // It tells of the settings before.
   byId("firmware").open = false;
@@ -548,13 +550,15 @@ function showMethod() {
 }
 
 // As they are in the options of host-sim.
-function showSettings({ reach = SETTINGS.robust.reach, without = [], config }) {
+function showSettings({ set = [], config }) {
+  const given = Object.fromEntries(set.map((one) => one.split("=")));
+  const reach = given.reach ?? SETTINGS.robust.reach;
   if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
     byId("reach").append(htmlNode("option", {}, reach));
   }
   byId("reach").value = reach;
-  ["size", "sweep", "refiner"].forEach((part) => (byId(part).checked = !without.includes(part)));
-  byId("refiner").checked &&= config !== "robust";
+  ["size", "sweep", "refiner"].forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
+  byId("refiner").checked &&= config !== "robust" || "refiner" in given;
   byId("config").value = source.method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
 }
 

@@ -132,7 +132,7 @@ test("command lines are those of host-sim", () => {
   const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: BOX }] };
   const file = { kind: "video", name: "it's a car.mp4" };
   assert.equal(commandLine("smr", SETTINGS, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
-  assert.match(commandLine("robust", settings, [one], file), /--method robust --reach 6 --without size,sweep,refiner$/);
+  assert.match(commandLine("robust", settings, [one], file), /--method robust --set reach=6 --set size=off --set sweep=off --set refiner=off$/);
   assert.match(commandLine("smr", settings, [one], file), /--method smr$/);
   const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "street" });
   assert.equal(two, "host-sim track street --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");

@@ -92,7 +92,7 @@ onPage("locks are repeated when a recording starts again, with other settings to
   await page.click("#play");
   await pausedAt(page, next + 10);
   const command = await page.text("command");
-  assert.match(command, /--init 268,101,39,14 --init 100,60,30,30@\d+ --method robust --reach 6 --without sweep,refiner$/);
+  assert.match(command, /--init 268,101,39,14 --init 100,60,30,30@\d+ --method robust --set reach=6 --set sweep=off --set refiner=off$/);
   const expected = lines(host(...command.split(" ").slice(1), "--json").stdout).map((line) => JSON.parse(line));
   same(await answers(page, "robust"), expected, "robust");
 });

@@ -207,7 +207,7 @@ onWindow("with other settings all is followed again, and the line that is shown 
   await dragBox(page, BOX);
   await page.select("reach", "6");
   await page.click("#sweep");
-  await commands(page, /--method robust --reach 6 --without size,sweep$/);
+  await commands(page, /--method robust --set reach=6 --set size=off --set sweep=off$/);
   await followedAll(page);
   const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
   assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));
@@ -215,7 +215,7 @@ onWindow("with other settings all is followed again, and the line that is shown 
   await commands(page, /--method smr --config camera$/);
   await followedAll(page);
   assert.deepEqual(parsed(await boxes(page, "json")), parsed(host("track", "clip.y4m", "--init", BOX.join(), "--method", "smr", "--config", "camera", "--json").stdout));
-}, { words: ["clip.y4m", "--without", "size"] });
+}, { words: ["clip.y4m", "--set", "size=off"] });
 
 onWindow("390 pixels wide, with a finger and with keys alone, several targets", async (page) => {
   await page.click("#plays");

@@ -80,7 +80,8 @@ impl Variant {
         let paper = Config::paper();
         let mut other = paper;
         other.k = Fraction::new(7, 20);
-        let options = Map::from_iter([("k".to_owned(), "7/20".into()), ("inclusive".to_owned(), true.into())]);
+        let options =
+            Map::from_iter([("set".to_owned(), ["k=7/20"].as_slice().into()), ("inclusive".to_owned(), true.into())]);
         let name = "smr, k = 7/20, inclusive".to_owned();
         let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
         let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());

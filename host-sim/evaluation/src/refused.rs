@@ -35,8 +35,8 @@ impl Refused {
             ],
             LockError::WindowTooLarge => vec![
                 (has("method"), "--method robust"),
-                (has("window-limit"), "a smaller --window-limit"),
-                (has("padding"), "a smaller --padding"),
+                (has("set"), "a smaller --set window_limit"),
+                (has("set"), "a smaller --set padding"),
                 (has("resize"), "--resize 1/2"),
             ],
             _ => vec![
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn no_option_is_named_that_the_command_lacks() {
-        let all = ["method", "init", "resize", "window-limit", "padding"];
+        let all = ["method", "init", "resize", "set"];
         for why in [LockError::BoxTooLarge, LockError::WindowTooLarge, LockError::BoxOutsideFrame, LockError::BoxEmpty]
         {
             let refused = refused(MethodKind::Smr, why);

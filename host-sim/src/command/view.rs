@@ -5,7 +5,7 @@ use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
-use smr_core::{Robust, robust};
+use smr_core::{Robust, Settings, Shape, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
@@ -301,12 +301,8 @@ fn inits(targets: &[Target]) -> Vec<String> {
 fn typed(options: &Map<String, Value>) -> impl Iterator<Item = String> {
     let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let option = |(name, value): (&String, &Value)| {
-        let value = match value {
-            Value::Bool(true) => None,
-            Value::Array(all) => Some(all.iter().map(word).collect::<Vec<_>>().join(",")),
-            other => Some(word(other)),
-        };
-        std::iter::once(format!("--{name}")).chain(value).collect::<Vec<_>>()
+        let values = value.as_array().map_or_else(|| std::slice::from_ref(value), Vec::as_slice);
+        values.iter().flat_map(|value| [format!("--{name}"), word(value)]).collect::<Vec<_>>()
     };
     options.iter().flat_map(option).collect::<Vec<_>>().into_iter()
 }
@@ -315,10 +311,12 @@ fn robust_settings(config: &robust::Config) -> String {
     let preset = if config.refiner { "refined" } else { "robust" };
     let base = if config.refiner { robust::Config::refined() } else { robust::Config::robust() };
     let mut changes = String::new();
-    let numbers = |of: &robust::Config| [of.reach.to_string(), of.size.to_string(), of.sweep.to_string()];
-    for ((name, value), usual) in ["reach", "size", "sweep"].iter().zip(numbers(config)).zip(numbers(&base)) {
+    for setting in robust::Config::SETTINGS {
+        let value = |of: &robust::Config| of.get(setting.name()).map_or(0, |[value, ..]| value);
+        let (value, usual, is_switch) = (value(config), value(&base), setting.shape == Shape::Switch);
         if value != usual {
-            changes += &format!("    config.{name} = {value};\n");
+            let value = if is_switch { (value != 0).to_string() } else { value.to_string() };
+            changes += &format!("    config.{} = {value};\n", setting.name());
         }
     }
     format!(

@@ -10,7 +10,7 @@ pub mod entries;
 
 use answer_values::described;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use config::Configured;
+use config::configuration;
 use entries::{Entries, Entry, Next};
 use serde::Serialize;
 use smr_core::record::{Recorded, Tag, VERSION};
@@ -201,12 +201,12 @@ fn begin(holds: &[u8]) -> Result<(Box<dyn Runs>, &'static str)> {
     }
 }
 
-fn run<T: Configured + 'static>(numbers: &[u16]) -> Result<Box<dyn Runs>> {
-    let tracker = Box::new(Tracker::<T>::with(T::configuration(numbers)?)?);
+fn run<T: Recorded + 'static>(numbers: &[u16]) -> Result<Box<dyn Runs>> {
+    let tracker = Box::new(Tracker::<T>::with(configuration::<T::Config>(numbers)?)?);
     Ok(Box::new(Run { tracker, numbers: 0, window: None, frames: 0 }))
 }
 
-impl<T: Configured> Runs for Run<T> {
+impl<T: Recorded> Runs for Run<T> {
     fn next_number(&mut self) -> u32 {
         let number = self.numbers;
         self.numbers = number.wrapping_add(1);

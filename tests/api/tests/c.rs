@@ -3,9 +3,11 @@
 //! Write it with `SMR_RECORD=1 cargo test -p smr-api`.
 
 use smr::{
-    STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame, smr_gate, smr_image, smr_margins,
-    smr_paper_config, smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_state, smr_status,
+    STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame, smr_image, smr_margins, smr_paper_config,
+    smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_setting, smr_state, smr_status,
 };
+use smr_api::wrapped;
+use smr_core::{Setting, Settings, paper, robust};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -19,7 +21,9 @@ fn the_header_is_current() {
     config.after_includes.as_mut().expect("cbindgen.toml has it").push_str(&statuses());
     let source = cbindgen::Builder::new().with_crate(here).with_config(config);
     source.generate().expect("cbindgen reads the source").write(&mut written);
-    let written = String::from_utf8(written).expect("a header is text");
+    let mut written = String::from_utf8(written).expect("a header is text");
+    document::<paper::Config>(&mut written, "smr_paper_config");
+    document::<robust::Config>(&mut written, "smr_robust_config");
     let (types, calls) = written.split_once("\n#ifdef __cplusplus\nextern").expect("types come before calls");
     let written = format!("{types}{}\n#ifdef __cplusplus\nextern{calls}", sizes(types));
     if std::env::var_os("SMR_RECORD").is_some() {
@@ -30,6 +34,26 @@ fn the_header_is_current() {
     let foreign: Vec<&str> = names.filter(|name| !name.starts_with("SMR_")).collect();
     assert!(foreign.is_empty(), "macros without the library's prefix: {foreign:?}");
     assert!(current == written, "include/smr.h is not current: SMR_RECORD=1 cargo test -p smr-api");
+}
+
+/// Puts the texts and ranges of the settings before the fields of a struct.
+fn document<C: Settings>(header: &mut String, name: &str) {
+    let start = header.find(&format!("typedef struct {name} {{\n")).expect("the struct is there");
+    let start = start + header[start..].find('\n').expect("it has lines") + 1;
+    let end = start + header[start..].find('}').expect("it ends");
+    let documented = |line: &str| {
+        let of_line = |(setting, _): &(&Setting, _)| line.ends_with(&format!(" {};", setting.name()));
+        let (setting, text) = C::SETTINGS.iter().zip(C::TEXTS).find(of_line).expect("a field is a setting");
+        let range = match (setting.shape, setting.highest) {
+            (_, 1) => " 0 or 1.".to_owned(),
+            (_, u16::MAX) if setting.lowest == 0 => String::new(),
+            _ => format!(" {} to {}.", setting.lowest, setting.highest),
+        };
+        format!("  /**\n{}   */\n{line}\n", wrapped(&format!("{text}{range}"), "   * ", 118))
+    };
+    assert_eq!(header[start..end].lines().count(), C::SETTINGS.len(), "{name}");
+    let fields: String = header[start..end].lines().map(documented).collect();
+    header.replace_range(start..end, &fields);
 }
 
 /// The statuses in the header. A macro defines them, and cbindgen cannot read macros.
@@ -90,7 +114,6 @@ fn sizes(types: &str) -> String {
         smr_fine_rect,
         smr_fraction,
         smr_frame,
-        smr_gate,
         smr_image,
         smr_margins,
         smr_paper_config,
@@ -99,6 +122,7 @@ fn sizes(types: &str) -> String {
         smr_readout,
         smr_rect,
         smr_robust_config,
+        smr_setting,
     );
     assert_eq!([size_of::<smr_state>(), size_of::<smr_status>()], [4; 2], "both are int32_t in C");
     for (name, [on_32_bits, on_64_bits]) in layouts(types) {

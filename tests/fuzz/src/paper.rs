@@ -4,7 +4,7 @@ use crate::extent::Extent;
 use crate::scene::Scene;
 use crate::{Fuzzed, Start, mostly};
 use arbitrary::{Result, Unstructured};
-use smr_core::paper::{Config, Fraction, Margins, Radius, RunnerUp};
+use smr_core::paper::{Config, Fraction, Margins, Radius};
 use smr_core::similarity::{Backend, Table};
 use std::sync::LazyLock;
 
@@ -59,10 +59,9 @@ impl Fuzzed for Small {
             (config.k, config.first_threshold, config.least_threshold) = (fraction(u)?, u.arbitrary()?, u.arbitrary()?);
         }
         if asked(3) {
-            let gate = &mut config.gate;
-            (gate.tracking, gate.leaving) = (fraction(u)?, fraction(u)?);
-            (gate.returning, gate.lost) = (fraction(u)?, fraction(u)?);
-            (gate.lead, gate.least_ratio) = (mostly(u, 0..=200)?, u.arbitrary()?);
+            (config.gate_tracking, config.gate_leaving) = (fraction(u)?, fraction(u)?);
+            (config.gate_returning, config.gate_lost) = (fraction(u)?, fraction(u)?);
+            (config.gate_lead, config.least_ratio) = (mostly(u, 0..=200)?, u.arbitrary()?);
         }
         if asked(4) {
             config.neighbourhood = mostly(u, 0..=20)?;
@@ -75,9 +74,7 @@ impl Fuzzed for Small {
                 bottom: mostly(u, 0..=20)?,
             };
         }
-        if asked(6) {
-            config.runner_up = RunnerUp::Always;
-        }
+        config.runner_up_always = asked(6);
         config.pruning = !asked(7);
         Ok(config)
     }

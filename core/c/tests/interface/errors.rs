@@ -5,14 +5,14 @@
 
 use smr::{STATUSES, smr_status};
 use smr_core::readout::ReadoutError;
-use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, Setting, UpdateError};
+use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, SaveError, UpdateError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
 /// The line and the setting in the texts of errors that name one.
 const LINE: u16 = 54_321;
-const SETTING: Setting = Setting::EarlyRate;
+const SETTING: &str = "early_rate";
 
 /// An error: its name, its status and its text.
 type Error = (&'static str, smr_status, String);
@@ -24,8 +24,8 @@ fn error(name: &'static str, error: impl Display + Copy + Into<smr_status>) -> E
 /// All errors that a call from another language can end with.
 fn errors() -> Vec<Error> {
     macro_rules! each {
-        ($($kind:ident { $($reason:ident $(($of:expr))?),+ })+) => {
-            vec![$($(error(concat!(stringify!($kind), "::", stringify!($reason)), $kind::$reason $(($of))?)),+),+]
+        ($($kind:ident { $($reason:ident $(($of:expr))? $({ $($field:ident: $value:expr),+ })?),+ })+) => {
+            vec![$($(error(concat!(stringify!($kind), "::", stringify!($reason)), $kind::$reason $(($of))? $({ $($field: $value),+ })?)),+),+]
         };
     }
     each! {
@@ -34,7 +34,10 @@ fn errors() -> Vec<Error> {
         ReadoutError {
             WindowOutsideFrame, BufferTooSmall, LineOutOfOrder(LINE), LineTooShort(LINE), LineOutsideFrame(LINE), LineMissing(LINE)
         }
-        ConfigError { ZeroDenominator, NothingCounts, LimitBelowWindow, OutOfRange, RefinerNotBuiltIn }
+        ConfigError {
+            OutOfRange { name: SETTING, lowest: 1, highest: 2, found: 3 }, LimitBelowWindow, UncertainBelowLost,
+            WindowTooLarge, RefinerNotBuiltIn, UnknownSetting, WrongCount { name: SETTING, count: 1 }
+        }
         LockError {
             BoxEmpty, BoxOutsideFrame, BoxTooLarge, WindowTooLarge, LockWindowNotInMemory
         }
@@ -50,10 +53,15 @@ const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", READOUT, "a browser gives frames, not lines"),
     ("JavaScript", &["ReadoutError::WindowOutsideFrame", "ReadoutError::LineTooShort"], "the same"),
     ("MicroPython", READOUT, "the module gives all lines in their order, and makes the memory"),
-    ("MicroPython", &["ConfigError::ZeroDenominator"], "no option is a fraction"),
+    (
+        "",
+        &["ConfigError::OutOfRange", "ConfigError::UnknownSetting", "ConfigError::WrongCount"],
+        "the module checks each option",
+    ),
     ("", &["FrameError::OutsideFrame", "LockError::LockWindowNotInMemory"], "the module cuts the windows"),
     ("", &["UpdateError::WindowNotInMemory"], "the module cuts the windows"),
     ("", &["SaveError::BufferTooSmall"], "the module makes the memory"),
+    ("", &["ConfigError::WindowTooLarge"], "its status has the words of the lock"),
 ];
 const READOUT: &[&str] = &[
     "ReadoutError::BufferTooSmall",
@@ -68,7 +76,7 @@ fn listed(core: &str) -> BTreeSet<String> {
     let named = |path: &str| {
         let mut parts = path.rsplit("::");
         let (reason, kind) = (parts.next()?, parts.next()?);
-        kind.ends_with("Error").then(|| format!("{kind}::{reason}"))
+        (kind.ends_with("Error") && kind != "Error").then(|| format!("{kind}::{reason}"))
     };
     paths.filter(|path| !path.starts_with("pursuit::") && !path.starts_with("similarity::")).filter_map(named).collect()
 }
@@ -87,7 +95,7 @@ fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
 
 /// A text as C and JavaScript write it, with these places for a setting and a number.
 fn quoted(text: &str, setting: &str, number: &str) -> String {
-    format!("\"{}\"", text.replace(SETTING.name(), setting).replace(&LINE.to_string(), number))
+    format!("\"{}\"", text.replace(SETTING, setting).replace(&LINE.to_string(), number))
 }
 
 fn is_recorded(file: &str, now: &str) -> bool {

@@ -145,6 +145,6 @@ fn tracker_config() -> Config {
     config.window_limit = Radius { x: 16, y: 16 };
     // A low ratio of peak and runner-up is refused, so that the head does not follow an object that passes in front of
     // the target.
-    config.gate.tracking = Fraction::new(5, 4);
+    config.gate_tracking = Fraction::new(5, 4);
     config
 }

@@ -67,46 +67,43 @@ class Paper(Tracker):
     `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
     it. Numbers are whole; `options` shows those in use.
 
-    - `window`: (x, y), the radius of the search around the last place, in pixels, 0 to 65535.
-    - `window_limit`: (x, y), the largest radius while the target is lost, in pixels. At least `window`.
-    - `growth`: how much the radius grows in each frame while the target is lost, in pixels, 0 to 65535.
-    - `padding`: how far a box may leave the frame, in pixels, 0 to 65535.
-    - `neighbourhood`: the runner-up lies more than this many pixels from the peak, in x or in y, 0 to 65535.
-    - `update_zone`: (left, top, right, bottom), how far a box must keep from the edges of the frame for the tracker to
-      learn from it, in pixels, 0 to 65535.
-    - `k`: (numerator, denominator), the next threshold as a part of the largest difference of two pixels. More than 0.
-    - `first_threshold`: of the first update, in gray levels, 1 to 255. Pixels that differ by less are similar.
-    - `least_threshold`: of all later updates, in gray levels, 0 to 255. 0 and 1 set no bound.
-    - `gate_tracking`: (numerator, denominator), the score of the peak over that of the runner-up that is needed inside
-      the frame. Below 1 every peak is accepted. Each part is 0 to 65535, the denominator at least 1.
-    - `gate_leaving`: the same for a box that is partly outside the frame.
-    - `gate_returning`: the same after a box was partly outside the frame.
-    - `gate_lost`: the same to find a lost target again.
-    - `gate_lead`: the lead over the runner-up that is enough without any of these, in similar pixels, 0 to 65535.
-    - `least_ratio`: the least similarity of an accepted peak, in units of 1/65535, 0 to 65535. 0 also turns off the
-      detection of a covered lens.
-    - `runner_up_always`: True searches the runner-up in every frame, which takes more time, False where it decides.
+    - `k`, a tuple of two whole numbers of 1 to 65535: The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6).
+    - `gate_tracking`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted.
+    - `gate_leaving`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed if the box at the peak is partly outside the frame.
+    - `gate_returning`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
+    - `gate_lost`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed to find a lost target again.
+    - `gate_lead`, a whole number of 0 to 65535: The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
+    - `least_ratio`, a whole number of 0 to 65535: The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and at most half of all pixels more than the template has may be 0 or 255.
+    - `first_threshold`, a whole number of 1 to 255: alpha of the first update, in gray levels. Pixels that differ by less are similar.
+    - `least_threshold`, a whole number of 0 to 255: The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no pixel counts once the light changes.
+    - `padding`, a whole number of 0 to 65535: The width of the black border around the frame, in pixels: how far a box may leave the frame.
+    - `window`, a tuple of two whole numbers of 0 to 65535: The radius of the search window around the last place, in pixels.
+    - `growth`, a whole number of 0 to 65535: The growth of the window in each frame while the target is lost, in pixels on each side.
+    - `window_limit`, a tuple of two whole numbers of 0 to 65535: The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
+    - `neighbourhood`, a whole number of 0 to 65535: The runner-up is the best score more than this many pixels from the peak, in x or in y.
+    - `runner_up_always`, True or False: Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's decision depends on it.
+    - `update_zone`, a tuple of four whole numbers of 0 to 65535: The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
     """
     def __new__(
         cls,
         preset: Literal["camera", "paper"] = "camera",
         *,
-        window: _Pair = ...,
-        window_limit: _Pair = ...,
         k: _Pair = ...,
-        first_threshold: int = ...,
-        least_threshold: int = ...,
-        padding: int = ...,
-        growth: int = ...,
-        neighbourhood: int = ...,
-        update_zone: tuple[int, int, int, int] = ...,
         gate_tracking: _Pair = ...,
         gate_leaving: _Pair = ...,
         gate_returning: _Pair = ...,
         gate_lost: _Pair = ...,
         gate_lead: int = ...,
         least_ratio: int = ...,
+        first_threshold: int = ...,
+        least_threshold: int = ...,
+        padding: int = ...,
+        window: _Pair = ...,
+        growth: int = ...,
+        window_limit: _Pair = ...,
+        neighbourhood: int = ...,
         runner_up_always: bool = ...,
+        update_zone: tuple[int, int, int, int] = ...,
     ) -> Paper: ...
 
 class Robust(Tracker):
@@ -115,30 +112,29 @@ class Robust(Tracker):
     `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
     whole; `options` shows those in use.
 
-    - `reach`: the radius of the search in cells, 4 to 8. A cell is a tenth of the root of the target's area.
-    - `size`: True if the box follows the target's size.
-    - `sweep`: True to search a lost target in the whole frame, False to search around its last place.
-    - `refiner`: True if a small learned network corrects the box. It can also make the state uncertain or lost.
-    - `patience`: the part of its value that the confidence keeps in each frame, in units of 1/256, 0 to 255. A higher
-      one holds on for longer, also to errors.
-    - `lost_below`: the confidence below which the target is lost, in units of 1/65535, 0 to 65535.
-    - `uncertain_below`: the confidence below which it is uncertain, in the same units. At least `lost_below`.
-    - `learning_rate`: how fast the filter learns, in units of 1/256, 0 (never) to 256.
-    - `early_rate`: how fast the template of the first frame learns, in units of 1/1024, 0 (never) to 1024.
+    - `size`, True or False: Whether the box follows the size of the target.
+    - `sweep`, True or False: Whether a lost target is searched in the whole frame, or only around its last place.
+    - `reach`, a whole number of 4 to 8: The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1.
+    - `patience`, a whole number of 0 to 255: The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the target for longer: through short occlusions, but also through errors.
+    - `lost_below`, a whole number of 0 to 65535: The target is lost while the confidence is below this, in units of 1/65535.
+    - `uncertain_below`, a whole number of 0 to 65535: The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`.
+    - `learning_rate`, a whole number of 0 to 256: The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256 takes the exact step for the present frame.
+    - `early_rate`, a whole number of 0 to 1024: The learning rate of the early template, in units of 1/1024.
+    - `refiner`, True or False: Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it.
     """
     def __new__(
         cls,
         preset: Literal["refined", "robust"] = "refined",
         *,
-        reach: int = ...,
         size: bool = ...,
         sweep: bool = ...,
-        refiner: bool = ...,
+        reach: int = ...,
         patience: int = ...,
         lost_below: int = ...,
         uncertain_below: int = ...,
         learning_rate: int = ...,
         early_rate: int = ...,
+        refiner: bool = ...,
     ) -> Robust: ...
 
 class Recording:

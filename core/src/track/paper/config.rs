@@ -4,6 +4,8 @@ use crate::image::Rect;
 use crate::search::Radius;
 use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
+use crate::track::saved::Kind;
+use crate::track::settings::{Numbers, Setting, Settings, Shape, names};
 
 /// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
 ///
@@ -79,102 +81,71 @@ impl Margins {
     }
 }
 
-/// The gate: the lead over the runner-up with which a peak is accepted.
-///
-/// A peak is accepted if peak / runner-up > r, or peak - runner-up > `lead` fully similar pixels. One of the first four
-/// numbers is r: the state of the target and the place of the peak decide which one. An r below 1 accepts every peak
-/// above 0.
-///
-/// ```
-/// use smr_core::paper::{Config, Fraction};
-/// let mut config = Config::paper();
-/// // For a camera that must not follow a look-alike: rather lost than wrong.
-/// config.gate.tracking = Fraction::new(11, 10);
-/// assert!(config.gate.tracking.exceeded_by(1101, 1000) && !config.gate.tracking.exceeded_by(1100, 1000));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Gate {
-    /// The ratio needed while the target stays inside the frame.
-    pub tracking: Fraction,
-    /// The ratio needed if the box at the peak is partly outside the frame.
-    pub leaving: Fraction,
-    /// The ratio needed after a box was partly outside the frame. It applies until a lost target is found again.
-    pub returning: Fraction,
-    /// The ratio needed to find a lost target again.
-    pub lost: Fraction,
-    /// The lead over the runner-up that is sufficient in every state. Unit: one fully similar pixel, a score of 65535.
-    pub lead: u16,
-    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. The paper's value, 0, also turns
-    /// off the following check.
+settings! {
+    Paper, 0;
+    /// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
+    /// what you need.
     ///
-    /// The check detects a covered lens and applies to boxes inside the frame. The patch must have at least 1/4 of
-    /// the template's contrast (mean absolute deviation). Its number of pixels at 0 or 255 must be at most that of the
-    /// template plus half of all pixels.
-    pub least_ratio: u16,
-}
-
-/// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
-/// what you need.
-///
-/// ```
-/// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
-/// let mut config = Config::camera();
-/// config.k = Fraction::new(7, 20);
-/// config.window = Radius { x: 16, y: 16 };
-/// config.window_limit = config.window; // the window does not grow while the target is lost
-/// assert!(Paper::<4096, 33>::with(config).is_ok());
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub struct Config {
-    /// The similarity p(d) of two pixels that differ by d. [`Table::PAPER`] is exp(-d / 255).
-    pub table: &'static Table,
-    /// k in alpha = k * max |`G_t` - `G_t+1`| (step 6). More than 0.
-    pub k: Fraction,
-    /// alpha of the first update, rounded up to whole gray levels; at least 1. A pixel counts if d < alpha.
-    pub first_threshold: u8,
-    /// The least alpha after an update, in whole gray levels. 0 (the paper's value) and 1 set no bound: after a still
-    /// scene, alpha is then so small that no pixel counts once the light changes.
-    pub least_threshold: u8,
-    /// The width of the border of zeros around the frame, in pixels. A box may leave the frame by this much.
-    pub padding: u16,
-    /// The radius of the search window around the last position.
-    pub window: Radius,
-    /// The growth of the window in each frame while the target is lost: pixels on each side.
-    pub growth: u16,
-    /// The largest radius. At least `window`. The padded frame always bounds the window.
-    pub window_limit: Radius,
+    /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The state
+    /// of the target and the place of the peak decide which of `gate_tracking`, `gate_leaving`, `gate_returning` and
+    /// `gate_lost` is r.
+    ///
+    /// ```
+    /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
+    /// let mut config = Config::camera();
+    /// config.k = Fraction::new(7, 20);
+    /// config.window = Radius { x: 16, y: 16 };
+    /// config.window_limit = config.window; // the window does not grow while the target is lost
+    /// config.gate_tracking = Fraction::new(11, 10); // near a look-alike: rather lost than wrong
+    /// assert!(Paper::<4096, 33>::with(config).is_ok());
+    /// ```
+    {
+        /// The similarity p(d) of two pixels that differ by d. [`Table::PAPER`] is exp(-d / 255).
+        table: &'static Table,
+        /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A
+        /// backend that the machine lacks is replaced by the plain loop.
+        backend: Option<Backend>,
+        /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
+        /// scored to its last pixel.
+        pruning: bool,
+    }
+    /// The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6).
+    k: Fraction, 1..=65535;
+    /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0
+    /// is accepted.
+    gate_tracking: Fraction, 0..=65535;
+    /// The ratio that is needed if the box at the peak is partly outside the frame.
+    gate_leaving: Fraction, 0..=65535;
+    /// The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
+    gate_returning: Fraction, 0..=65535;
+    /// The ratio that is needed to find a lost target again.
+    gate_lost: Fraction, 0..=65535;
+    /// The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
+    gate_lead: u16, 0..=65535;
+    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off
+    /// the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute
+    /// deviation), and at most half of all pixels more than the template has may be 0 or 255.
+    least_ratio: u16, 0..=65535;
+    /// alpha of the first update, in gray levels. Pixels that differ by less are similar.
+    first_threshold: u8, 1..=255;
+    /// The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no
+    /// pixel counts once the light changes.
+    least_threshold: u8, 0..=255;
+    /// The width of the black border around the frame, in pixels: how far a box may leave the frame.
+    padding: u16, 0..=65535;
+    /// The radius of the search window around the last place, in pixels.
+    window: Radius, 0..=65535;
+    /// The growth of the window in each frame while the target is lost, in pixels on each side.
+    growth: u16, 0..=65535;
+    /// The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
+    window_limit: Radius, 0..=65535;
     /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
-    pub neighbourhood: u16,
-    /// The template and alpha are updated only from a box that keeps these margins. Outside them an accepted peak only
-    /// moves the box.
-    pub update_zone: Margins,
-    /// The gate, which accepts or refuses a match.
-    pub gate: Gate,
-    /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A backend
-    /// that the machine lacks is replaced by the plain loop.
-    pub backend: Option<Backend>,
-    /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
-    /// scored to its last pixel.
-    pub pruning: bool,
-    /// The frames in which the runner-up is searched.
-    pub runner_up: RunnerUp,
-}
-
-/// The frames in which the runner-up is searched.
-///
-/// The runner-up is usually far below the peak, so few offsets can be excluded. A search for it in every frame
-/// multiplies the time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum RunnerUp {
-    /// If the decision of the gate depends on it. With the paper's gate it does not while a target stays inside the
-    /// frame: its peak only has to exceed the runner-up, so the runner-up is given only if it equals the peak.
-    WhenItDecides,
-    /// In every frame.
-    Always,
+    neighbourhood: u16, 0..=65535;
+    /// Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's
+    /// decision depends on it.
+    runner_up_always: bool, 0..=1;
+    /// The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
+    update_zone: Margins, 0..=65535;
 }
 
 impl Config {
@@ -195,17 +166,15 @@ impl Config {
             window_limit: Radius { x: u16::MAX, y: u16::MAX },
             neighbourhood: 8,
             update_zone: Margins { left: 20, top: 20, right: 2, bottom: 2 }, // x + w < W - 1
-            gate: Gate {
-                tracking: Fraction::new(1, 1),
-                leaving: Fraction::new(102, 100),
-                returning: Fraction::new(120, 100),
-                lost: Fraction::new(125, 100),
-                lead: 100,
-                least_ratio: 0,
-            },
+            gate_tracking: Fraction::new(1, 1),
+            gate_leaving: Fraction::new(102, 100),
+            gate_returning: Fraction::new(120, 100),
+            gate_lost: Fraction::new(125, 100),
+            gate_lead: 100,
+            least_ratio: 0,
             backend: None,
             pruning: true,
-            runner_up: RunnerUp::WhenItDecides,
+            runner_up_always: false,
         }
     }
 
@@ -218,13 +187,17 @@ impl Config {
     ///   runner-up.
     /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of
     ///   light after a still scene could move the box anywhere. A patch without contrast is not accepted: see
-    ///   [`Gate::least_ratio`].
+    ///   [`Config::least_ratio`].
     #[must_use]
     pub const fn camera() -> Self {
-        let paper = Self::paper();
-        let gate = Gate { tracking: Fraction::new(0, 1), least_ratio: Table::ONE / 20, ..paper.gate };
-        let window_limit = Radius { x: 80, y: 70 };
-        Self { least_threshold: 10, window_limit, update_zone: Margins::NONE, gate, ..paper }
+        Self {
+            least_threshold: 10,
+            window_limit: Radius { x: 80, y: 70 },
+            update_zone: Margins::NONE,
+            gate_tracking: Fraction::new(0, 1),
+            least_ratio: Table::ONE / 20,
+            ..Self::paper()
+        }
     }
 
     /// [`Config::camera`] with windows of at most `radius` pixels to each side, also while the target is lost. It fits
@@ -245,31 +218,20 @@ impl Config {
     /// Checks the numbers, as [`Target::with`](crate::Target::with) does.
     ///
     /// # Errors
-    /// The first [`ConfigError`] found.
+    /// [`ConfigError::OutOfRange`] or [`ConfigError::LimitBelowWindow`].
     ///
     /// ```
-    /// use smr_core::{ConfigError, paper::Config};
+    /// use smr_core::paper::Config;
     /// let mut config = Config::camera();
     /// config.first_threshold = 0;
-    /// assert_eq!(config.check(), Err(ConfigError::NothingCounts));
+    /// assert_eq!(config.check().unwrap_err().to_string(), "first_threshold is 1 to 255, not 0");
     /// ```
     #[cfg_attr(smr_small, inline(never))] // so that a configuration is copied by words
     pub const fn check(&self) -> Result<(), ConfigError> {
-        let Gate { tracking, leaving, returning, lost, .. } = &self.gate;
-        let mut fractions: &[&Fraction] = &[&self.k, tracking, leaving, returning, lost];
-        while let [fraction, rest @ ..] = fractions {
-            if fraction.denominator == 0 {
-                return Err(ConfigError::ZeroDenominator);
-            }
-            fractions = rest;
-        }
-        if self.k.numerator == 0 || self.first_threshold == 0 {
-            return Err(ConfigError::NothingCounts);
-        }
         if self.window_limit.x < self.window.x || self.window_limit.y < self.window.y {
             return Err(ConfigError::LimitBelowWindow);
         }
-        Ok(())
+        self.check_ranges()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The gate: accepts or refuses the peak of a search.
 
-use super::config::{Config, Fraction, RunnerUp};
+use super::config::{Config, Fraction};
 use super::track::Track;
 use crate::image::Rect;
 use crate::search::{Found, Peak, Wanted};
@@ -32,12 +32,12 @@ impl Track {
     /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn passes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let (gate, peak) = (&config.gate, found.peak.score);
+        let peak = found.peak.score;
         // `None`: the runner-up is below the peak, and the decision does not depend on it.
         let runner_up = found.runner_up.unwrap_or(0);
-        let leads = peak.saturating_sub(runner_up) > u32::from(gate.lead) * u32::from(Table::ONE);
+        let leads = peak.saturating_sub(runner_up) > u32::from(config.gate_lead) * u32::from(Table::ONE);
         let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
-        stands_out && ratio(peak, self.target.area()) >= gate.least_ratio
+        stands_out && ratio(peak, self.target.area()) >= config.least_ratio
     }
 
     /// The result that a search must have to decide on `state`.
@@ -45,7 +45,7 @@ impl Track {
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
         match ratio.numerator.cmp(&ratio.denominator) {
-            _ if config.runner_up == RunnerUp::Always => Wanted::RunnerUp(config.neighbourhood),
+            _ if config.runner_up_always => Wanted::RunnerUp(config.neighbourhood),
             Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
             Ordering::Equal => Wanted::Equals(config.neighbourhood),
             Ordering::Less => Wanted::Peak,
@@ -64,10 +64,10 @@ impl Track {
     #[cfg_attr(smr_small, inline(never))]
     const fn ratio(&self, state: State, config: &Config) -> Fraction {
         match (self.state, state) {
-            (State::Lost, _) => config.gate.lost,
-            (_, State::Leaving) => config.gate.leaving,
-            _ if self.edge => config.gate.returning,
-            _ => config.gate.tracking,
+            (State::Lost, _) => config.gate_lost,
+            (_, State::Leaving) => config.gate_leaving,
+            _ if self.edge => config.gate_returning,
+            _ => config.gate_tracking,
         }
     }
 }

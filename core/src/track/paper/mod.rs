@@ -23,7 +23,7 @@ mod track;
 mod workspace;
 
 pub use crate::search::Radius;
-pub use config::{Config, Fraction, Gate, Margins, RunnerUp};
-pub(super) use saved::numbers;
+pub use config::{Config, Fraction, Margins};
+#[cfg(any(test, feature = "unstable"))]
 pub(crate) use target::Paper;
 pub use workspace::Workspace;

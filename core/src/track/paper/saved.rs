@@ -1,20 +1,19 @@
 //! A target of the paper's tracker as bytes: track, threshold, template.
 
-use super::config::{Config, RunnerUp};
+use super::config::Config;
 use super::template::Template;
 use super::track::Track;
 use crate::image::Rect;
-use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
+use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
+use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// The numbers of the configuration without the table.
-const NUMBERS: usize = 26;
 /// Bytes of the track and of the threshold.
 const TRACK: usize = 24;
 
 /// The size in bytes of a saved target with a template of `pixels` pixels.
 pub(super) const fn size(pixels: usize) -> usize {
-    around(NUMBERS) + TRACK + pixels
+    around(Config::COUNT) + TRACK + pixels
 }
 
 pub(super) fn saved_size(track: Option<&Track>) -> Result<usize, SaveError> {
@@ -27,12 +26,7 @@ pub(super) fn save<const PIXELS: usize>(
     bytes: &mut [u8],
 ) -> Result<usize, SaveError> {
     let (Some(track), Some(image)) = (track, template.image()) else { return Err(SaveError::NotLocked) };
-    let mut to = Writer::new(
-        bytes,
-        saved_size(Some(track))?,
-        Kind::Paper,
-        &Settings { table: config.table, numbers: &numbers(config) },
-    )?;
+    let mut to = Writer::new(bytes, saved_size(Some(track))?, &Saved::of(config, &config.numbers()))?;
     to.i32(track.target.x);
     to.i32(track.target.y);
     for side in [track.target.width, track.target.height, track.bounds.width, track.bounds.height] {
@@ -48,17 +42,18 @@ pub(super) fn save<const PIXELS: usize>(
 }
 
 /// A reader of the state, if the configuration is the one that the target was saved with.
-pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
-    Reader::new(bytes, Kind::Paper, &Settings { table: config.table, numbers: &numbers(config) })
+pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
+    Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }
 
 /// Restores the template and returns the track. If it fails, the template is unchanged.
+#[inline(never)]
 pub(super) fn restore<const PIXELS: usize>(
     config: &Config,
     template: &mut Template<PIXELS>,
     span: usize,
     bytes: &[u8],
-) -> Result<Track, RestoreError> {
+) -> Result<Track, Refusal> {
     let mut from = reader(config, bytes)?;
     let (track, threshold) = track(&mut from, config.padding).ok_or(RestoreError::Damaged)?;
     track.check_room(PIXELS, span, config).map_err(|_| RestoreError::TooLarge)?;
@@ -85,38 +80,4 @@ fn track(from: &mut Reader<'_>, padding: u16) -> Option<(Track, u16)> {
     let fits = !target.is_empty() && target.width <= bounds.width && target.height <= bounds.height;
     let reachable = track.nearest_on(padding) == target;
     (fits && reachable && (1..=256).contains(&threshold)).then_some((track, threshold))
-}
-
-/// The settings that answers depend on, without the table. Backend and pruning are none of them.
-#[inline(never)]
-pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
-    let Config { k, gate, window, window_limit: limit, update_zone: zone, .. } = config;
-    [
-        (Setting::K, k.numerator),
-        (Setting::K, k.denominator),
-        (Setting::GateTracking, gate.tracking.numerator),
-        (Setting::GateTracking, gate.tracking.denominator),
-        (Setting::GateLeaving, gate.leaving.numerator),
-        (Setting::GateLeaving, gate.leaving.denominator),
-        (Setting::GateReturning, gate.returning.numerator),
-        (Setting::GateReturning, gate.returning.denominator),
-        (Setting::GateLost, gate.lost.numerator),
-        (Setting::GateLost, gate.lost.denominator),
-        (Setting::GateLead, gate.lead),
-        (Setting::GateLeastRatio, gate.least_ratio),
-        (Setting::FirstThreshold, config.first_threshold as u16),
-        (Setting::LeastThreshold, config.least_threshold as u16),
-        (Setting::Padding, config.padding),
-        (Setting::Window, window.x),
-        (Setting::Window, window.y),
-        (Setting::Growth, config.growth),
-        (Setting::WindowLimit, limit.x),
-        (Setting::WindowLimit, limit.y),
-        (Setting::Neighbourhood, config.neighbourhood),
-        (Setting::RunnerUp, matches!(config.runner_up, RunnerUp::Always) as u16),
-        (Setting::UpdateZone, zone.left),
-        (Setting::UpdateZone, zone.top),
-        (Setting::UpdateZone, zone.right),
-        (Setting::UpdateZone, zone.bottom),
-    ]
 }

@@ -13,6 +13,7 @@ use crate::search::{Extent, Found, Peak, Scene};
 use crate::similarity::{Backend, Contrast, Scorer};
 #[cfg(any(test, feature = "unstable"))]
 use crate::similarity::{CutTable, score_at};
+use crate::track::saved::Refusal;
 use crate::track::slot::Slot;
 use crate::track::target::lockable;
 use crate::track::update::{Seal, Steps, UnderWay};
@@ -35,7 +36,7 @@ use core::fmt;
 /// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
 /// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
 /// let answer = target.update(&mut workspace, &frame)?;
-/// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up`
+/// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up_always`
 /// # Ok::<(), smr_core::Error>(())
 /// ```
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
@@ -94,7 +95,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         let (target, state) = track.at(&found.peak);
         let passes = track.passes(&found, state, self.config());
         // A box partly outside the frame has no patch and is not checked.
-        let patch = if passes && self.config().gate.least_ratio > 0 { frame.patch(target) } else { None };
+        let patch = if passes && self.config().least_ratio > 0 { frame.patch(target) } else { None };
         let seen = patch.map_or(Contrast::NONE, Contrast::of);
         let track = track.after(&found.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
         if track.state != State::Lost
@@ -204,13 +205,14 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         saved::save((self.config(), self.track.get(), &self.template), bytes)
     }
 
+    #[inline(always)] // so that a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.track = Slot::Full(saved::restore(Self::configured(&self.config), &mut self.template, SPAN, bytes)?);
-        Ok(())
+        let restored = saved::restore(Self::configured(&self.config), &mut self.template, SPAN, bytes);
+        restored.map(|track| self.track = Slot::Full(track)).map_err(Refusal::named::<Config>)
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::reader(self.config(), bytes).map(drop)
+        saved::reader(self.config(), bytes).map(drop).map_err(Refusal::named::<Config>)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The paper's tracker: states and decisions, bounds of the work, limits.
 
-use super::{Config, Fraction, Paper, Radius, RunnerUp, Workspace};
+use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;
 use crate::track::update::{Steps, calls};
 use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker, UpdateError};
@@ -97,7 +97,7 @@ fn a_target_is_followed_exactly() {
 #[test]
 fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     let mut config = small_config();
-    config.runner_up = RunnerUp::Always;
+    config.runner_up_always = true;
     let mut tracker = Small::with(config).unwrap();
     tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
     let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
@@ -126,8 +126,9 @@ fn a_step_does_no_more_than_it_promises() {
         (5, 7, (2, 149), false),
     ] {
         let window = Radius { x: radius.0, y: radius.1 };
-        let runner_up = if always { RunnerUp::Always } else { RunnerUp::WhenItDecides };
-        tracker.configure(Config { window, window_limit: window, runner_up, ..Config::paper() }).unwrap();
+        tracker
+            .configure(Config { window, window_limit: window, runner_up_always: always, ..Config::paper() })
+            .unwrap();
         for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
             tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
             let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
@@ -163,12 +164,12 @@ fn the_most_work_is_nearly_done() {
     // and no further.
     let dots = [of(|at| if (at % 160 + at / 160) % 8 == 0 { 150 } else { 250 }), of(|_| 150)];
     let mut closest = 0.0_f64;
-    for (radius, pruning, runner_up) in (1..=20).flat_map(|radius| {
-        [(radius, true, RunnerUp::Always), (radius, true, RunnerUp::WhenItDecides), (radius, false, RunnerUp::Always)]
-    }) {
+    for (radius, pruning, runner_up_always) in
+        (1..=20).flat_map(|radius| [(radius, true, true), (radius, true, false), (radius, false, true)])
+    {
         for side in [1, 2, 5, 8, 12, 16, 24, 32, 64] {
             let window = Radius { x: radius, y: radius / 2 + 1 };
-            let numbers = Config { window, window_limit: window, pruning, runner_up, ..Config::camera() };
+            let numbers = Config { window, window_limit: window, pruning, runner_up_always, ..Config::camera() };
             let config = Config { first_threshold: 60, ..numbers };
             let most = Paper::<4096, 41>::most_work(&config, side, side).update;
             let mut worst = 0;
@@ -178,8 +179,8 @@ fn the_most_work_is_nearly_done() {
                 tracker.update(&second.frame()).unwrap();
                 worst = worst.max(u64::from(tracker.work()));
             }
-            assert!(worst <= most, "+-{radius} {side}x{side} {pruning} {runner_up:?}: {worst} of {most}");
-            if runner_up == RunnerUp::Always {
+            assert!(worst <= most, "+-{radius} {side}x{side} {pruning} {runner_up_always}: {worst} of {most}");
+            if runner_up_always {
                 closest = closest.max(worst as f64 / most as f64);
                 assert!(worst as f64 >= 0.9 * most as f64, "+-{radius} {side}x{side} {pruning}: {worst} of {most}");
             }
@@ -193,13 +194,13 @@ fn the_most_work_is_nearly_done() {
 fn the_most_work_is_what_the_documentation_says() {
     for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {
         let window = Radius { x: radius, y: radius };
-        let of = |runner_up| {
-            let config = Config { window, window_limit: window, runner_up, ..Config::camera() };
+        let of = |runner_up_always| {
+            let config = Config { window, window_limit: window, runner_up_always, ..Config::camera() };
             Paper::<4096, 161>::most_work(&config, side, side).update
         };
         let all = (2 * u64::from(radius) + 1).pow(2) * u64::from(side).pow(2);
-        assert!(4 * of(RunnerUp::Always) <= 5 * all, "{side}x{side}, +-{radius}");
-        assert!(2 * of(RunnerUp::WhenItDecides) <= 5 * all, "{side}x{side}, +-{radius}");
+        assert!(4 * of(true) <= 5 * all, "{side}x{side}, +-{radius}");
+        assert!(2 * of(false) <= 5 * all, "{side}x{side}, +-{radius}");
     }
 }
 
@@ -218,7 +219,7 @@ fn a_leaving_target_keeps_its_template() {
 #[test]
 fn a_lost_target_is_found_again_by_a_growing_window() {
     let mut config = small_config();
-    config.gate.tracking = Fraction::new(2, 1);
+    config.gate_tracking = Fraction::new(2, 1);
     let mut tracker = Small::with(config).unwrap();
     tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
     for frames in 1..=4u16 {
@@ -245,7 +246,7 @@ fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
 fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
     let mut config = Config { first_threshold: 255, window, ..small_config() };
-    config.gate.least_ratio = least_ratio;
+    config.least_ratio = least_ratio;
     let mut tracker = Small::with(config).unwrap();
     tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
     tracker.update(&second.frame()).unwrap().state
@@ -298,7 +299,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
 #[test]
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let mut config = Config { first_threshold: 255, ..small_config() };
-    config.gate.leaving = Fraction::new(0, 1);
+    config.gate_leaving = Fraction::new(0, 1);
     let mut tracker = Small::with(config).unwrap();
     let board = Picture {
         pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
@@ -313,7 +314,7 @@ fn a_box_partly_outside_the_frame_may_have_no_contrast() {
 #[test]
 fn the_window_grows_until_it_is_the_padded_picture() {
     let mut config = Config { window: Radius { x: 3, y: 2 }, neighbourhood: 0, ..Config::paper() };
-    (config.gate.tracking.numerator, config.gate.lost.numerator) = (u16::MAX, u16::MAX);
+    (config.gate_tracking.numerator, config.gate_lost.numerator) = (u16::MAX, u16::MAX);
     let mut tracker = Tracker::<Paper<256, 130>>::with(config).unwrap();
     tracker.lock(&scene(1, 20, 16).frame(), Rect::new(20, 16, 12, 12)).unwrap();
     for lost_for in 0..60 {
@@ -422,11 +423,12 @@ fn a_configuration_is_checked_when_the_tracker_is_built() {
         change(&mut config);
         Small::with(config).err()
     };
+    let out_of_range = |name, highest| Some(ConfigError::OutOfRange { name, lowest: 1, highest, found: 0 });
     assert_eq!(refused(|_| ()), None);
-    assert_eq!(refused(|config| config.k.denominator = 0), Some(ConfigError::ZeroDenominator));
-    assert_eq!(refused(|config| config.gate.lost.denominator = 0), Some(ConfigError::ZeroDenominator));
-    assert_eq!(refused(|config| config.k.numerator = 0), Some(ConfigError::NothingCounts));
-    assert_eq!(refused(|config| config.first_threshold = 0), Some(ConfigError::NothingCounts));
+    assert_eq!(refused(|config| config.k.denominator = 0), out_of_range("k", 65535));
+    assert_eq!(refused(|config| config.gate_lost.denominator = 0), out_of_range("gate_lost", 65535));
+    assert_eq!(refused(|config| config.k.numerator = 0), out_of_range("k", 65535));
+    assert_eq!(refused(|config| config.first_threshold = 0), out_of_range("first_threshold", 255));
     assert_eq!(refused(|config| config.window_limit.x = config.window.x - 1), Some(ConfigError::LimitBelowWindow));
 }
 

@@ -11,7 +11,7 @@ pub(super) struct Track {
     pub(super) target: Rect,
     pub(super) bounds: Rect,
     pub(super) state: State,
-    /// True if a peak was partly outside the frame. `gate.returning` then applies until a lost target is found again.
+    /// True if a peak was partly outside the frame. `gate_returning` then applies until a lost target is found again.
     pub(super) edge: bool,
     /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,

@@ -20,7 +20,7 @@ const fn update(config: &Config, extent: Extent) -> u32 {
     let refiner = if config.refines() { refiner::WORK } else { 0 };
     // A frame is learned or redetected, never both.
     let learned = learning::most_work(extent) + refiner;
-    let redetected = if config.sweeps() { search(extent) } else { 0 };
+    let redetected = if config.sweep { search(extent) } else { 0 };
     begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])
 }
 

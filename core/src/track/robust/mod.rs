@@ -94,6 +94,6 @@ pub use constants::{CELL, CHANNELS, REACH};
 pub use grid::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
 pub(crate) use refiner::REFINER_WEIGHTS;
-pub(super) use saved::numbers;
+#[cfg(any(test, feature = "unstable"))]
 pub(crate) use target::Robust;
 pub use workspace::Workspace;

@@ -57,13 +57,12 @@ impl Motion {
         Self { place, velocity: [0; 2] }
     }
 
-    /// The expected place in the next frame; without `velocity`, the present place.
+    /// The expected place in the next frame.
     #[inline(never)]
-    pub(super) fn expected(&self, velocity: bool, bounds: Rect) -> Place {
+    pub(super) fn expected(&self, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
-        let further = |from: i64, by: i64| if velocity { from + (by >> 1) } else { from };
         let Place { x, y, scale } = self.place;
-        Place { x: further(x, right), y: further(y, down), scale }.inside(bounds)
+        Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
     }
 
     /// Follows the target to `place` and updates the velocity. `None`: it was not seen. Then its place stays, and its
@@ -92,10 +91,9 @@ mod tests {
         let at = |x: i64| Place { x: x * PIXEL, y: 25 * PIXEL, scale: SCALE };
         assert_eq!(motion.place, at(25));
         motion.follow(Some(at(33)));
-        assert_eq!(motion.expected(true, bounds), at(35));
-        assert_eq!(motion.expected(false, bounds), at(33));
+        assert_eq!(motion.expected(bounds), at(35));
         motion.follow(Some(at(97)));
-        assert_eq!(motion.expected(true, bounds), at(99), "no further than the frame");
-        assert_eq!(Motion::at(at(40)).expected(true, bounds), at(40));
+        assert_eq!(motion.expected(bounds), at(99), "no further than the frame");
+        assert_eq!(Motion::at(at(40)).expected(bounds), at(40));
     }
 }

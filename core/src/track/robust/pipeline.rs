@@ -15,7 +15,7 @@
 use super::alignment::Alignment;
 use super::buffers::Buffers;
 use super::confidence::{Confidence, Evidence};
-use super::config::{Config, Parts};
+use super::config::Config;
 use super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
@@ -78,7 +78,7 @@ impl Pipeline {
         model.memory.filter.code(&mut buffers.coded);
         buffers.comparison.begin(&model.reference());
         budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
-        let centre = expected(model.track, model.config);
+        let centre = expected(model.track);
         model.begin_features(&centre, buffers);
         Self {
             stage: Stage::Features,
@@ -178,7 +178,7 @@ impl Pipeline {
     #[inline(never)] // see `next_piece`
     fn verify(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
         let Track { grid, bounds, .. } = model.track;
-        let peak = buffers.responses.peak(model.config.parts.distance_penalty);
+        let peak = buffers.responses.peak(true);
         // 1/256 cell is 1/64 pixel of the grid.
         let place = self.centre.moved(grid, (peak.x, peak.y)).inside(*bounds);
         let candidate = Candidate::new(place, peak.response);
@@ -220,24 +220,21 @@ impl Pipeline {
     /// Decides on the state, and on learning or redetection.
     fn decide(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
-        let Parts { gated_learning, verification, .. } = model.config.parts;
         self.stage = Stage::Done;
         let evidence = Evidence::of(candidate);
-        if verification {
-            track.confidence = track.confidence.after(evidence, model.config.patience);
-        }
-        track.motion.follow((candidate.visible || !verification).then_some(candidate.place));
+        track.confidence = track.confidence.after(evidence, model.config.patience);
+        track.motion.follow(candidate.visible.then_some(candidate.place));
         if track.confidence.state(model.config) == State::Lost {
-            if model.config.sweeps() {
+            if model.config.sweep {
                 (self.centre, self.redetects) = (swept(model.track, model.config), true);
                 self.stage = Stage::Features;
                 model.begin_features(&self.centre, buffers);
             }
-        } else if evidence.may_be_learned() || !gated_learning || !verification {
+        } else if evidence.may_be_learned() {
             // Cells and responses are still those of the first window.
             let target = offset(&model.track.grid, self.centre, candidate.place);
             self.stage = Stage::Learning(Learning::begin(target, model.config.learning_rate));
-        } else if candidate.visible && model.config.has_opinion() {
+        } else if candidate.visible && model.config.refines() {
             self.begin_refiner(buffers);
         }
     }
@@ -306,7 +303,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 /// memory.
 #[cfg(feature = "unstable")]
 pub(super) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
-    let place = expected(model.track, model.config);
+    let place = expected(model.track);
     let lattice = Lattice::search_window(&place, &model.track.grid, model.config.reach());
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
 }

@@ -1,7 +1,7 @@
 //! A target of the robust tracker as bytes: track, filter, early template, and the refiner's memory.
 
 use super::confidence::Confidence;
-use super::config::{Config, Parts};
+use super::config::Config;
 use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS};
 use super::grid::Grid;
 use super::lighting::Light;
@@ -12,33 +12,28 @@ use super::refiner::{self, Correction, First, Opinion};
 use super::scale;
 use super::track::Track;
 use crate::image::Rect;
-use crate::track::saved::{Kind, Reader, Setting, Settings, Writer, around};
+use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
+use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError};
 
-/// The numbers of the configuration without the table.
-const NUMBERS: usize = 13;
 /// Bytes of a saved track.
 const TRACK: usize = 62;
 /// The most bytes of a saved target.
 pub(super) const SAVED_SIZE: usize =
-    around(NUMBERS) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
+    around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
 impl Memory {
     /// Bytes of the saved form.
     pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refines() { refiner::SAVED } else { 0 };
-        let size = around(NUMBERS) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
+        let size =
+            around(Config::COUNT) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
 
     pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
-        let mut to = Writer::new(
-            bytes,
-            self.saved_size(config)?,
-            Kind::Robust,
-            &Settings { table: config.table, numbers: &numbers(config) },
-        )?;
+        let mut to = Writer::new(bytes, self.saved_size(config)?, &Saved::of(config, &config.numbers()))?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
             to.u16(side);
         }
@@ -63,7 +58,8 @@ impl Memory {
     }
 
     /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
-    pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), RestoreError> {
+    #[inline(never)]
+    pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), Refusal> {
         let mut from = reader(config, bytes)?;
         let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
@@ -77,7 +73,7 @@ impl Memory {
             first = Some(First::read(&mut from).ok_or(RestoreError::Damaged)?);
         }
         if !from.is_empty() {
-            return Err(RestoreError::Damaged);
+            return Err(RestoreError::Damaged.into());
         }
         if let Some(first) = first {
             self.first.restore(first);
@@ -121,28 +117,6 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
 }
 
 /// A reader of the state, if the configuration is the one that the target was saved with.
-pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, RestoreError> {
-    Reader::new(bytes, Kind::Robust, &Settings { table: config.table, numbers: &numbers(config) })
-}
-
-/// The settings that answers depend on, without the table; the backend is none of them. The refiner comes last, because
-/// a flight record holds it only if it is on.
-#[inline(never)]
-pub(in crate::track) fn numbers(config: &Config) -> [(Setting, u16); NUMBERS] {
-    let Parts { velocity, distance_penalty, verification, gated_learning, .. } = config.parts;
-    [
-        (Setting::Size, config.size as u16),
-        (Setting::Sweep, config.sweep as u16),
-        (Setting::Parts, velocity as u16),
-        (Setting::Parts, distance_penalty as u16),
-        (Setting::Parts, verification as u16),
-        (Setting::Parts, gated_learning as u16),
-        (Setting::Reach, config.reach as u16),
-        (Setting::Patience, config.patience as u16),
-        (Setting::LostBelow, config.lost_below),
-        (Setting::UncertainBelow, config.uncertain_below),
-        (Setting::LearningRate, config.learning_rate),
-        (Setting::EarlyRate, config.early_rate),
-        (Setting::Refiner, config.refiner as u16),
-    ]
+pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
+    Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

@@ -16,6 +16,7 @@ use super::track::Track;
 use super::windows::{expected_pixels, lock_pixels, swept_pixels};
 use super::workspace::{Progress, Workspace};
 use crate::image::{FineRect, Frame, Rect};
+use crate::track::saved::Refusal;
 use crate::track::slot::Slot;
 use crate::track::target::lockable;
 #[cfg(feature = "unstable")]
@@ -206,12 +207,13 @@ impl Target for Robust {
         self.memory.save(Self::configured(&self.config), bytes)
     }
 
+    #[inline(always)] // so that a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
-        self.memory.restore(Self::configured(&self.config), bytes)
+        self.memory.restore(Self::configured(&self.config), bytes).map_err(Refusal::named::<Config>)
     }
 
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError> {
-        saved::reader(Self::configured(&self.config), bytes).map(drop)
+        saved::reader(Self::configured(&self.config), bytes).map(drop).map_err(Refusal::named::<Config>)
     }
 }
 

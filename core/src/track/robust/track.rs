@@ -50,7 +50,7 @@ impl Track {
     #[inline(never)]
     pub(super) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.opinion.state());
-        if config.has_opinion() && opinion.code() > state.code() { opinion } else { state }
+        if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
     /// The box of the answer: the followed box, corrected by the refiner.

@@ -11,8 +11,8 @@ use super::track::Track;
 use crate::image::Rect;
 
 /// The place where the target is expected in the next frame: the middle of the first window.
-pub(super) fn expected(track: &Track, config: &Config) -> Place {
-    track.motion.expected(config.parts.velocity, track.bounds)
+pub(super) fn expected(track: &Track) -> Place {
+    track.motion.expected(track.bounds)
 }
 
 /// The middle of the second window, that of redetection, at the scale when the state was last tracking.
@@ -27,7 +27,7 @@ pub(super) fn swept(track: &Track, config: &Config) -> Place {
 /// windows of other scales, and the refiner's crop.
 #[inline(never)]
 pub(super) fn expected_pixels(track: &Track, config: &Config) -> Rect {
-    let (centre, reach) = (expected(track, config), config.reach());
+    let (centre, reach) = (expected(track), config.reach());
     let mut pixels = pixels(track, &centre, reach + MARGIN_CELLS);
     if config.size {
         for scale in other_scales(centre.scale) {
@@ -44,7 +44,7 @@ pub(super) fn expected_pixels(track: &Track, config: &Config) -> Rect {
 /// whenever it may be.
 #[inline(never)]
 pub(super) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
-    let may_be_lost = config.sweeps() && track.confidence.may_be_lost_next(config);
+    let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config);
     may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
 }
 

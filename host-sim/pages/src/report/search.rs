@@ -2,7 +2,6 @@
 
 use super::difference::Difference;
 use anyhow::{Context, Result};
-use smr_core::paper::RunnerUp;
 use smr_core::unstable::followed;
 use smr_core::{Frame, Rect, Robust, State, Target, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
@@ -82,7 +81,7 @@ pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
         MethodKind::Smr => {
             let mut config = configs.paper;
             // It is drawn; where nothing depends on it, looking for it changes nothing else.
-            config.runner_up = RunnerUp::Always;
+            config.runner_up_always = true;
             of_core(kind, config, paper)
         }
         MethodKind::Robust => of_core(kind, configs.robust, robust),

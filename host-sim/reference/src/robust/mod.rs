@@ -185,8 +185,7 @@ impl Reference {
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { parts, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
-        (parts.verification && parts.sweep && lost_next)
-            .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
+        (parts.sweep && lost_next).then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
     }
 
     /// The margin of a view in whole cells.
@@ -205,12 +204,9 @@ impl Reference {
         let mut candidate = self.candidate(&frame, &coded, centre);
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
-        if parts.verification {
-            self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
-        }
+        self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
         let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
-        let seen = candidate.evidence() >= self.numbers.learned_from;
-        let learned = !lost && (seen || !parts.gated_learning || !parts.verification);
+        let learned = !lost && candidate.evidence() >= self.numbers.learned_from;
         if learned {
             let seen = lighting::light(candidate.gain, candidate.window);
             self.light = lighting::followed(&self.numbers, self.light, seen);
@@ -226,7 +222,7 @@ impl Reference {
                 None => self.best_scale(&frame, &coded, &candidate),
             };
         }
-        if parts.verification && !candidate.can_show {
+        if !candidate.can_show {
             candidate.place = self.place;
         }
         let followed = |to: f64, from: f64, velocity: f64| {
@@ -257,7 +253,7 @@ impl Reference {
         if let Some(refiner) = &mut self.refiner {
             if learned && candidate.agreement >= self.numbers.refined_from {
                 refiner.fade(&self.numbers);
-            } else if learned || (parts.opinion && parts.verification && !lost && candidate.can_show) {
+            } else if learned || (!lost && candidate.can_show) {
                 refiner.update(&self.numbers, &frame, fine, learned);
             }
             fine = refiner.correct(fine);
@@ -285,14 +281,12 @@ impl Reference {
 
     /// That of the mean evidence, or of the network's opinion if that is worse.
     fn decision(&self) -> Decision {
-        let Numbers { parts, .. } = self.numbers;
-        let refiner = self.refiner.as_ref().filter(|_| parts.opinion && parts.verification);
-        let opinion = refiner.map_or(Decision::Tracking, |refiner| refiner.decision(&self.numbers));
+        let opinion = self.refiner.as_ref().map_or(Decision::Tracking, |refiner| refiner.decision(&self.numbers));
         decision(&self.numbers, self.mean_evidence).max(opinion)
     }
 
     fn expected(&self) -> Place {
-        let part = if self.numbers.parts.velocity { self.numbers.velocity_fraction } else { 0.0 };
+        let part = self.numbers.velocity_fraction;
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
     }
 
@@ -301,15 +295,11 @@ impl Reference {
     }
 
     fn candidate(&self, frame: &Picture<'_>, coded: &Coded, centre: Place) -> Candidate {
-        let Numbers { reach, cell, parts, .. } = self.numbers;
+        let Numbers { reach, cell, .. } = self.numbers;
         let cells =
             features(&self.numbers, &centre.window(&self.numbers, &self.shape, reach).sample(&self.numbers, frame));
         let responses = responses(&self.shape, coded, &cells, reach);
-        let Peak { x, y, response, .. } = if parts.distance_penalty {
-            peak(&penalised(&self.numbers, &responses), reach)
-        } else {
-            peak(&responses, reach)
-        };
+        let Peak { x, y, response, .. } = peak(&penalised(&self.numbers, &responses), reach);
         let cell = real(cell) * self.shape.step_at(centre.scale);
         let place = centre.moved(x * cell, y * cell).inside(self.frame_size);
         let view = place.view(&self.numbers, &self.shape).sample(&self.numbers, frame);

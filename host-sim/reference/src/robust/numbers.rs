@@ -3,17 +3,10 @@
 /// The parts that can be left out.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
-    pub velocity: bool,
-    pub distance_penalty: bool,
     pub size: bool,
-    pub verification: bool,
-    /// Needs verification, as the sweep does.
-    pub gated_learning: bool,
     pub sweep: bool,
-    /// A learned network corrects the box.
+    /// A learned network corrects the box, and can make the decision worse.
     pub refiner: bool,
-    /// It can make the decision worse. Needs the refiner and verification.
-    pub opinion: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -118,16 +111,7 @@ impl Numbers {
     /// The preset `refined`: all parts.
     pub fn refined() -> Self {
         Self {
-            parts: Parts {
-                velocity: true,
-                distance_penalty: true,
-                size: true,
-                verification: true,
-                gated_learning: true,
-                sweep: true,
-                refiner: true,
-                opinion: true,
-            },
+            parts: Parts { size: true, sweep: true, refiner: true },
             pixels: 1600,
             least_step: 0.5,
             read_per_side: 2,

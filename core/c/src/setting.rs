@@ -1,0 +1,126 @@
+//! The settings of a configuration by name.
+
+use crate::config::{smr_config, smr_method};
+use crate::pointer::{self, Out};
+use crate::status::{
+    SMR_ERROR_NOT_INITIALISED, SMR_ERROR_SETTING_COUNT, SMR_ERROR_SETTING_UNKNOWN, smr_status, status_of,
+};
+use core::ffi::{CStr, c_char};
+use smr_core::{ConfigError, Settings, paper, robust};
+
+/// A setting of a configuration: see #smr_setting_at.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_setting {
+    /// The name, a static string: that of its field in #smr_paper_config or #smr_robust_config.
+    pub name: *const c_char,
+    /// 0: a number. 1: a switch. 2: numerator and denominator. 3: x and y. 4: left, top, right and bottom.
+    pub shape: u8,
+    /// How many values it has.
+    pub count: u8,
+    /// The lowest value. A denominator is also at least 1.
+    pub lowest: u16,
+    /// The highest value.
+    pub highest: u16,
+    /// The values in the configuration, then zeros.
+    pub values: [u16; 4],
+}
+
+/// Sets a setting by its name, such as "window" to { 16, 16 }. A program that knows the name can also set the field of the
+/// configuration; this call is for names from a file, a console or another language.
+///
+/// @param config  Filled by one of the calls smr_config_...
+/// @param name    A string: the name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
+/// @param values  The values, in the order of the field.
+/// @param count   How many there are.
+/// @return        #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration),
+///                #SMR_ERROR_SETTING_UNKNOWN, #SMR_ERROR_SETTING_COUNT or #SMR_ERROR_CONFIG_OUT_OF_RANGE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_set(
+    config: *mut smr_config,
+    name: *const c_char,
+    values: *const u16,
+    count: usize,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller: a string, and `count` values.
+    status_of(unsafe {
+        given(config).and_then(|(now, method)| {
+            pointer::check(name)?;
+            pointer::check(values)?;
+            if count > 4 {
+                return Err(SMR_ERROR_SETTING_COUNT);
+            }
+            let (name, values) = (CStr::from_ptr(name), core::slice::from_raw_parts(values, count));
+            let mut changed = *now;
+            if method.is_paper {
+                changed.paper = (&with(now.paper(), name, values)?).into();
+            } else {
+                changed.robust = (&with(now.robust(), name, values)?).into();
+            }
+            config.write(changed);
+            Ok(())
+        })
+    })
+}
+
+/// Gives the name, the range and the values of a setting, one after the other until #SMR_ERROR_SETTING_UNKNOWN.
+///
+/// @param config   Filled by one of the calls smr_config_...
+/// @param index    0 for the first setting.
+/// @param setting  Is set; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration) or
+///                 #SMR_ERROR_SETTING_UNKNOWN.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_setting_at(
+    config: *const smr_config,
+    index: usize,
+    setting: *mut smr_setting,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        given(config).and_then(|(config, method)| {
+            let out = Out::new(setting)?;
+            out.write(if method.is_paper { at(&config.paper(), index)? } else { at(&config.robust(), index)? });
+            Ok(())
+        })
+    })
+}
+
+fn with<C: Settings>(mut config: C, name: &CStr, values: &[u16]) -> Result<C, ConfigError> {
+    let name = name.to_bytes_with_nul();
+    let setting = C::SETTINGS.iter().find(|setting| setting.name_with_zero().as_bytes() == name);
+    config.set(setting.ok_or(ConfigError::UnknownSetting)?.name(), values)?;
+    Ok(config)
+}
+
+fn at<C: Settings>(config: &C, index: usize) -> Result<smr_setting, smr_status> {
+    let setting = C::SETTINGS.get(index).ok_or(SMR_ERROR_SETTING_UNKNOWN)?;
+    Ok(smr_setting {
+        name: setting.name_with_zero().as_ptr().cast(),
+        shape: setting.shape as u8,
+        count: setting.shape.count().to_le_bytes()[0],
+        lowest: setting.lowest,
+        highest: setting.highest,
+        values: config.get(setting.name()).unwrap_or_default(),
+    })
+}
+
+/// The name that an error of the core gives, as a string of C.
+pub(crate) fn name_in_c(name: &str) -> *const c_char {
+    let mut settings = paper::Config::SETTINGS.iter().chain(robust::Config::SETTINGS);
+    let known = settings.find(|setting| setting.name() == name).map(|setting| setting.name_with_zero());
+    known.map_or(if name == "table" { c"table".as_ptr() } else { c"parts".as_ptr() }, |name| name.as_ptr().cast())
+}
+
+/// A configuration, and the method that it names.
+///
+/// # Safety
+/// A `config` that passes `pointer::check` points to one that stays, and whose method is NULL or was filled in.
+pub(crate) unsafe fn given<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
+    pointer::check(config)?;
+    // SAFETY: as the caller ensures.
+    let config = unsafe { &*config };
+    let method = config.method;
+    // SAFETY: as the caller ensures. The presets fill in the address of a constant.
+    unsafe { method.as_ref() }.map(|method| (config, method)).ok_or(SMR_ERROR_NOT_INITIALISED)
+}
