@@ -110,15 +110,9 @@ pub struct smr_method {
 }
 
 impl smr_config {
-    pub(crate) fn of_paper(method: *const smr_method, config: &paper::Config) -> Self {
-        let plain_loop = (config.backend == Some(Backend::Scalar)).into();
-        Self { method, plain_loop, paper: config.into(), robust: smr_robust_config::default() }
-    }
-
-    pub(crate) fn of_robust(method: *const smr_method, config: &robust::Config) -> Self {
-        let plain_loop = (config.backend == Some(Backend::Scalar)).into();
-        Self { method, plain_loop, paper: smr_paper_config::default(), robust: config.into() }
-    }
+    /// Of no tracker: NULL and zeroes.
+    // SAFETY: every field is a pointer or a number.
+    pub(crate) const EMPTY: Self = unsafe { core::mem::zeroed() };
 
     fn backend(&self) -> Option<Backend> {
         (self.plain_loop != 0).then_some(Backend::Scalar)
@@ -177,20 +171,27 @@ numbers! { robust::Config, smr_robust_config {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::ptr;
 
     #[test]
     fn a_configuration_comes_back_as_it_was() {
         let mut slow = paper::Config::camera();
         (slow.runner_up_always, slow.backend) = (true, Some(Backend::Scalar));
         for config in [paper::Config::paper(), paper::Config::camera(), slow] {
-            assert_eq!(smr_config::of_paper(ptr::null(), &config).paper(), config);
+            assert_eq!(
+                smr_config {
+                    plain_loop: (config.backend.is_some()).into(),
+                    paper: (&config).into(),
+                    ..smr_config::EMPTY
+                }
+                .paper(),
+                config
+            );
         }
         let mut other = robust::Config::robust();
         (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, false, true, 1);
         (other.lost_below, other.uncertain_below, other.learning_rate, other.early_rate) = (2, 3, 4, 5);
         for config in [robust::Config::robust(), other] {
-            assert_eq!(smr_config::of_robust(ptr::null(), &config).robust(), config);
+            assert_eq!(smr_config { robust: (&config).into(), ..smr_config::EMPTY }.robust(), config);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The calls that fill a configuration: the presets of both trackers.
 
 use crate::capacity::{PaperTarget, SPAN};
-use crate::config::smr_config;
+use crate::config::{smr_config, smr_method};
 use crate::method::method_of;
-use crate::pointer::Out;
+use crate::pointer;
 use crate::status::{smr_status, status_of};
 use smr_core::{Robust, paper, robust};
 
@@ -24,7 +24,7 @@ const CAMERA: paper::Config = {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &CAMERA)) })
+    status_of(unsafe { fill(config, method_of::<PaperTarget>(), |config| config.paper = (&CAMERA).into()) })
 }
 
 /// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of
@@ -38,7 +38,9 @@ pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_statu
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_paper(method_of::<PaperTarget>(), &paper::Config::paper())) })
+    status_of(unsafe {
+        fill(config, method_of::<PaperTarget>(), |config| config.paper = (&paper::Config::paper()).into())
+    })
 }
 
 /// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view,
@@ -50,7 +52,9 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_status {
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { fill(config, || smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust())) })
+    status_of(unsafe {
+        fill(config, method_of::<Robust>(), |config| config.robust = (&robust::Config::robust()).into())
+    })
 }
 
 /// Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a
@@ -63,19 +67,25 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_status {
-    let refined = || {
-        let mut config = smr_config::of_robust(method_of::<Robust>(), &robust::Config::robust());
-        config.robust.refiner = 1;
-        config
-    };
+    let mut refined = robust::Config::robust();
+    refined.refiner = true;
     // SAFETY: as the header demands of the caller.
-    status_of(unsafe { fill(config, refined) })
+    status_of(unsafe { fill(config, method_of::<Robust>(), |config| config.robust = (&refined).into()) })
 }
 
 /// # Safety
 /// A `config` that passes `pointer::check` points to memory for one.
-unsafe fn fill(config: *mut smr_config, values: impl FnOnce() -> smr_config) -> Result<(), smr_status> {
-    // SAFETY: as the caller ensures.
-    unsafe { Out::new(config)? }.write(values());
+unsafe fn fill(
+    config: *mut smr_config,
+    method: *const smr_method,
+    values: impl FnOnce(&mut smr_config),
+) -> Result<(), smr_status> {
+    pointer::check(config)?;
+    // SAFETY: neither NULL nor misaligned; there is memory, as the caller ensures.
+    unsafe {
+        config.write(smr_config::EMPTY);
+        (*config).method = method;
+        values(&mut *config);
+    }
     Ok(())
 }
