@@ -146,7 +146,7 @@ impl Extractor {
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
                 if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
-                    copy(from, to);
+                    to.copy_from_slice(from);
                 }
             }
         }
@@ -265,14 +265,6 @@ pub(super) fn root(number: u32) -> u32 {
     root >>= places / 2;
     // 0 was treated as 1, and the result may be too large by 1.
     root - u32::from(root * root > number)
-}
-
-/// Copies pixels. Firmware needs the `memcpy` of `copy_from_slice` nowhere else: 700 bytes of flash.
-#[inline(always)]
-fn copy(from: &[u8], to: &mut [u8]) {
-    let ((from, last), (to, rest)) = (from.as_chunks::<4>(), to.as_chunks_mut::<4>());
-    rolled(to.iter_mut().zip(from)).for_each(|(to, from)| *to = *from);
-    rolled(rest.iter_mut().zip(last)).for_each(|(to, from)| *to = *from);
 }
 
 #[cfg(test)]
