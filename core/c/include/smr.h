@@ -21,7 +21,7 @@
  * }
  * @endcode
  *
- * Programs with a deadline call #smr_update_step; those that read out only a part of the sensor ask #smr_window first.
+ * Programs with a deadline call #smr_update_step; those that read out only a part of the sensor ask #smr_windows first.
  *
  * There are two trackers, and the configuration chooses one: the paper's (#smr_config_camera, #smr_config_paper) or the robust
  * one (#smr_config_robust, #smr_config_refined). The paper's tracker compares the target's last appearance, the template, with every offset in a search
