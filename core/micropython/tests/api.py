@@ -83,7 +83,7 @@ same(smr.TRACKING == smr.LEAVING or smr.UNCERTAIN == smr.LOST, False, "states")
 tracker = smr.Paper(window=(4, 2))
 tracker.lock(still, WIDTH, HEIGHT, BOX)
 same(tracker.window(), (20, 18, 28, 20), "window=(4, 2)")
-tracker = smr.Paper(window=(100, 90), window_limit=(100, 90), preset="paper")
+tracker = smr.Paper(window=(60, 50), window_limit=(100, 90), preset="paper")
 large = bytes(400 * 300)
 raises(
     ValueError,
