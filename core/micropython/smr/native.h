@@ -15,6 +15,25 @@ void *m_malloc0(size_t size) {
     return memset(m_malloc(size), 0, size);
 }
 
+// What Rust calls on a host. GCC would make a call of each loop.
+__attribute__((optimize("no-tree-loop-distribute-patterns"))) size_t strlen(const char *text) {
+    size_t length = 0;
+    while (text[length] != 0) {
+        length++;
+    }
+    return length;
+}
+
+int bcmp(const void *one, const void *other, size_t size) {
+    const byte *a = one, *b = other;
+    while (size > 0 && *a == *b) {
+        a++, b++, size--;
+    }
+    return size > 0;
+}
+
+#define mp_obj_str_get_qstr(text) ((qstr)mp_fun_table.native_from_obj(text, MP_NATIVE_TYPE_QSTR))
+
 #define vstr_init_len(vstr, size) ((vstr)->buf = m_malloc(size), (vstr)->len = (size))
 
 mp_obj_t mp_obj_new_bytes_from_vstr(vstr_t *vstr) {

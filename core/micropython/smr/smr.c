@@ -211,7 +211,7 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t k
     smr_setting setting;
     for (size_t i = 0; smr_setting_at(config, i, &setting) == SMR_OK; i++) {
         if (is_same(setting.name, name)) {
-            const qstr shown = MP_OBJ_QSTR_VALUE(keyword);
+            const qstr shown = mp_obj_str_get_qstr(keyword);
             const mp_obj_t *items = setting.count == 1 ? &value : items_of(value, setting.count, shown);
             for (size_t k = 0; k < setting.count; k++) {
                 const bool is_denominator = setting.shape == 2 && k == 1 && setting.lowest == 0;
