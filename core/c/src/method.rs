@@ -175,6 +175,12 @@ impl<T: Method> Held<T> {
     }
 }
 
+/// Writes the answer of an update whose steps are done.
+#[inline(never)] // keeps its stack out of that of a step
+fn conclude<T: Method>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, out: &Out<smr_answer>) {
+    out.write(calls::commit(target, workspace, frame).into());
+}
+
 impl<T: Method> Tracked for Held<T> {
     fn known(&mut self) -> Known<'_> {
         self.target.known()
@@ -204,7 +210,7 @@ impl<T: Method> Tracked for Held<T> {
         if !calls::step(target, workspace, frame, work)? {
             return Err(SMR_UNDER_WAY);
         }
-        out.write(calls::commit(target, workspace, frame).into());
+        conclude(target, workspace, frame, out);
         Ok(())
     }
 
