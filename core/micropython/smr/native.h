@@ -32,8 +32,6 @@ int bcmp(const void *one, const void *other, size_t size) {
     return size > 0;
 }
 
-#define mp_obj_str_get_qstr(text) ((qstr)mp_fun_table.native_from_obj(text, MP_NATIVE_TYPE_QSTR))
-
 #define vstr_init_len(vstr, size) ((vstr)->buf = m_malloc(size), (vstr)->len = (size))
 
 mp_obj_t mp_obj_new_bytes_from_vstr(vstr_t *vstr) {

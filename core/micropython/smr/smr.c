@@ -75,40 +75,40 @@ static void check(smr_status status) {
 
 // Arguments
 
-// A whole number. `of` and `name` are the names of the argument and of its part; `of` may be empty.
-static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char *of, qstr name) {
+// A whole number, the argument `name`.
+static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char *name) {
     // An int that is an object is larger than LARGEST.
     const bool is_large = mp_obj_is_exact_type(value, &mp_type_int);
     if (!is_large && !mp_obj_is_small_int(value) && value != mp_const_true && value != mp_const_false) {
-        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s%q must be a whole number"), of, name);
+        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s must be a whole number"), name);
     }
     const mp_int_t number = is_large ? 0 : mp_obj_get_int(value);
     if (is_large || number < least || number > most) {
-        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%s%q must be %d to %d"), of, name, (int)least, (int)most);
+        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%s must be %d to %d"), name, (int)least, (int)most);
     }
     return number;
 }
 
 // The items of a tuple, a list or what else can be iterated over.
-static mp_obj_t *items_of(mp_obj_t value, size_t count, qstr name) {
+static mp_obj_t *items_of(mp_obj_t value, size_t count, const char *name) {
     if (!MP_OBJ_TYPE_HAS_SLOT(mp_obj_get_type(value), iter)) {
-        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%q must be a tuple of %d numbers"), name, (int)count);
+        mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s must be a tuple of %d numbers"), name, (int)count);
     }
     const mp_obj_t list = mp_call_function_n_kw(MP_OBJ_FROM_PTR(&mp_type_list), 1, 0, &value);
     size_t length;
     mp_obj_t *items;
     mp_obj_get_array(list, &length, &items);
     if (length != count) {
-        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%q must be %d numbers, not %d"), name, (int)count, (int)length);
+        mp_raise_msg_varg(&mp_type_ValueError, MP_ERROR_TEXT("%s must be %d numbers, not %d"), name, (int)count, (int)length);
     }
     return items;
 }
 
 static smr_rect box_of(mp_obj_t value) {
-    const mp_obj_t *items = items_of(value, 4, MP_QSTR_box);
+    const mp_obj_t *items = items_of(value, 4, "box");
     return (smr_rect) {
-        number(items[0], -LARGEST, LARGEST, "box: ", MP_QSTR_x), number(items[1], -LARGEST, LARGEST, "box: ", MP_QSTR_y),
-        number(items[2], 0, UINT16_MAX, "box: ", MP_QSTR_width), number(items[3], 0, UINT16_MAX, "box: ", MP_QSTR_height),
+        number(items[0], -LARGEST, LARGEST, "box: x"), number(items[1], -LARGEST, LARGEST, "box: y"),
+        number(items[2], 0, UINT16_MAX, "box: width"), number(items[3], 0, UINT16_MAX, "box: height"),
     };
 }
 
@@ -145,7 +145,7 @@ static size_t line_bytes(const picture_t *picture) {
 }
 
 static picture_t picture_of(mp_obj_t buffer, uint16_t width, uint16_t height, mp_obj_t format, mp_obj_t stride) {
-    picture_t picture = { buffer, number(format, -LARGEST, LARGEST, "", MP_QSTR_format), width, height, number(stride, 0, LARGEST, "", MP_QSTR_stride) };
+    picture_t picture = { buffer, number(format, -LARGEST, LARGEST, "format"), width, height, number(stride, 0, LARGEST, "stride") };
     const size_t least = line_bytes(&picture);
     if (picture.stride == 0) {
         picture.stride = least;
@@ -205,17 +205,16 @@ static bool is_same(const char *one, const char *other) {
 static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t keyword, mp_obj_t value) {
     const char *name = mp_obj_str_get_str(keyword);
     if (keyword == MP_OBJ_NEW_QSTR(MP_QSTR_plain_loop)) {
-        config->plain_loop = number(value, 0, 1, "", MP_QSTR_plain_loop);
+        config->plain_loop = number(value, 0, 1, "plain_loop");
         return;
     }
     smr_setting setting;
     for (size_t i = 0; smr_setting_at(config, i, &setting) == SMR_OK; i++) {
         if (is_same(setting.name, name)) {
-            const qstr shown = mp_obj_str_get_qstr(keyword);
-            const mp_obj_t *items = setting.count == 1 ? &value : items_of(value, setting.count, shown);
+            const mp_obj_t *items = setting.count == 1 ? &value : items_of(value, setting.count, name);
             for (size_t k = 0; k < setting.count; k++) {
                 const bool is_denominator = setting.shape == 2 && k == 1 && setting.lowest == 0;
-                setting.values[k] = number(items[k], setting.lowest + is_denominator, setting.highest, "", shown);
+                setting.values[k] = number(items[k], setting.lowest + is_denominator, setting.highest, name);
             }
             check(smr_set(config, setting.name, setting.values, setting.count));
             return;
@@ -294,8 +293,8 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
     mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
-    const uint16_t width = number(values[WIDTH].u_obj, 0, UINT16_MAX, "", MP_QSTR_width);
-    const uint16_t height = number(values[HEIGHT].u_obj, 0, UINT16_MAX, "", MP_QSTR_height);
+    const uint16_t width = number(values[WIDTH].u_obj, 0, UINT16_MAX, "width");
+    const uint16_t height = number(values[HEIGHT].u_obj, 0, UINT16_MAX, "height");
     const smr_rect target = box_of(values[BOX].u_obj);
     const picture_t picture = picture_of(values[BUFFER].u_obj, width, height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
@@ -357,7 +356,7 @@ static MP_DEFINE_CONST_FUN_OBJ_KW(update_obj, 1, update);
 // moved(right, down), in 1/256 pixel
 static mp_obj_t moved(mp_obj_t self_in, mp_obj_t right, mp_obj_t down) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
-    check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, "", MP_QSTR_right), number(down, -LARGEST, LARGEST, "", MP_QSTR_down)));
+    check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, "right"), number(down, -LARGEST, LARGEST, "down")));
     return mp_const_none;
 }
 static MP_DEFINE_CONST_FUN_OBJ_3(moved_obj, moved);
@@ -377,8 +376,8 @@ static MP_DEFINE_CONST_FUN_OBJ_1(save_obj, save);
 // restore(saved, width=0, height=0): the size of the coming buffers; 0: as before
 static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
-    const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, "", MP_QSTR_width) : 0;
-    const uint16_t height = n_args > 3 ? number(args[3], 0, UINT16_MAX, "", MP_QSTR_height) : 0;
+    const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, "width") : 0;
+    const uint16_t height = n_args > 3 ? number(args[3], 0, UINT16_MAX, "height") : 0;
     if ((width == 0 && self->width == 0) || (height == 0 && self->height == 0)) {
         mp_raise_ValueError(MP_ERROR_TEXT("this tracker has seen no frame: restore needs width and height"));
     }
