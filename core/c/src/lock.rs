@@ -61,7 +61,7 @@ pub unsafe extern "C" fn smr_lock(
         with_frame(tracker, frame, |tracker, frame| {
             let bbox = pointer::read(bbox)?.into();
             tracker.cancel();
-            whole(|| tracker.lock_step(frame, bbox, u32::MAX))
+            whole(|| tracker.lock_step(frame, &bbox, u32::MAX))
         })
     })
 }
@@ -85,6 +85,6 @@ pub unsafe extern "C" fn smr_lock_step(
 ) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, pointer::read(bbox)?.into(), work))
+        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), work))
     })
 }

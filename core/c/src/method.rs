@@ -196,9 +196,9 @@ impl<T: Method> Tracked for Held<T> {
         self.target.lock_window(bounds, target)
     }
 
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<(), smr_status> {
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status> {
         let (target, workspace) = self.parts()?;
-        if !calls::step_lock(target, workspace, frame, bbox, work)? {
+        if !calls::step_lock(target, workspace, frame, *bbox, work)? {
             return Err(SMR_UNDER_WAY);
         }
         calls::commit_lock(target, workspace, frame);

@@ -63,7 +63,7 @@ pub(crate) trait Tracked {
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
     /// [`SMR_UNDER_WAY`] while work is left, as for an update.
-    fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<(), smr_status>;
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status>;
     /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
     /// Ends what is under way.
