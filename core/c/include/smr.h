@@ -38,8 +38,8 @@
  * - **Where pixels may be.** On Cortex-M4, M7, M33 and above the library loads words from unaligned addresses. Normal memory
  *   allows that. Device memory faults, and external RAM (0xA0000000 to 0xDFFFFFFF) is Device memory by default. Set up the MPU,
  *   or set `plain_loop` in #smr_config.
- * - **Stack.** With all called functions, measured on a Cortex-M4: at most 1.3 KB for the paper's tracker, 1.5 KB for the
- *   robust one, with the refiner or without, and 0.3 KB in #smr_init. Builds without optimisation take more.
+ * - **Stack.** With all called functions, measured on a Cortex-M4: at most 1.3 KB for either
+ *   tracker, with the refiner or without, and 0.2 KB in #smr_init. Builds without optimisation take more.
  * - **Exactness.** Integers only. The same frames give the same answers, bit for bit, on every machine.
  *
  * cbindgen writes this file from core/c/src and core/c/cbindgen.toml. Do not edit it here.

@@ -236,7 +236,13 @@ static void settings(void)
         }
         few[0] = 1;
     }
-    HOLD(count == (robust ? 9 : 16) && memcmp(&config.paper, &before.paper, sizeof config.paper) == 0);
+    HOLD(count == (robust ? 9 : 16));
+    while (count-- > 0) {
+        smr_setting old;
+        EXPECT(smr_setting_at(&config, count, &setting), SMR_OK);
+        EXPECT(smr_setting_at(&before, count, &old), SMR_OK);
+        HOLD(memcmp(setting.values, old.values, sizeof old.values) == 0);
+    }
     EXPECT(smr_set(&config, robust ? "patience" : "growth", few, 1), SMR_OK);
     HOLD(robust ? config.robust.patience == 1 : config.paper.growth == 1);
     EXPECT(smr_set(&config, robust ? "window" : "reach", few, 1), SMR_ERROR_SETTING_UNKNOWN);
