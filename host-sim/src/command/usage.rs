@@ -118,7 +118,7 @@ impl Line<'_> {
     /// A value that an option does not take.
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
-        // `--window <XxY>` is called by its name alone.
+        // `--size <WxH>` is called by its name alone.
         let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
         let known = self.texts(ContextKind::ValidValue);
         let expected = match self.error.kind() {
