@@ -332,23 +332,30 @@ static mp_obj_t answer_of(const smr_answer *answer) {
     return mp_obj_new_attrtuple(names, MP_ARRAY_SIZE(items), items);
 }
 
-// update(buffer, format=GRAY8, stride=0) -> answer
+// update(buffer, format=GRAY8, stride=0, work=0) -> answer; None while work is left
 static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
-    enum { BUFFER, FORMAT, STRIDE };
+    enum { BUFFER, FORMAT, STRIDE, WORK };
     TABLE mp_arg_t allowed[] = {
         { MP_QSTR_buffer, MP_ARG_REQUIRED | MP_ARG_OBJ, { 0 } },
         { MP_QSTR_format, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(SMR_GRAY8) } },
         { MP_QSTR_stride, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
+        { MP_QSTR_work, MP_ARG_OBJ, { .u_rom_obj = MP_ROM_INT(0) } },
     };
     mp_arg_val_t values[MP_ARRAY_SIZE(allowed)];
     mp_arg_parse_all(n_args - 1, args + 1, keywords, MP_ARRAY_SIZE(allowed), allowed, values);
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
+    const uint32_t work = number(values[WORK].u_obj, 0, LARGEST, "work");
     smr_rect windows[2];
     check(smr_windows(self->tracker, windows));
     const picture_t picture = picture_of(values[BUFFER].u_obj, self->width, self->height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     const smr_frame frame = frame_of(&picture, windows);
     smr_answer answer;
-    check(smr_update(self->tracker, &frame, &answer));
+    const smr_status status = work > 0 ? smr_update_step(self->tracker, &frame, work, &answer)
+                                       : smr_update(self->tracker, &frame, &answer);
+    if (status == SMR_UNDER_WAY) {
+        return mp_const_none;
+    }
+    check(status);
     return answer_of(&answer);
 }
 static MP_DEFINE_CONST_FUN_OBJ_KW(update_obj, 1, update);

@@ -73,6 +73,10 @@ for kind in KINDS:
         answer = tracker.update(bytes(WIDTH * HEIGHT))
     same(answer.state in (smr.LOST, smr.UNCERTAIN), True, "a black frame")
     tracker.lock(buffer=still, width=WIDTH, height=HEIGHT, box=list(BOX), format=smr.GRAY8, stride=WIDTH)
+    steps = 0
+    while tracker.update(still, work=1000) is None:
+        steps += 1
+    same(steps > 0, True, "steps")
     same(tracker.update(buffer=still, format=smr.GRAY8, stride=WIDTH).box, BOX, "by name")
 tracker = smr.Paper(runner_up_always=True)
 tracker.lock(still, WIDTH, HEIGHT, BOX)
@@ -168,7 +172,8 @@ for kind in KINDS:
     tracker.lock(words, WIDTH, HEIGHT, BOX)
     raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: update(still[:-1]))
     raises(TypeError, "buffer must be an object with bytes", lambda: update(7))
-    raises(TypeError, "", lambda: update(still, 0, WIDTH, 1))
+    raises(TypeError, "", lambda: update(still, 0, WIDTH, 1, 1))
+    raises(ValueError, "work must be 0 to 1073741823", lambda: update(still, work=-1))
     # A longer stride, and a frame that ends after its last pixel.
     padded = [bytearray(HEIGHT * 100 - 20) for _ in FRAMES]
     for frame, wide in zip(FRAMES, padded):
