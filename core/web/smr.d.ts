@@ -95,7 +95,7 @@ export interface PaperOptions {
   windowLimit?: Pair;
   /** The runner-up is the best score more than this many pixels from the peak, in x or in y. 0 to 65535. */
   neighbourhood?: number;
-  /** Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's decision depends on it. */
+  /** The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision depends on it. */
   runnerUpAlways?: boolean;
   /** The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels. 0 to 65535. */
   updateZone?: [number, number, number, number];
@@ -106,9 +106,9 @@ export interface PaperOptions {
 export interface RobustOptions {
   /** "refined" (the default) has the refiner, "robust" has not. In firmware: smr_config_refined, smr_config_robust. */
   preset?: "refined" | "robust";
-  /** Whether the box follows the size of the target. */
+  /** The box follows the size of the target. */
   size?: boolean;
-  /** Whether a lost target is searched in the whole frame, or only around its last place. */
+  /** A lost target is searched in the whole frame, not only around its last place. */
   sweep?: boolean;
   /** The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1. 4 to 8. */
   reach?: number;
@@ -122,7 +122,7 @@ export interface RobustOptions {
   learningRate?: number;
   /** The learning rate of the early template, in units of 1/1024. 0 to 1024. */
   earlyRate?: number;
-  /** Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it. */
+  /** A small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it. */
   refiner?: boolean;
   plainLoop?: boolean;
 }

@@ -8,7 +8,7 @@ const HEADER: &str = "core/c/include/smr.h";
 const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 
-/// What a language names, the language, the file, and what stands before and after the names.
+/// A thing that a language names, the language, the file, and what stands before and after the names.
 const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("answer", "C", HEADER, "struct smr_answer {", "\n}"),
     ("answer", "Python", "core/python/package/smr/_answer.py", "class Answer(", "\nclass"),
@@ -46,7 +46,7 @@ fn spelled(what: &str, language: &str, name: &str) -> String {
     }
 }
 
-/// Whether `word` stands in `text` after `before`, up to `end`, outside of comments.
+/// True if `word` stands in `text` after `before`, up to `end`, outside of comments.
 fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
     let (_, after) = text.split_once(before).unwrap_or_else(|| panic!("no {before}"));

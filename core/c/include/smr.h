@@ -556,8 +556,8 @@ typedef struct smr_paper_config {
    */
   struct smr_margins update_zone;
   /**
-   * Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's
-   * decision depends on it. 0 or 1.
+   * The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision
+   * depends on it. 0 or 1.
    */
   uint8_t runner_up_always;
 } smr_paper_config;
@@ -572,17 +572,17 @@ typedef struct smr_robust_config {
    */
   uint8_t reach;
   /**
-   * Whether the box follows the size of the target. 0 or 1.
+   * The box follows the size of the target. 0 or 1.
    */
   uint8_t size;
   /**
-   * Whether a lost target is searched in the whole frame, or only around its last place. 0 or 1.
+   * A lost target is searched in the whole frame, not only around its last place. 0 or 1.
    */
   uint8_t sweep;
   /**
-   * Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or
-   * changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build
-   * without the feature `refiner` refuses it. 0 or 1.
+   * A small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its
+   * shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the
+   * feature `refiner` refuses it. 0 or 1.
    */
   uint8_t refiner;
   /**
@@ -647,7 +647,7 @@ typedef struct smr_setting {
    */
   uint8_t shape;
   /**
-   * How many values it has.
+   * The count of its values.
    */
   uint8_t count;
   /**
@@ -873,7 +873,7 @@ typedef struct smr_readout {
    */
   struct smr_rect windows[2];
   /**
-   * Where the gray pixels of the first window go, and after them those of the second.
+   * The gray pixels of the first window, then those of the second.
    */
   uint8_t *pixels;
   /**

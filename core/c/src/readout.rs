@@ -65,7 +65,7 @@ pub struct smr_readout {
     pub line: u16,
     /// The windows. If there is no second one, its width and height are 0.
     pub windows: [smr_rect; 2],
-    /// Where the gray pixels of the first window go, and after them those of the second.
+    /// The gray pixels of the first window, then those of the second.
     pub pixels: *mut u8,
     /// Bytes there.
     pub size: usize,

@@ -16,7 +16,7 @@ pub struct smr_setting {
     pub name: *const c_char,
     /// 0: a number. 1: a switch. 2: numerator and denominator. 3: x and y. 4: left, top, right and bottom.
     pub shape: u8,
-    /// How many values it has.
+    /// The count of its values.
     pub count: u8,
     /// The lowest value. A denominator is also at least 1.
     pub lowest: u16,

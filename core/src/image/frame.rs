@@ -118,7 +118,7 @@ impl<'a> Frame<'a> {
         Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
     }
 
-    /// The same frame with the `pixels` of a second `window`, from
+    /// This frame with the `pixels` of a second `window`, from
     /// [`Tracker::sweep_window`](crate::Tracker::sweep_window).
     ///
     /// # Errors

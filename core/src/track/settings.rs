@@ -105,7 +105,7 @@ impl Setting {
 pub trait Settings: Numbers {
     /// All settings, in the order of the record.
     const SETTINGS: &'static [Setting];
-    /// What each of them is, in one or two sentences.
+    /// A description of each, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
     /// Sets a setting by its name. [`Target::new`](crate::Target::new) compares it with others.
@@ -165,9 +165,9 @@ const PARTS: &str = "parts";
 pub trait Numbers: Copy + Default {
     /// As many as there are.
     type Array: AsRef<[u16]> + AsMut<[u16]>;
-    /// How many there are.
+    /// The count of numbers.
     const COUNT: usize;
-    /// How many there are in a record, at least: the last one is left out if it is 0.
+    /// The least count in a record: the last number is left out if it is 0.
     const LEAST: usize;
     /// The name of the setting of each.
     const NAMES: &'static [&'static str];

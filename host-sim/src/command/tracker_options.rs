@@ -39,7 +39,7 @@ impl Preset {
     }
 }
 
-/// Where the usual value is not wanted.
+/// The options of trackers.
 #[derive(Args, Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[command(next_help_heading = "Tracker (smr, robust)")]
@@ -50,7 +50,7 @@ pub struct TrackerOptions {
     /// A setting of the tracker, such as window=16x16, k=7/20, reach=5 or size=off; --help lists all
     #[arg(long, value_name = "NAME=VALUE", long_help = help())]
     set: Vec<Given>,
-    /// How scores are computed; changes only the time [default: the fastest on this machine]
+    /// The code that computes scores; changes only the time [default: the fastest on this machine]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     #[serde(serialize_with = "backend_as_name")]
     backend: Option<Backend>,

@@ -105,7 +105,7 @@ settings! {
         /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A
         /// backend that the machine lacks is replaced by the plain loop.
         backend: Option<Backend>,
-        /// Whether offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
+        /// Offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
         /// scored to its last pixel.
         pruning: bool,
     }
@@ -141,7 +141,7 @@ settings! {
     window_limit: Radius, 0..=65535;
     /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
     neighbourhood: u16, 0..=65535;
-    /// Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's
+    /// The runner-up is searched in every frame, which takes several times as long, not only where the gate's
     /// decision depends on it.
     runner_up_always: bool, 0..=1;
     /// The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.

@@ -25,9 +25,9 @@ settings! {
         /// The backend that computes sums; affects only the time. `None`: the fastest backend of the machine.
         backend: Option<Backend>,
     }
-    /// Whether the box follows the size of the target.
+    /// The box follows the size of the target.
     size: bool, 0..=1;
-    /// Whether a lost target is searched in the whole frame, or only around its last place.
+    /// A lost target is searched in the whole frame, not only around its last place.
     sweep: bool, 0..=1;
     /// The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
     /// update grows with the square of 2 `reach` + 1.
@@ -44,7 +44,7 @@ settings! {
     learning_rate: u16, 0..=256;
     /// The learning rate of the early template, in units of 1/1024.
     early_rate: u16, 0..=1024;
-    /// Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes
+    /// A small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes
     /// its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the
     /// feature `refiner` refuses it.
     refiner: bool, 0..=1;
