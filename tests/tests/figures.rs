@@ -96,11 +96,11 @@ fn documents() -> Vec<Document> {
                     ],
                 ),
                 (
-                    "| `Robust` | 11,352 | 39,928 | {} | {} | {} million, at most {} million |",
+                    "| `Robust` | 11,344 | 39,928 | {} | {} | {} million, at most {} million |",
                     robust_row("robust", &robust),
                 ),
                 (
-                    "| `Robust` with the feature `refiner` | 12,408 | 39,952 | {} | {} | {} million, at most {} million |",
+                    "| `Robust` with the feature `refiner` | 12,400 | 39,952 | {} | {} | {} million, at most {} million |",
                     robust_row("refiner", &refined),
                 ),
                 (

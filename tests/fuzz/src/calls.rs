@@ -129,8 +129,6 @@ impl<T: Fuzzed> Pair<T> {
         let locked = if u.arbitrary()? {
             self.any.lock(&frame, target)
         } else {
-            // A box that is given up.
-            let _ = self.any.lock_step(&frame, Rect { width: 1, height: 1, ..target }, 1);
             loop {
                 let step = if u.is_empty() { u32::MAX } else { u32::from(u.arbitrary::<u8>()?) << 16 };
                 match self.any.lock_step(&frame, target, step) {
