@@ -20,16 +20,19 @@ mod firmware {
     use defmt_semihosting as _;
     use semihosting::process::exit;
     use smr_core::Tracker;
-    use smr_tests::{Passed, Vectors, follow};
+    use smr_core::record::{ReplayError, replay};
 
-    #[cfg(feature = "robust")]
-    use smr_core::Robust as Run;
-    #[cfg(feature = "refiner")]
-    use smr_tests::REFINER as TEXT;
-    #[cfg(all(feature = "robust", not(feature = "refiner")))]
-    use smr_tests::ROBUST as TEXT;
     #[cfg(not(feature = "robust"))]
-    use smr_tests::{PAPER as TEXT, SmallPaper as Run};
+    type Run = smr_core::Paper<128, 121>;
+    #[cfg(feature = "robust")]
+    type Run = smr_core::Robust;
+
+    #[cfg(not(feature = "robust"))]
+    const RECORD: &[u8] = include_bytes!("../../tests/vectors/paper.smr");
+    #[cfg(all(feature = "robust", not(feature = "refiner")))]
+    const RECORD: &[u8] = include_bytes!("../../tests/vectors/robust.smr");
+    #[cfg(feature = "refiner")]
+    const RECORD: &[u8] = include_bytes!("../../tests/vectors/refined.smr");
 
     const CALIBRATION: u32 = 2_000_000;
     /// The work of a step.
@@ -37,49 +40,38 @@ mod firmware {
 
     #[entry]
     fn main() -> ! {
-        static mut BUFFER: [u8; smr_tests::FRAME_PIXELS] = [0; smr_tests::FRAME_PIXELS];
-        let name = if cfg!(feature = "robust") { "robust" } else { "paper" };
-        exit(i32::from(!answers::<Run>(name, TEXT, BUFFER)))
+        static mut TRACKER: Tracker<Run> = Tracker::new();
+        exit(i32::from(!answers(TRACKER)))
     }
 
-    /// Runs the vectors in `text` and logs the cost. Returns true if all answers are right.
-    fn answers<T: Vectors>(name: &str, text: &str, buffer: &mut [u8]) -> bool {
+    /// Replays the vectors and logs the cost. Returns true if all answers are right.
+    fn answers(tracker: &mut Tracker<Run>) -> bool {
         let Some(peripherals) = Peripherals::take() else { return false };
         let timer = &mut Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
-        let mut made = Tracker::<T>::with(T::default_config());
-        let Ok(tracker) = &mut made else { return false };
         let (mut most, mut sum, mut longest) = (0, 0_u32, 0);
-        let whole = follow(tracker, text, buffer, |tracker, frame| {
+        let failed = |error: ReplayError| error!("{}", defmt::Display2Format(&error));
+        let whole = replay(RECORD, tracker, |tracker, frame| {
             let (answer, ticks) = timer.measure(|| tracker.update(frame));
             (most, sum) = (most.max(ticks), sum.saturating_add(ticks));
-            answer.ok()
+            answer
         });
-        let Ok(Passed { answers, .. }) = whole.inspect_err(|what| {
-            error!("{=str}: case {=str}, answer {=u32}: {=str}", name, what.case, what.answer, what.what);
-        }) else {
-            return false;
-        };
-        let steps = follow(tracker, text, buffer, |tracker, frame| {
+        let Ok(answers) = whole.map(|whole| whole.answers).map_err(failed) else { return false };
+        let steps = replay(RECORD, tracker, |tracker, frame| {
             loop {
                 let (step, ticks) = timer.measure(|| tracker.update_step(frame, STEP));
                 longest = longest.max(ticks);
-                if let Some(answer) = step.ok()? {
-                    return Some(answer);
+                if let Some(answer) = step? {
+                    return Ok(answer);
                 }
             }
         });
-        if steps.is_err() {
-            error!("{=str}: in steps another answer than at once", name);
-            return false;
-        }
+        let Ok(()) = steps.map(|_| ()).map_err(failed) else { return false };
         let mean = sum / answers.max(1);
-        info!("{=u32} answers of the {=str} tracker, at once and in steps, all as the vectors say", answers, name);
+        info!("{=u32} answers, at once and in steps, all as the vectors say", answers);
         info!("instructions of an update: {=u32} on average, at most {=u32}", mean * tick, most * tick);
         info!("instructions of a step of {=u32}: at most {=u32}", STEP, longest * tick);
-        let size = size_of::<Tracker<T>>();
-        info!("tracker {=usize} bytes, stack {=usize} bytes beside it", size, stack().0 as usize - size);
+        info!("tracker {=usize} bytes, stack {=u32} bytes beside it", size_of::<Tracker<Run>>(), stack().0);
         answers > 0
     }
 

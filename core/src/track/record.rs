@@ -1,8 +1,9 @@
-//! A flight record: everything that a tracker saw and answered, as bytes. A desktop can run it again.
+//! A flight record: everything that a tracker saw and answered, as bytes. It can be run again, on any machine.
 //!
 //! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial
-//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference. If the
-//! power fails, the record is valid up to its last complete entry.
+//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference; so does
+//! [`replay`] in a program of your own, on a chip, too. If the power fails, the record is valid up to its last complete
+//! entry.
 //!
 //! ```
 //! use smr_core::{Frame, Image, Paper, Rect, Tracker, paper, record::Recorder};
@@ -72,6 +73,12 @@
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.
+
+mod read;
+mod replay;
+
+pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries};
+pub use replay::{Difference, Player, ReplayError, Replayed, replay};
 
 use super::checksum::Crc;
 use super::settings::{Numbers, recorded};
@@ -261,11 +268,11 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         !self.failed
     }
 
-    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Entry<'_, E, W>)) -> Result<(), E> {
+    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Writing<'_, E, W>)) -> Result<(), E> {
         if self.failed {
             return Ok(());
         }
-        let mut entry = Entry { write: &mut self.write, sum: Crc::new(), held: [0; HELD], used: 0, result: Ok(()) };
+        let mut entry = Writing { write: &mut self.write, sum: Crc::new(), held: [0; HELD], used: 0, result: Ok(()) };
         entry.put(&tag.bytes());
         entry.put(&self.entries.to_le_bytes());
         entry.put(&length.to_le_bytes());
@@ -281,7 +288,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 const HELD: usize = 64;
 
 /// The entry that is being written. After an error it writes nothing more.
-struct Entry<'a, E, W> {
+struct Writing<'a, E, W> {
     write: &'a mut W,
     sum: Crc,
     held: [u8; HELD],
@@ -289,7 +296,7 @@ struct Entry<'a, E, W> {
     result: Result<(), E>,
 }
 
-impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
+impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
     fn put(&mut self, bytes: &[u8]) {
         self.sum.update(bytes);
         self.hold(bytes);
