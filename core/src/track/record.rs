@@ -77,7 +77,7 @@
 mod read;
 mod replay;
 
-pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries};
+pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries, first};
 pub use replay::{Difference, Player, ReplayError, Replayed, replay};
 
 use super::checksum::Crc;
@@ -88,7 +88,7 @@ use crate::image::{Frame, Image, Rect};
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;
-/// Bytes of an entry before its content.
+/// Bytes of an entry before its content; the last four are the length of the content.
 pub const HEAD: usize = 12;
 /// Bytes of an entry without its content.
 pub const AROUND: usize = HEAD + 4;

@@ -1,6 +1,6 @@
 //! The entries of a record, checked.
 
-use super::{HEAD, Tag, VERSION};
+use super::{AROUND, HEAD, Tag, VERSION};
 use crate::image::{FineRect, Frame, Image, Rect};
 use crate::similarity::Table;
 use crate::track::checksum::Crc;
@@ -34,6 +34,17 @@ const MOST: usize = 32;
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
+}
+
+/// The entry that `bytes` begin with, for a record that is not in memory as a whole: see [`HEAD`] for how many they are.
+///
+/// # Errors
+/// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
+pub fn first(bytes: &[u8]) -> Result<Found<'_>, Damage> {
+    let of = |flaw| Damage { at: 0, flaw };
+    let (tag, number, content) = whole(bytes).ok_or(of(Flaw::NoEntry(bytes.len())))?;
+    let entry = read(tag, content).map_err(of)?;
+    Ok(Found { at: 0, size: AROUND + content.len(), number, entry })
 }
 
 /// An iterator over the entries of a record: see [`entries`]. It ends after damage.
@@ -203,7 +214,7 @@ impl<'a> Iterator for Entries<'a> {
         };
         let at = self.at;
         self.cut_off = at - start.min(at);
-        let size = super::AROUND + content.len();
+        let size = AROUND + content.len();
         self.at += size;
         let expected = if tag == Tag::Begin { 0 } else { self.next };
         self.next = number.wrapping_add(1);
@@ -349,7 +360,7 @@ impl<'a> Fields<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{AROUND, Recorder};
+    use crate::record::Recorder;
     use crate::{Robust, Target};
     use std::boxed::Box;
     use std::vec::Vec;

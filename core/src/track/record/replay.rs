@@ -1,7 +1,7 @@
 //! A record, run through a tracker again.
 
 use super::Recorded;
-use super::read::{Damage, Entry, Found, entries};
+use super::read::{Begin, Damage, Entry, Found, entries};
 use crate::image::{Frame, Rect};
 use crate::track::{Answer, ConfigError, LockError, RestoreError, Target, Tracker, UpdateError};
 use core::fmt;
@@ -175,10 +175,7 @@ impl<'a, T: Recorded> Player<'a, T> {
     ) -> Result<(), Difference> {
         let window = self.window.take();
         match *entry {
-            Entry::Begin(begin) => {
-                let config = begin.config(&self.rest).ok_or(Difference::Numbers)?;
-                tracker.configure(config).map_err(Difference::Config)?;
-            }
+            Entry::Begin(begin) => configure(tracker, &begin, &self.rest)?,
             Entry::Lock { ref frame, window, bbox } => {
                 let replayed = tracker.lock_window(frame.bounds(), bbox);
                 same(window, replayed, Difference::LockWindow)?;
@@ -194,10 +191,21 @@ impl<'a, T: Recorded> Player<'a, T> {
                 let answer = update(tracker, &window.ok_or(Difference::NoWindow)?).map_err(Difference::Update)?;
                 same(recorded, answer, Difference::Answer)?;
             }
-            Entry::Restored(saved) => tracker.restore(saved).map_err(Difference::Restored)?,
+            Entry::Restored(saved) => restore(tracker, saved)?,
         }
         Ok(())
     }
+}
+
+#[inline(never)] // else the stack of an update would have that of this, too
+fn configure<T: Recorded>(tracker: &mut Tracker<T>, begin: &Begin<'_>, rest: &T::Config) -> Result<(), Difference> {
+    let config = begin.config(rest).ok_or(Difference::Numbers)?;
+    tracker.configure(config).map_err(Difference::Config)
+}
+
+#[inline(never)] // as above
+fn restore<T: Recorded>(tracker: &mut Tracker<T>, saved: &[u8]) -> Result<(), Difference> {
+    tracker.restore(saved).map_err(Difference::Restored)
 }
 
 fn same<V: PartialEq>(recorded: V, replayed: V, or: fn(V, V) -> Difference) -> Result<(), Difference> {
