@@ -166,15 +166,36 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn begin<T: Recorded>(target: &T, write: W) -> Result<Self, E> {
-        let mut recorder = Self { write, entries: 0, failed: false };
+        let mut recorder = Self::resume(0, write);
+        recorder.beginning(target)?;
+        Ok(recorder)
+    }
+
+    /// A recorder that goes on after so many entries; for C.
+    #[doc(hidden)]
+    pub const fn resume(entries: u32, write: W) -> Self {
+        Self { write, entries, failed: false }
+    }
+
+    /// The entries so far; for C.
+    #[doc(hidden)]
+    pub const fn entries(&self) -> u32 {
+        self.entries
+    }
+
+    /// The first entry of a record; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    pub fn beginning<T: Recorded>(&mut self, target: &T) -> Result<(), E> {
         let mut numbers = 0;
         recorded(target.config(), |_| numbers += 1);
-        recorder.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
+        self.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
             entry.u16(VERSION);
             entry.put(&[T::TRACKER, 0]);
             recorded(target.config(), |number| entry.u16(number));
-        })?;
-        Ok(recorder)
+        })
     }
 
     /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same
@@ -183,13 +204,20 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn lock<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>, locked: Rect) -> Result<(), E> {
-        let bounds = frame.bounds();
-        let window = target.lock_window(bounds, locked);
+        self.lock_of(frame, locked, target.lock_window(frame.bounds(), locked))
+    }
+
+    /// [`Recorder::lock`] with what the target says; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    #[inline(never)] // one copy for both trackers
+    pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
         // Without these pixels the lock has failed and changed nothing.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
-            entry.u16(bounds.width);
-            entry.u16(bounds.height);
+            entry.size(frame);
             entry.rect(locked);
             entry.rect(window);
             entry.image(&pixels);
@@ -217,12 +245,18 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         if target.check(frame, SEAL).is_err() {
             return Ok(());
         }
-        let window = target.window().unwrap_or_default();
-        let sweep = target.sweep_window().unwrap_or_default();
-        let Rect { width, height, .. } = frame.bounds();
+        self.window_of(frame, target.window().unwrap_or_default(), target.sweep_window().unwrap_or_default())
+    }
+
+    /// [`Recorder::window`] with what the target says; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    #[inline(never)] // one copy for both trackers
+    pub fn window_of(&mut self, frame: &Frame<'_>, window: Rect, sweep: Rect) -> Result<(), E> {
         self.entry(Tag::Window, 20 + window.area() + sweep.area(), |entry| {
-            entry.u16(width);
-            entry.u16(height);
+            entry.size(frame);
             entry.rect(window);
             entry.rect(sweep);
             for pixels in [window, sweep].iter().filter_map(|&part| frame.patch(part)) {
@@ -297,6 +331,7 @@ struct Writing<'a, E, W> {
 }
 
 impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
+    #[inline(never)] // one copy in flash
     fn put(&mut self, bytes: &[u8]) {
         self.sum.update(bytes);
         self.hold(bytes);
@@ -325,6 +360,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.used = 0;
     }
 
+    #[inline(never)] // one copy in flash
     fn finish(mut self) -> Result<(), E> {
         let sum = self.sum.finish();
         self.hold(&sum.to_le_bytes());
@@ -332,11 +368,19 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.result
     }
 
+    #[inline(never)] // one copy in flash
     fn u16(&mut self, number: u16) {
         self.put(&number.to_le_bytes());
     }
 
+    fn size(&mut self, frame: &Frame<'_>) {
+        let Rect { width, height, .. } = frame.bounds();
+        self.u16(width);
+        self.u16(height);
+    }
+
     /// Adds a rectangle inside the frame: no number is negative.
+    #[inline(never)] // one copy in flash
     fn rect(&mut self, rect: Rect) {
         for place in [rect.x, rect.y] {
             self.u16(u16::try_from(place).unwrap_or(0));
@@ -345,6 +389,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.u16(rect.height);
     }
 
+    #[inline(never)] // one copy in flash
     fn image(&mut self, image: &Image<'_>) {
         // Not by `rows`: there the compiler keeps a division by the stride and its panic.
         (0..image.height()).for_each(|y| self.put(image.row(y)));
