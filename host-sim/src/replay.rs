@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use smr_core::record::{self, Begin, Entry, Flaw, Player, Recorded, Tag, entries};
 use smr_core::similarity::Table;
-use smr_core::{Answer, FineRect, Rect, Robust, State, Tracker, paper, robust};
+use smr_core::{Answer, FineRect, Rect, Robust, Settings, State, Tracker, paper, robust};
 use smr_evaluation::{Paper, name_of};
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::sync::LazyLock;
@@ -54,6 +54,8 @@ pub struct Flight {
     pub cut_off: usize,
     /// What the last update answers here, if the record ends before its answer.
     pub unanswered: Option<Unanswered>,
+    /// The settings by their names, each a list of its values; null unless they were asked for.
+    pub settings: Value,
     /// What the entries say, one after the other, in the units of the record and without pixels; empty unless it was asked for.
     pub entries: Vec<Value>,
 }
@@ -104,8 +106,9 @@ pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Rep
             Entry::Begin(beginning) => {
                 end(running.take(), &mut report, all.cut_off());
                 begin(&beginning).map(|(run, method)| {
+                    let settings = if every { run.settings() } else { Value::Null };
                     running = Some(run);
-                    report.flights.push(Flight { method, ..Flight::default() });
+                    report.flights.push(Flight { method, settings, ..Flight::default() });
                 })
             }
             _ => Ok(()),
@@ -221,6 +224,8 @@ trait Runs<'a> {
     /// Whether an update was begun before the last entry that has no answer.
     fn gave_up(&self) -> bool;
 
+    fn settings(&self) -> Value;
+
     /// State and box of the update that was begun and not answered.
     fn unanswered(&mut self) -> Option<(&'static str, String)>;
 }
@@ -274,6 +279,15 @@ impl<'a, T: Recorded> Runs<'a> for Run<'a, T> {
 
     fn gave_up(&self) -> bool {
         self.gave_up
+    }
+
+    fn settings(&self) -> Value {
+        let config = self.tracker.config();
+        let values = T::Config::SETTINGS.iter().map(|setting| {
+            let values = config.get(setting.name()).unwrap_or_default();
+            (setting.name().to_owned(), json!(values[..setting.shape.count()]))
+        });
+        Value::Object(values.collect())
     }
 
     fn unanswered(&mut self) -> Option<(&'static str, String)> {

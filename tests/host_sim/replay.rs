@@ -276,6 +276,12 @@ fn the_command_says_what_holds() {
     let json = host_sim(&["replay", utf8(&file), "--json"]).json();
     assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
     assert!(json["difference"].is_null() && json["damage"].is_null());
+    // All that was recorded: settings, locks, windows, answers.
+    let [small, other] = [0, 1].map(|flight| &json["flights"][flight]);
+    assert_eq!((&small["settings"]["k"], &other["settings"]["reach"]), (&[2, 7].into(), &[6].into()));
+    let said = small["entries"].as_array().unwrap();
+    assert_eq!((said.len(), &said[0]["begin"], &said[1]["lock"][2]), (12, &"P".into(), &start().width.into()));
+    assert_eq!((&said[2]["frame"][2], &said[3]["state"]), (&160.into(), &"tracking".into()));
 
     let (at, _) = entries(&paper).into_iter().rfind(|(_, tag)| tag == b"SMRA").unwrap();
     let mut changed = paper.clone();
