@@ -95,49 +95,57 @@ unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut
         Flaw::OtherVersion(_) => SMR_ERROR_OTHER_VERSION,
         _ => SMR_ERROR_DAMAGED,
     })?;
-    out.write(smr_entry::from(&found.entry)?);
+    // SAFETY: the caller ensures that there is memory for an entry.
+    fill(unsafe { &mut *entry }, &found.entry)?;
     next.write(start + found.size);
     Ok(())
 }
 
 impl smr_entry {
-    fn of(kind: smr_entry_kind) -> Self {
+    /// An entry of a kind, and zeroes.
+    const fn of(kind: smr_entry_kind) -> Self {
         // SAFETY: zeroes are a NULL pointer, numbers of 0 and the first state.
         Self { kind, ..unsafe { core::mem::zeroed() } }
     }
+}
 
-    fn from(entry: &Entry<'_>) -> Result<Self, smr_status> {
-        let mut of = Self::of(smr_entry_kind::SMR_ENTRY_BEGIN);
-        match *entry {
-            Entry::Begin(begin) => {
-                of.is_robust = (begin.tracker == Robust::TRACKER).into();
-                if of.is_robust != 0 {
-                    let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-                    of.robust = (&config).into();
-                } else {
-                    let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
-                    of.paper = (&config).into();
-                }
-            }
-            Entry::Lock { ref frame, window, bbox } => {
-                (of.kind, of.bbox) = (smr_entry_kind::SMR_ENTRY_LOCK, bbox.into());
-                of.frame = smr_frame::of(frame, [Some(window), None]);
-            }
-            Entry::Moved { right, down } => {
-                (of.kind, of.right, of.down) = (smr_entry_kind::SMR_ENTRY_MOVED, right, down);
-            }
-            Entry::Window { ref frame, window, sweep } => {
-                of.kind = smr_entry_kind::SMR_ENTRY_WINDOW;
-                of.frame = smr_frame::of(frame, [Some(window), sweep]);
-            }
-            Entry::Answer(answer) => (of.kind, of.answer) = (smr_entry_kind::SMR_ENTRY_ANSWER, answer.into()),
-            Entry::Restored(saved) => {
-                of.kind = smr_entry_kind::SMR_ENTRY_RESTORED;
-                (of.saved, of.saved_size) = (saved.as_ptr(), saved.len());
-            }
+/// Writes what an entry says. If it fails, it writes nothing.
+#[inline(never)] // keeps its stack out of that of the reader
+fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
+    use smr_entry_kind as Kind;
+    match *entry {
+        Entry::Begin(begin) if begin.tracker == Robust::TRACKER => {
+            let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
+            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            (of.is_robust, of.robust) = (1, (&config).into());
         }
-        Ok(of)
+        Entry::Begin(begin) => {
+            let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
+            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            of.paper = (&config).into();
+        }
+        Entry::Lock { ref frame, window, bbox } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_LOCK);
+            (of.frame, of.bbox) = (smr_frame::of(frame, [Some(window), None]), bbox.into());
+        }
+        Entry::Moved { right, down } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_MOVED);
+            (of.right, of.down) = (right, down);
+        }
+        Entry::Window { ref frame, window, sweep } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_WINDOW);
+            of.frame = smr_frame::of(frame, [Some(window), sweep]);
+        }
+        Entry::Answer(answer) => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_ANSWER);
+            of.answer = answer.into();
+        }
+        Entry::Restored(saved) => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_RESTORED);
+            (of.saved, of.saved_size) = (saved.as_ptr(), saved.len());
+        }
     }
+    Ok(())
 }
 
 impl smr_frame {

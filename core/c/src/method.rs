@@ -204,20 +204,20 @@ impl<T: Method> Tracked for Held<T> {
             return Err(SMR_UNDER_WAY);
         }
         calls::commit_lock(target, workspace, frame);
-        self.tell(Event::Lock(frame, *bbox));
+        self.tell(&Event::Lock(frame, *bbox));
         Ok(())
     }
 
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
         if self.hook.is_some() && !calls::updates::<T>(self.parts()?.1) {
-            self.tell(Event::Window(frame));
+            self.tell(&Event::Window(frame));
         }
         let (target, workspace) = self.parts()?;
         if !calls::step(target, workspace, frame, work)? {
             return Err(SMR_UNDER_WAY);
         }
         conclude(target, workspace, frame, out);
-        self.tell(Event::Answer(out));
+        self.tell(&Event::Answer(out));
         Ok(())
     }
 
@@ -236,7 +236,7 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     #[inline(never)] // one copy in flash
-    fn tell(&mut self, event: Event<'_>) {
+    fn tell(&mut self, event: &Event<'_>) {
         if let Some(Hook { recorder, call }) = self.hook {
             // SAFETY: as `smr_record` demands of its caller.
             unsafe { call(recorder, self, event) }

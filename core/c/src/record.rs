@@ -46,7 +46,7 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
             }
             ((*recorder).entries, (*recorder).failed) = (0, 0);
             tracker.record(Some(Hook { recorder, call: told }));
-            tracker.tell(Event::Begin);
+            tracker.tell(&Event::Begin);
             Ok(())
         })
     })
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
 ///
 /// # Safety
 /// As `smr_record` demands.
-unsafe fn told(recorder: *mut smr_recorder, tracker: &mut dyn Tracked, event: Event<'_>) {
+unsafe fn told(recorder: *mut smr_recorder, tracker: &mut dyn Tracked, event: &Event<'_>) {
     // SAFETY: as the caller ensures.
     let recorder = unsafe { &mut *recorder };
     let (Some(write), 0) = (recorder.write, recorder.failed) else { return };
@@ -66,7 +66,7 @@ unsafe fn told(recorder: *mut smr_recorder, tracker: &mut dyn Tracked, event: Ev
         if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
     };
     let mut to = Recorder::resume(recorder.entries, write);
-    let result = match event {
+    let result = match *event {
         Event::Begin => each!(tracker.known(), target => to.beginning(target)),
         Event::Lock(frame, bbox) => to.lock_of(frame, bbox, tracker.lock_window(frame.bounds(), bbox)),
         Event::Window(frame) => {

@@ -86,7 +86,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
             let bytes = core::slice::from_raw_parts(bytes, size);
             tracker.known().restore(bytes)?;
             tracker.cancel();
-            tracker.tell(Event::Restored(bytes));
+            tracker.tell(&Event::Restored(bytes));
             Ok(())
         })
     })

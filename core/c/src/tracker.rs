@@ -61,7 +61,7 @@ pub(crate) use each;
 #[derive(Clone, Copy)]
 pub(crate) struct Hook {
     pub(crate) recorder: *mut smr_recorder,
-    pub(crate) call: unsafe fn(*mut smr_recorder, &mut dyn Tracked, Event<'_>),
+    pub(crate) call: unsafe fn(*mut smr_recorder, &mut dyn Tracked, &Event<'_>),
 }
 
 /// What a record has entries of.
@@ -90,7 +90,7 @@ pub(crate) trait Tracked {
     /// Ends what is under way.
     fn cancel(&mut self);
     /// Tells the recorder of an event, if there is one.
-    fn tell(&mut self, event: Event<'_>);
+    fn tell(&mut self, event: &Event<'_>);
     /// Sets the recorder.
     fn record(&mut self, hook: Option<Hook>);
     fn window(&self) -> Option<Rect>;

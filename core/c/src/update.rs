@@ -103,6 +103,6 @@ pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: 
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
         tracker.cancel();
         each!(tracker.known(), target => target.moved(right, down));
-        tracker.tell(Event::Moved(right, down));
+        tracker.tell(&Event::Moved(right, down));
     }))
 }
