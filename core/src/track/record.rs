@@ -78,7 +78,7 @@ mod read;
 mod replay;
 
 pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries, first};
-pub use replay::{Difference, Player, ReplayError, Replayed, replay};
+pub use replay::{Difference, Player, Replayed, Stop, replay};
 
 use super::checksum::Crc;
 use super::settings::{Numbers, recorded};

@@ -21,7 +21,7 @@ pub struct Replayed {
 /// Why a record was not replayed to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ReplayError {
+pub enum Stop {
     /// The record is damaged.
     Damage(Damage),
     /// Something else happened than was recorded.
@@ -87,7 +87,7 @@ impl fmt::Display for Difference {
 
 impl core::error::Error for Difference {}
 
-impl fmt::Display for ReplayError {
+impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Damage(damage) => damage.fmt(f),
@@ -96,7 +96,7 @@ impl fmt::Display for ReplayError {
     }
 }
 
-impl core::error::Error for ReplayError {}
+impl core::error::Error for Stop {}
 
 /// Runs `record` through `tracker` and compares every answer with the recorded one.
 ///
@@ -127,12 +127,12 @@ pub fn replay<T: Recorded>(
     record: &[u8],
     tracker: &mut Tracker<T>,
     mut update: impl FnMut(&mut Tracker<T>, &Frame<'_>) -> Result<Answer, UpdateError>,
-) -> Result<Replayed, ReplayError> {
+) -> Result<Replayed, Stop> {
     let (mut player, mut replayed) = (Player::new(*tracker.config()), Replayed::default());
     for found in entries(record) {
-        let Found { at, number, entry, .. } = found.map_err(ReplayError::Damage)?;
+        let Found { at, number, entry, .. } = found.map_err(Stop::Damage)?;
         let played = player.play(tracker, &entry, &mut update);
-        played.map_err(|difference| ReplayError::Difference { at, number, difference })?;
+        played.map_err(|difference| Stop::Difference { at, number, difference })?;
         match entry {
             Entry::Begin(_) => replayed.flights += 1,
             Entry::Lock { .. } => replayed.locks += 1,
