@@ -11,7 +11,7 @@ fn main() {
         // of the workspace.
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
         // `kernels` prints text.
-        for program in ["conformance", "cycles", "footprint", "minimal", "record", "replay"] {
+        for program in ["cycles", "footprint", "minimal", "record", "replay"] {
             println!("cargo::rustc-link-arg-bin={program}=-Tdefmt.x");
         }
     }

@@ -1,6 +1,6 @@
 // The types of record.js.
 
-import type { Observer, Tracker } from "./smr.js";
+import type { Tracker } from "./smr.js";
 
 /** A flight recorder: keeps all that a tracker saw and answered in its last frames, for `host-sim replay`. */
 export declare class Recorder {
@@ -11,4 +11,3 @@ export declare class Recorder {
   /** Records no longer. Other recorders of the tracker go on. */
   stop(): void;
 }
-export interface Recorder extends Observer {}

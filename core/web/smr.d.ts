@@ -135,19 +135,6 @@ export declare class SmrError extends Error {
   constructor(status: string, words?: string);
 }
 
-/** A window and its gray pixels, which are valid during the call only. */
-export interface Shown extends Rect {
-  pixels: Uint8Array;
-}
-
-/** Is told of every call that changes a tracker, after it. */
-export interface Observer {
-  locked(event: { width: number; height: number; box: Rect; window: Shown }): void;
-  updated(event: { width: number; height: number; windows: Shown[]; answer: Answer }): void;
-  moved(event: { right: number; down: number }): void;
-  restored(event: { saved: Uint8Array }): void;
-}
-
 /** Follows one target. A call that throws changes nothing. */
 export declare class Tracker<Options = PaperOptions | RobustOptions> {
   private constructor();
@@ -167,8 +154,6 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   readonly sweepWindow: Rect | null;
   /** The template, of the robust tracker the early one; null without a target. */
   readonly template: Picture | null;
-  /** The similarities of two pixels by their difference, in units of 1/65535. */
-  readonly table: Uint16Array;
   /** Follows what is in `box`. Returns the quality. */
   lock(frame: Frame, box: Rect): number;
   /** The answer for the next frame. */
@@ -181,10 +166,12 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   restore(saved: Uint8Array): void;
   /** The robust tracker's responses as the next update would see them, in units of 1/16384, row by row, one for each cell. May change. */
   responseMap(frame: Frame): { span: number; responses: Int32Array };
-  /** Tells `observer` too of every call from now on. */
-  observe(observer: Observer): void;
-  /** Tells `observer` no longer; others still. */
-  unobserve(observer: Observer): void;
+  /** Gives `take` each piece of a flight record from now on; `begins`: the record begins with this piece. */
+  record(take: (piece: Uint8Array, begins: boolean) => void): void;
+  /** Gives `take` no more pieces. */
+  unrecord(take: (piece: Uint8Array, begins: boolean) => void): void;
+  /** Begins the record anew, with the configuration and the target as it is. */
+  beginRecord(): void;
   /** Gives the memory back. Later calls throw. */
   free(): void;
 }

@@ -2,7 +2,7 @@
 // README.md describes them.
 
 import { CONFIG, SETTING, checkOptions, useOptions } from "./config.js";
-import { SmrError, bytesOf, kindOf, named, object, otherSetting, whole } from "./errors.js";
+import { SmrError, bytesOf, kindOf, named, otherSetting, whole } from "./errors.js";
 import { copyWindow, frameOf } from "./frame.js";
 import { array, flag, i32, struct, u16, u32, u8 } from "./layout.js";
 import { Memory } from "./memory.js";
@@ -55,7 +55,10 @@ const CALL = struct({
   head: array(u8, SAVED_HEAD),
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
-const TABLE_ENTRIES = 256;
+// The memory for a flight record; the first five are the library's.
+const SINK = struct({ write: u32, context: u32, entries: u32, failed: u32, bytes: u32, size: u32, used: u32 });
+// More than a record's first entry, and more than the entries of an update without their pixels.
+const MOST_AROUND = 1024;
 // Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.
 const PIXELS_STEP = 65536;
 const MOST_I32 = 2 ** 31 - 1;
@@ -80,6 +83,8 @@ export function hasSimd() {
 export async function load(source) {
   return new Smr(await WebAssembly.instantiate(await moduleOf(source ?? ownModule()), {}));
 }
+
+const pixelsOf = (windows) => windows.reduce((sum, { width, height }) => sum + width * height, 0);
 
 function ownModule() {
   if (import.meta.url !== undefined) {
@@ -245,7 +250,9 @@ export class Tracker {
   #library;
   #storage = 0;
   #at = 0;
-  #observers = new Set();
+  #takers = new Set(); // of the record
+  #sink = { at: 0, bytes: 0, size: 0 };
+  #head = null; // what the record begins with, as long as nothing follows
 
   constructor(library, method, preset, options) {
     if (!(library instanceof Library)) {
@@ -285,19 +292,21 @@ export class Tracker {
     const library = this.#library;
     library.write("box", box);
     const lock = () => library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
+    const [window] = this.#get("smr_lock_window", "windows", width, height, library.at("box"));
     try {
       // With one pixel of the frame: what is refused for its numbers takes no memory for its pixels.
       library.write("frame", { width, height, parts: [{ ...NO_PART, pixels: library.at("head"), size: 1, stride: 1, width: 1, height: 1 }, NO_PART] });
-      lock();
+      if (window.width * window.height > 1) {
+        lock();
+      }
     } catch (error) {
       if (error.status !== "SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY") {
         throw error;
       }
     }
-    const windows = this.#show(given, this.#get("smr_lock_window", "windows", width, height, library.at("box")).slice(0, 1));
-    lock();
+    const windows = this.#show(given, [window]);
+    this.#recorded(pixelsOf(windows), lock);
     this.answer = null;
-    this.#tell("locked", { width, height, box: library.read("box"), window: windows[0] });
     return this.quality;
   }
 
@@ -306,8 +315,8 @@ export class Tracker {
     this.#live();
     const given = frameOf(frame);
     const windows = this.#showWindows(given);
-    this.answer = this.#answerOf(this.#get("smr_update", "answer", this.#library.at("frame")));
-    this.#tell("updated", { width: given.width, height: given.height, windows, answer: this.answer });
+    const update = () => this.#get("smr_update", "answer", this.#library.at("frame"));
+    this.answer = this.#answerOf(this.#recorded(pixelsOf(windows), update));
     return this.answer;
   }
 
@@ -316,8 +325,7 @@ export class Tracker {
     this.#live();
     whole(right, -MOST_I32, MOST_I32, "right");
     whole(down, -MOST_I32, MOST_I32, "down");
-    this.#library.call("smr_moved", this.#at, right, down);
-    this.#tell("moved", { right, down });
+    this.#recorded(0, () => this.#library.call("smr_moved", this.#at, right, down));
   }
 
   /** Saves the target as bytes. */
@@ -341,9 +349,8 @@ export class Tracker {
       }
     }
     const all = saved.subarray(0, MOST_SAVED);
-    this.#restore(all, this.#library.pixels(all.length));
+    this.#recorded(all.length, () => this.#restore(all, this.#library.pixels(all.length)));
     this.answer = null;
-    this.#tell("restored", { saved });
   }
 
   #restore(saved, at) {
@@ -398,35 +405,89 @@ export class Tracker {
     return { span, responses: Int32Array.from(rows.flatMap((row) => row.slice(0, span))) };
   }
 
-  /** Calls `observer`, too, at every lock, update, move and restored target from now on: see record.js. */
-  observe(observer) {
+  /** Calls `take` with each piece of a flight record from now on, and with true if the record begins there: see record.js. */
+  record(take) {
     this.#live();
-    this.#observers.add(object(observer, "observer", "an object with the calls of Observer"));
-  }
-
-  /** Stops calling `observer`. */
-  unobserve(observer) {
-    this.#observers.delete(observer);
-  }
-
-  #tell(call, event) {
-    for (const observer of this.#observers) {
-      observer[call](event);
+    if (typeof take !== "function") {
+      throw new TypeError(`take must be a function, not ${named(take)}`);
+    }
+    this.#takers.add(take);
+    if (this.#head === null) {
+      this.beginRecord();
+    } else {
+      take(this.#head, true);
     }
   }
 
-  /** The similarities of two pixels by their difference, in units of 1/65535. */
-  get table() {
+  /** Calls `take` no longer. */
+  unrecord(take) {
+    this.#takers.delete(take);
+    if (this.#takers.size === 0 && this.#at !== 0) {
+      this.#library.call("smr_record", this.#at, 0);
+      this.#head = null;
+    }
+  }
+
+  /** Begins the record anew, with the target as it is: what comes does not depend on what was. */
+  beginRecord() {
     this.#live();
-    const { memory, exports } = this.#library;
-    return new Uint16Array(memory.copy(exports.smr_similarities(), 2 * TABLE_ENTRIES).buffer);
+    const saved = this.last === null ? null : this.save();
+    this.#room(saved === null ? 0 : saved.length);
+    this.#library.call("smr_record_to_memory", this.#at, this.#sink.at);
+    if (saved !== null) {
+      this.#restore(saved, this.#library.pixels(saved.length));
+    }
+    this.#head = this.#written();
+    [...this.#takers].forEach((take) => take(this.#head, true));
+  }
+
+  // Does a call that adds so many bytes and those of its entries to the record, and gives them out.
+  #recorded(size, call) {
+    if (this.#takers.size === 0) {
+      return call();
+    }
+    this.#room(size);
+    try {
+      return call();
+    } finally {
+      const piece = this.#written();
+      if (piece.length > 0) {
+        this.#head = null;
+        [...this.#takers].forEach((take) => take(piece, false));
+      }
+    }
+  }
+
+  #written() {
+    const { memory } = this.#library;
+    return memory.copy(this.#sink.bytes, SINK.fields.used.read(memory.view, this.#sink.at + SINK.places.used));
+  }
+
+  // Empties the memory for the record, which then has room for so many bytes and those of two entries.
+  #room(size) {
+    const { memory } = this.#library;
+    const sink = this.#sink;
+    if (sink.at === 0) {
+      sink.at = memory.take(SINK.size);
+      memory.bytes.fill(0, sink.at, sink.at + SINK.size);
+    }
+    if (sink.size < size + MOST_AROUND) {
+      memory.give(sink.bytes);
+      sink.size = Math.ceil((size + MOST_AROUND) / PIXELS_STEP) * PIXELS_STEP;
+      sink.bytes = memory.take(sink.size);
+    }
+    for (const [name, value] of Object.entries({ bytes: sink.bytes, size: sink.size, used: 0 })) {
+      SINK.fields[name].write(memory.view, sink.at + SINK.places[name], value, name);
+    }
   }
 
   /** Gives the tracker's memory back. Later calls throw. */
   free() {
-    this.#library.memory.give(this.#storage);
+    const { memory } = this.#library;
+    [this.#storage, this.#sink.at, this.#sink.bytes].forEach((at) => memory.give(at));
     this.#storage = this.#at = 0;
-    this.#observers.clear();
+    this.#sink = { at: 0, bytes: 0, size: 0 };
+    this.#takers.clear();
   }
 
   #live() {

@@ -111,7 +111,7 @@ mod recorder {
         let Ok(()) = recorder.lock(tracker.target(), &frame(0), target);
         let answer = recorded(&mut tracker, &mut recorder, &frame(1)).unwrap();
         assert_eq!(answer.bbox, Rect::new(152, 100, 40, 48));
-        let report = host_sim::replay::replay(Cursor::new(bytes), || ()).unwrap();
+        let report = host_sim::replay::replay(Cursor::new(bytes), false, || ()).unwrap();
         assert_eq!(report.flights[0].locks, 1);
     }
 }

@@ -15,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "record.h"
 #include "smr.h"
 
 #define FRAME_WIDTH 160
@@ -102,7 +101,7 @@ static const char *name_of(smr_state state)
 /* Stores the bytes of a flight record. Firmware would write to flash or a serial line here. */
 static int to_file(void *file, const uint8_t *bytes, size_t size)
 {
-    return file != NULL && fwrite(bytes, 1, size, (FILE *)file) != size;
+    return fwrite(bytes, 1, size, (FILE *)file) != size;
 }
 
 static unsigned percent(uint16_t ratio)
@@ -117,7 +116,7 @@ int main(int argc, char **argv)
     smr_config config;
     smr_tracker *tracker;
     smr_frame frame;
-    smr_recorder recorder = {to_file, NULL, 0, 0, 0};
+    smr_recorder recorder = {to_file, NULL, 0, 0};
 
     if (argc == 3 && (recorder.context = fopen(argv[2], "wb")) == NULL) {
         fprintf(stderr, "cannot write %s\n", argv[2]);
@@ -135,14 +134,15 @@ int main(int argc, char **argv)
     printf("smr %s, %lu bytes for the target, %lu for the workspace\n", smr_version(),
            (unsigned long)smr_target_size(&config), (unsigned long)smr_workspace_size(&config));
 
-    smr_record_begin(&recorder, &config);
+    if (argc == 3) {
+        must(smr_record(tracker, &recorder), "smr_record");
+    }
     target.x = left;
     target.y = top;
     expose(0, 1, left, top);
     must(smr_lock_window(tracker, FRAME_WIDTH, FRAME_HEIGHT, &target, &windows[0]), "smr_lock_window");
     frame = frame_of(windows);
     must(smr_lock(tracker, &frame, &target), "smr_lock");
-    smr_record_lock(&recorder, tracker, &frame, &target);
 
     for (number = 1; number <= FRAMES; number++) {
         int in_view = number < HIDDEN_FROM || number >= HIDDEN_TO, near, sought;
@@ -152,9 +152,7 @@ int main(int argc, char **argv)
         expose((uint32_t)number, in_view, left, top);
         must(smr_windows(tracker, windows), "smr_windows");
         frame = frame_of(windows);
-        smr_record_window(&recorder, tracker, &frame);
         must(smr_update(tracker, &frame, &answer), "smr_update");
-        smr_record_answer(&recorder, &answer);
         printf("frame %2d: %3" PRId32 ",%3" PRId32 " %ux%u %-9s similar %3u %%, %u x %u%s pixels read\n", number,
                answer.bbox.x, answer.bbox.y, (unsigned)answer.bbox.width, (unsigned)answer.bbox.height,
                name_of(answer.state), percent(answer.ratio), (unsigned)windows[0].width, (unsigned)windows[0].height,

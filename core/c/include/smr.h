@@ -77,14 +77,14 @@
 #define SMR_ALIGNMENT 8
 
 /** Bytes of storage for one of the paper's trackers, a constant expression. At run time, ask #smr_target_size. */
-#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 8 * sizeof(size_t) + 112)
+#define SMR_PAPER_TARGET_SIZE (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + 10 * sizeof(size_t) + 112)
 /** Bytes of a workspace for any number of the paper's trackers, a constant expression. */
 #define SMR_PAPER_WORKSPACE_SIZE \
     (((size_t)(SMR_PIXELS) + 7) / 8 * 8 + (20 * (size_t)(SMR_SPAN) + 7) / 8 * 8 + 22 * sizeof(size_t) + 1184)
 /** The most bytes that #smr_save writes for the paper's tracker. */
 #define SMR_PAPER_SAVED_SIZE ((size_t)(SMR_PIXELS) + 94)
 /** Bytes of storage for one robust tracker, a constant expression. */
-#define SMR_ROBUST_TARGET_SIZE (12400 + 6 * sizeof(size_t))
+#define SMR_ROBUST_TARGET_SIZE (12400 + 8 * sizeof(size_t))
 /** Bytes of a workspace for any number of robust trackers, a constant expression. */
 #define SMR_ROBUST_WORKSPACE_SIZE (40368 + 16 * sizeof(size_t))
 /** The most bytes that #smr_save writes for a robust tracker. */
@@ -371,6 +371,51 @@ enum smr_state
 typedef enum smr_state smr_state;
 #else
 typedef int32_t smr_state;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * The kind of an entry of a flight record.
+ */
+enum smr_entry_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * There is no further entry.
+   */
+  SMR_ENTRY_END = 0,
+  /**
+   * A tracker begins, with this configuration.
+   */
+  SMR_ENTRY_BEGIN = 1,
+  /**
+   * A lock: `bbox` and `frame`.
+   */
+  SMR_ENTRY_LOCK = 2,
+  /**
+   * A turn of the camera: `right` and `down`.
+   */
+  SMR_ENTRY_MOVED = 3,
+  /**
+   * An update begins: `frame`.
+   */
+  SMR_ENTRY_WINDOW = 4,
+  /**
+   * Its `answer`.
+   */
+  SMR_ENTRY_ANSWER = 5,
+  /**
+   * The tracker continues with a `saved` target.
+   */
+  SMR_ENTRY_RESTORED = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum smr_entry_kind smr_entry_kind;
+#else
+typedef int32_t smr_entry_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -882,6 +927,79 @@ typedef struct smr_readout {
   size_t size;
 } smr_readout;
 
+/**
+ * Where a flight record goes: see #smr_record. Set `write` and `context`, and the rest to 0.
+ */
+typedef struct smr_recorder {
+  /**
+   * Stores bytes (in flash, a file, over a serial line), at most a row of pixels or 64 bytes at a time. Returns 0 if
+   * that succeeds.
+   */
+  int (*write)(void *context, const uint8_t *bytes, size_t size);
+  /**
+   * The first argument of `write`.
+   */
+  void *context;
+  /**
+   * The entries so far.
+   */
+  uint32_t entries;
+  /**
+   * 1 once `write` has failed: nothing more is written.
+   */
+  uint8_t failed;
+} smr_recorder;
+
+/**
+ * An entry of a flight record. Only the fields that belong to its kind are set; the others are 0.
+ */
+typedef struct smr_entry {
+  /**
+   * What happened.
+   */
+  smr_entry_kind kind;
+  /**
+   * The frame, with the windows that were read as its parts.
+   */
+  struct smr_frame frame;
+  /**
+   * The box that was locked on.
+   */
+  struct smr_rect bbox;
+  /**
+   * As for #smr_moved.
+   */
+  int32_t right;
+  /**
+   * As for #smr_moved.
+   */
+  int32_t down;
+  /**
+   * The answer.
+   */
+  struct smr_answer answer;
+  /**
+   * A saved target, in the record.
+   */
+  const uint8_t *saved;
+  /**
+   * Its bytes.
+   */
+  size_t saved_size;
+  /**
+   * 1 if the record is of the robust tracker, 0 if it is of the paper's.
+   */
+  uint8_t is_robust;
+  /**
+   * The numbers of the paper's tracker.
+   */
+  struct smr_paper_config paper;
+  /**
+   * The numbers of the robust tracker.
+   */
+  struct smr_robust_config robust;
+} smr_entry;
+
 /* Each type has the size that it has in the library, with pointers of 4 and of 8 bytes. */
 #if defined(__cplusplus) && __cplusplus >= 201103L
 #define SMR_UNPACKED(type, holds) static_assert(holds, #type " must not be packed: a header before smr.h has left #pragma pack on")
@@ -904,6 +1022,8 @@ SMR_SIZE(smr_fine_rect, 16, 16);
 SMR_SIZE(smr_answer, 48, 48);
 SMR_SIZE(smr_image, 8, 16);
 SMR_SIZE(smr_readout, 44, 56);
+SMR_SIZE(smr_recorder, 16, 24);
+SMR_SIZE(smr_entry, 192, 240);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
 struct smr_storage {
     char before;
@@ -1217,13 +1337,6 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.
- *
- * @return  256 numbers, never NULL. A flight record holds them.
- */
-const uint16_t *smr_similarities(void);
-
-/**
  * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
  * built.
  *
@@ -1351,6 +1464,37 @@ smr_status smr_readout_lines(struct smr_readout *readout,
  */
 smr_status smr_readout_frame(const struct smr_readout *readout,
                              struct smr_frame *frame);
+
+/**
+ * Records a tracker from now on: every lock, update, move and restored target, as `write` of the recorder is given
+ * them. `host-sim replay FILE` runs the bytes through the same code again and names the first difference. The
+ * documentation of smr_core::record describes every byte.
+ *
+ * Call it before #smr_lock. A tracker that has a target already continues in the record with #smr_restore.
+ * #smr_init ends it. What `write` does takes place within the calls that are recorded.
+ *
+ * @param tracker   Made by #smr_init.
+ * @param recorder  Stays where it is, and belongs to this tracker alone, while the tracker is used. NULL ends the record.
+ * @return          #SMR_OK, #SMR_ERROR_NULL (also `write`), #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
+ */
+smr_status smr_record(struct smr_tracker *tracker,
+                      struct smr_recorder *recorder);
+
+/**
+ * Reads the next entry of a flight record in memory: a test of firmware can run it again, and compare the answers.
+ *
+ * @param record  The record.
+ * @param size    Its bytes.
+ * @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
+ * @param entry   Is set to the entry, which points into the record; unchanged after an error.
+ * @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
+ *                (no whole entry begins there), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
+ *                other than the paper's).
+ */
+smr_status smr_next_entry(const uint8_t *record,
+                          size_t size,
+                          size_t *at,
+                          struct smr_entry *entry);
 
 #ifdef __cplusplus
 }  // extern "C"

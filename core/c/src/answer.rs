@@ -73,6 +73,22 @@ impl From<State> for smr_state {
     }
 }
 
+impl From<smr_answer> for Answer {
+    fn from(answer: smr_answer) -> Self {
+        Self {
+            bbox: answer.bbox.into(),
+            fine: answer.fine.into(),
+            state: State::from_code((answer.state as i32).to_le_bytes()[0]).unwrap_or(State::Lost),
+            confidence: answer.confidence,
+            ratio: answer.ratio,
+            runner_up_ratio: (answer.has_runner_up != 0).then_some(answer.runner_up_ratio),
+            alpha: (answer.alpha != 0).then_some(answer.alpha),
+            scale: answer.scale,
+            found_again: answer.found_again != 0,
+        }
+    }
+}
+
 impl From<Answer> for smr_answer {
     fn from(answer: Answer) -> Self {
         Self {

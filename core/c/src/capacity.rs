@@ -16,7 +16,7 @@ pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 pub const ALIGNMENT: usize = 8;
 
 /// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.
-pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 8]>() + 112;
+pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
 
 /// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both
 /// signs. The header leaves room for them, so that it fits every processor.
@@ -37,7 +37,7 @@ pub(crate) const REFINER: usize = 1056;
 const SAVED_REFINER: usize = 1044;
 
 /// `SMR_ROBUST_TARGET_SIZE` in the header.
-pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 6]>();
+pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 8]>();
 
 /// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
 pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();

@@ -6,7 +6,6 @@ use crate::pointer::{self, Out};
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, SMR_ERROR_NOT_LOCKED, smr_status, status_of};
 use crate::tracker::{Known, ask, each, smr_tracker};
 use smr_core::Target;
-use smr_core::similarity::Table;
 
 /// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
 /// same when shifted: the tracker follows it, but may slip along it without noticing.
@@ -95,12 +94,4 @@ unsafe fn copy(to: smr_image, size: usize, from: impl Iterator<Item = u8>) -> Re
         unsafe { to.pixels.cast_mut().add(at).write(pixel) }
     }
     Ok(to)
-}
-
-/// The similarity of two pixels by their difference in gray levels: exp(-d / 255) in units of 1/65535.
-///
-/// @return  256 numbers, never NULL. A flight record holds them.
-#[unsafe(no_mangle)]
-pub extern "C" fn smr_similarities() -> *const u16 {
-    Table::PAPER.entries().as_ptr()
 }

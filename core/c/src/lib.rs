@@ -17,7 +17,7 @@
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
-//! | `preset`, `setting`, `init`, `lock`, `update`, `inspect`, `saved`, `readout` | the exported calls |
+//! | `preset`, `setting`, `init`, `lock`, `update`, `inspect`, `saved`, `readout`, `record`, `entry` | the exported calls |
 //! | `unstable` | calls for the browser's page, which the header does not declare (feature `unstable`) |
 //!
 //! # Linking
@@ -69,18 +69,27 @@ mod saved;
 
 mod readout;
 
+mod record;
+
+// JavaScript has no use for it, and a module of WebAssembly has every call that there is.
+#[cfg(not(target_family = "wasm"))]
+mod entry;
+
 #[cfg(feature = "unstable")]
 mod unstable;
 
 pub use answer::*;
 pub use capacity::*;
 pub use config::*;
+#[cfg(not(target_family = "wasm"))]
+pub use entry::*;
 pub use frame::*;
 pub use init::*;
 pub use inspect::*;
 pub use lock::*;
 pub use preset::*;
 pub use readout::*;
+pub use record::*;
 pub use saved::*;
 pub use setting::*;
 pub use status::*;

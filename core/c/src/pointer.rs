@@ -43,6 +43,15 @@ impl<T> Out<T> {
         // SAFETY: `new` has checked the pointer, and its caller ensures that there is memory for a T.
         unsafe { self.0.write(value) }
     }
+
+    /// What was written.
+    pub(crate) fn read(&self) -> T
+    where
+        T: Copy,
+    {
+        // SAFETY: as for `write`.
+        unsafe { self.0.read() }
+    }
 }
 
 /// Checks that `size` bytes from `bytes` on can be an object and share no byte with the `taken` memory of a tracker.

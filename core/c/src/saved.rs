@@ -4,7 +4,7 @@ use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
 use crate::pointer;
 use crate::setting::name_in_c;
 use crate::status::{SMR_ERROR_BUFFER_TOO_SMALL, smr_status, status_of};
-use crate::tracker::{Known, ask, borrow, each, smr_tracker};
+use crate::tracker::{Event, Known, ask, borrow, each, smr_tracker};
 use core::ffi::c_char;
 use core::ptr;
 use smr_core::{RestoreError, Target};
@@ -83,8 +83,10 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     status_of(unsafe {
         borrow(tracker).and_then(|tracker| {
             pointer::check_bytes(bytes, size, &tracker.memory())?;
-            tracker.known().restore(core::slice::from_raw_parts(bytes, size))?;
+            let bytes = core::slice::from_raw_parts(bytes, size);
+            tracker.known().restore(bytes)?;
             tracker.cancel();
+            tracker.tell(&Event::Restored(bytes));
             Ok(())
         })
     })

@@ -4,6 +4,7 @@ use crate::answer::smr_answer;
 use crate::capacity::PaperTarget;
 use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
+use crate::record::smr_recorder;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
@@ -55,6 +56,26 @@ macro_rules! each {
 }
 pub(crate) use each;
 
+/// The recorder of a tracker, and the call that adds an event to the record. Only `smr_record` names that call, so that a
+/// program without it does not link it.
+#[derive(Clone, Copy)]
+pub(crate) struct Hook {
+    pub(crate) recorder: *mut smr_recorder,
+    pub(crate) call: unsafe fn(*mut smr_recorder, &mut dyn Tracked, &Event<'_>),
+}
+
+/// What a record has entries of.
+#[derive(Clone, Copy)]
+pub(crate) enum Event<'a> {
+    Begin,
+    Lock(&'a Frame<'a>, Rect),
+    Window(&'a Frame<'a>),
+    /// As it was just written there.
+    Answer(&'a Out<smr_answer>),
+    Moved(i32, i32),
+    Restored(&'a [u8]),
+}
+
 /// The calls that follow a target, whatever its method.
 pub(crate) trait Tracked {
     /// For all other calls.
@@ -68,6 +89,10 @@ pub(crate) trait Tracked {
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
     /// Ends what is under way.
     fn cancel(&mut self);
+    /// Tells the recorder of an event, if there is one.
+    fn tell(&mut self, event: &Event<'_>);
+    /// Sets the recorder.
+    fn record(&mut self, hook: Option<Hook>);
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
     #[cfg(feature = "unstable")]

@@ -3,8 +3,10 @@
 
 use crate::frame::smr_frame;
 use crate::pointer::Out;
+use crate::record::{smr_record, smr_recorder};
 use crate::status::{smr_status, status_of};
 use crate::tracker::{ask, smr_tracker, with_frame};
+use core::ffi::{c_int, c_void};
 
 /// Responses on an axis of the largest window of the robust tracker.
 pub(crate) const RESPONSE_SPAN: usize = 17;
@@ -35,6 +37,39 @@ pub unsafe extern "C" fn smr_response_map(
             Ok(())
         })
     })
+}
+
+/// Memory for the record of a tracker. Who reads it sets `used` to 0.
+#[repr(C)]
+pub struct Sink {
+    recorder: smr_recorder,
+    bytes: *mut u8,
+    size: usize,
+    used: usize,
+}
+
+/// [`smr_record`] into memory: WebAssembly cannot be given a function to write with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *mut Sink) -> smr_status {
+    // SAFETY: as every call demands of its caller.
+    unsafe {
+        (*sink).recorder.write = Some(to_memory);
+        (*sink).recorder.context = sink.cast();
+        smr_record(tracker, &raw mut (*sink).recorder)
+    }
+}
+
+unsafe extern "C" fn to_memory(sink: *mut c_void, bytes: *const u8, count: usize) -> c_int {
+    // SAFETY: `smr_record_to_memory` has put the sink there, and its caller the memory.
+    unsafe {
+        let sink = &mut *sink.cast::<Sink>();
+        if count > sink.size - sink.used.min(sink.size) {
+            return 1;
+        }
+        sink.bytes.add(sink.used).copy_from_nonoverlapping(bytes, count);
+        sink.used += count;
+    }
+    0
 }
 
 /// 1 if the library uses the vectors of WebAssembly (SIMD128), else 0.

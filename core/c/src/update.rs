@@ -4,7 +4,7 @@ use crate::answer::smr_answer;
 use crate::frame::{smr_frame, smr_rect};
 use crate::pointer::Out;
 use crate::status::{SMR_ERROR_NOT_LOCKED, smr_status, status_of};
-use crate::tracker::{Known, ask, borrow, each, smr_tracker, whole, with_frame};
+use crate::tracker::{Event, Known, ask, borrow, each, smr_tracker, whole, with_frame};
 use smr_core::Target;
 
 /// Finds the target in the next frame.
@@ -103,5 +103,6 @@ pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: 
     status_of(unsafe { borrow(tracker) }.map(|tracker| {
         tracker.cancel();
         each!(tracker.known(), target => target.moved(right, down));
+        tracker.tell(&Event::Moved(right, down));
     }))
 }

@@ -1,27 +1,24 @@
-//! Follows the target of a recording on the debugger's host and writes an answer for each frame. `tests/qemu` runs
-//! it in QEMU and compares the answers with its own.
+//! Replays a flight record that lies on the debugger's host, and writes what each update took. `tests/qemu` makes the
+//! record of a recording, runs this firmware in QEMU, and says what it has found.
 //!
-//! Only the windows that the tracker needs are in memory. The firmware has no log and no panic, so that its
-//! measurements are those of the tracker: either of the two, at once or in steps.
+//! Only one entry of the record is in memory. The firmware has no log and no panic, so that its measurements are those
+//! of the tracker: either of the two, at once, and then in steps if it is told to.
 //!
-//! # Protocol, version 4
+//! # Files in the working folder of QEMU
 //!
-//! Two files in the working folder of QEMU. All numbers are 32 bits, little-endian.
+//! The firmware reads `record.smr`, which `smr_core::record` describes. A saved target in it must be the tracker's own,
+//! unless the tracker has none. If there is a file `step.smr`, its four bytes are the work of a step.
 //!
-//! The firmware reads `frames.smr`: `SMRF`, version, method (0 smr, 1 robust, 2 robust with
-//! its refiner, if the firmware is built with the feature `refiner`), work of a step (0: all at once), width,
-//! height, number of frames, then left, top, width and height of the box to lock on in the first frame. The frames
-//! follow: 8-bit gray, rows without gaps.
+//! The firmware writes `said.smr`: lines of 16 numbers of 32 bits, little-endian. The first number is the kind of the
+//! line. Numbers not listed are 0.
 //!
-//! The firmware writes `answers.smr`: records of 20 numbers. The first number is the kind of the record. Numbers not
-//! listed are 0.
-//!
-//! | record     | numbers                                                                                           |
-//! |------------|---------------------------------------------------------------------------------------------------|
-//! | 1, hello   | version, method, the most pixels of a box and the radius of the window (0 without such a bound), bytes of the buffer for pixels, size of target and of workspace, instructions and ticks of a loop (their quotient is the instructions per tick) |
-//! | 2, answer  | frame (from 2), left, top, width and height of the box (in 1/256 pixel), state (0 tracking, 1 leaving, 2 uncertain, 3 lost), confidence, ratio, runner-up's ratio and alpha (2^32 - 1 if there is none), scale, 1 if found again, FNV-1a of the saved target, work, ticks of the update, ticks of its longest step |
-//! | 3, end     | frames, bytes of stack used, bytes of stack in all, ticks of the lock                             |
-//! | 4, refused | frame, reason (see `Refusal`)                                                                     |
+//! | line          | numbers                                                                                        |
+//! |---------------|------------------------------------------------------------------------------------------------|
+//! | 1, hello      | version of these lines (5), bytes of the buffer for an entry, size of target and of workspace, instructions and ticks of a loop (their quotient is the instructions per tick) |
+//! | 2, update     | work, ticks                                                                                    |
+//! | 3, in steps   | ticks of the longest step                                                                      |
+//! | 4, end        | bytes of stack used, bytes of stack in all, bytes of stack that an update used, ticks of the last lock |
+//! | 5, difference | byte of the record, what differs (see `End`), and of another answer: left, top, width and height of the box (in 1/256 pixel), state, confidence, ratio, runner-up's ratio and alpha (2^32 - 1 if there is none), scale, 1 if found again |
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -67,3 +67,17 @@ pub fn stack() -> (u32, u32) {
     let distance = |from: *const u32| (end as usize - from as usize) as u32;
     (distance(at), distance(lowest))
 }
+
+/// The bytes of stack in use.
+#[inline(always)] // else they are those of this function
+pub fn depth() -> u32 {
+    unsafe extern "C" {
+        static _stack_start: u32;
+    }
+    let now: u32;
+    // SAFETY: reads the stack pointer.
+    unsafe { asm!("mov {}, sp", out(reg) now, options(nomem, nostack)) };
+    #[allow(clippy::cast_possible_truncation)] // usize is u32 here
+    let start = addr_of!(_stack_start) as usize as u32;
+    start - now
+}

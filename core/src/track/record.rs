@@ -1,8 +1,9 @@
-//! A flight record: everything that a tracker saw and answered, as bytes. A desktop can run it again.
+//! A flight record: everything that a tracker saw and answered, as bytes. It can be run again, on any machine.
 //!
 //! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial
-//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference. If the
-//! power fails, the record is valid up to its last complete entry.
+//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference; so does
+//! [`replay`] in a program of your own, on a chip, too. If the power fails, the record is valid up to its last complete
+//! entry.
 //!
 //! ```
 //! use smr_core::{Frame, Image, Paper, Rect, Tracker, paper, record::Recorder};
@@ -73,6 +74,12 @@
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.
 
+mod read;
+mod replay;
+
+pub use read::{Begin, Damage, Entries, Entry, Flaw, Found, entries, first};
+pub use replay::{Difference, Player, Replayed, Stop, replay};
+
 use super::checksum::Crc;
 use super::settings::{Numbers, recorded};
 use super::update::SEAL;
@@ -81,7 +88,7 @@ use crate::image::{Frame, Image, Rect};
 
 /// The version of the bytes.
 pub const VERSION: u16 = 1;
-/// Bytes of an entry before its content.
+/// Bytes of an entry before its content; the last four are the length of the content.
 pub const HEAD: usize = 12;
 /// Bytes of an entry without its content.
 pub const AROUND: usize = HEAD + 4;
@@ -159,15 +166,36 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn begin<T: Recorded>(target: &T, write: W) -> Result<Self, E> {
-        let mut recorder = Self { write, entries: 0, failed: false };
+        let mut recorder = Self::resume(0, write);
+        recorder.beginning(target)?;
+        Ok(recorder)
+    }
+
+    /// A recorder that goes on after so many entries; for C.
+    #[doc(hidden)]
+    pub const fn resume(entries: u32, write: W) -> Self {
+        Self { write, entries, failed: false }
+    }
+
+    /// The entries so far; for C.
+    #[doc(hidden)]
+    pub const fn entries(&self) -> u32 {
+        self.entries
+    }
+
+    /// The first entry of a record; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    pub fn beginning<T: Recorded>(&mut self, target: &T) -> Result<(), E> {
         let mut numbers = 0;
         recorded(target.config(), |_| numbers += 1);
-        recorder.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
+        self.entry(Tag::Begin, 4 + 2 * numbers, |entry| {
             entry.u16(VERSION);
             entry.put(&[T::TRACKER, 0]);
             recorded(target.config(), |number| entry.u16(number));
-        })?;
-        Ok(recorder)
+        })
     }
 
     /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same
@@ -176,13 +204,20 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     /// # Errors
     /// The writer's.
     pub fn lock<T: Recorded>(&mut self, target: &T, frame: &Frame<'_>, locked: Rect) -> Result<(), E> {
-        let bounds = frame.bounds();
-        let window = target.lock_window(bounds, locked);
+        self.lock_of(frame, locked, target.lock_window(frame.bounds(), locked))
+    }
+
+    /// [`Recorder::lock`] with what the target says; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    #[inline(never)] // one copy for both trackers
+    pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
         // Without these pixels the lock has failed and changed nothing.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
-            entry.u16(bounds.width);
-            entry.u16(bounds.height);
+            entry.size(frame);
             entry.rect(locked);
             entry.rect(window);
             entry.image(&pixels);
@@ -210,12 +245,18 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         if target.check(frame, SEAL).is_err() {
             return Ok(());
         }
-        let window = target.window().unwrap_or_default();
-        let sweep = target.sweep_window().unwrap_or_default();
-        let Rect { width, height, .. } = frame.bounds();
+        self.window_of(frame, target.window().unwrap_or_default(), target.sweep_window().unwrap_or_default())
+    }
+
+    /// [`Recorder::window`] with what the target says; for C.
+    ///
+    /// # Errors
+    /// The writer's.
+    #[doc(hidden)]
+    #[inline(never)] // one copy for both trackers
+    pub fn window_of(&mut self, frame: &Frame<'_>, window: Rect, sweep: Rect) -> Result<(), E> {
         self.entry(Tag::Window, 20 + window.area() + sweep.area(), |entry| {
-            entry.u16(width);
-            entry.u16(height);
+            entry.size(frame);
             entry.rect(window);
             entry.rect(sweep);
             for pixels in [window, sweep].iter().filter_map(|&part| frame.patch(part)) {
@@ -261,11 +302,11 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         !self.failed
     }
 
-    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Entry<'_, E, W>)) -> Result<(), E> {
+    fn entry(&mut self, tag: Tag, length: u32, fill: impl FnOnce(&mut Writing<'_, E, W>)) -> Result<(), E> {
         if self.failed {
             return Ok(());
         }
-        let mut entry = Entry { write: &mut self.write, sum: Crc::new(), held: [0; HELD], used: 0, result: Ok(()) };
+        let mut entry = Writing { write: &mut self.write, sum: Crc::new(), held: [0; HELD], used: 0, result: Ok(()) };
         entry.put(&tag.bytes());
         entry.put(&self.entries.to_le_bytes());
         entry.put(&length.to_le_bytes());
@@ -281,7 +322,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 const HELD: usize = 64;
 
 /// The entry that is being written. After an error it writes nothing more.
-struct Entry<'a, E, W> {
+struct Writing<'a, E, W> {
     write: &'a mut W,
     sum: Crc,
     held: [u8; HELD],
@@ -289,7 +330,8 @@ struct Entry<'a, E, W> {
     result: Result<(), E>,
 }
 
-impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
+impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
+    #[inline(never)] // one copy in flash
     fn put(&mut self, bytes: &[u8]) {
         self.sum.update(bytes);
         self.hold(bytes);
@@ -318,6 +360,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.used = 0;
     }
 
+    #[inline(never)] // one copy in flash
     fn finish(mut self) -> Result<(), E> {
         let sum = self.sum.finish();
         self.hold(&sum.to_le_bytes());
@@ -325,11 +368,19 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.result
     }
 
+    #[inline(never)] // one copy in flash
     fn u16(&mut self, number: u16) {
         self.put(&number.to_le_bytes());
     }
 
+    fn size(&mut self, frame: &Frame<'_>) {
+        let Rect { width, height, .. } = frame.bounds();
+        self.u16(width);
+        self.u16(height);
+    }
+
     /// Adds a rectangle inside the frame: no number is negative.
+    #[inline(never)] // one copy in flash
     fn rect(&mut self, rect: Rect) {
         for place in [rect.x, rect.y] {
             self.u16(u16::try_from(place).unwrap_or(0));
@@ -338,6 +389,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Entry<'_, E, W> {
         self.u16(rect.height);
     }
 
+    #[inline(never)] // one copy in flash
     fn image(&mut self, image: &Image<'_>) {
         // Not by `rows`: there the compiler keeps a division by the stride and its panic.
         (0..image.height()).for_each(|y| self.put(image.row(y)));

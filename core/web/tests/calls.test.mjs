@@ -162,7 +162,7 @@ test("a freed tracker refuses every call, and can be freed again", () => {
   const calls = [
     () => tracker.lock(first, box), () => tracker.update(first), () => tracker.moved(0, 0), () => tracker.save(), () => tracker.restore(saved),
     () => tracker.window, () => tracker.sweepWindow, () => tracker.quality, () => tracker.last, () => tracker.template,
-    () => tracker.table, () => tracker.responseMap(first), () => tracker.observe({}),
+    () => tracker.responseMap(first), () => tracker.record(() => {}), () => tracker.beginRecord(),
   ];
   for (const call of calls) {
     assert.throws(call, { name: "SmrError", status: "SMR_ERROR_NOT_INITIALISED", message: "the tracker was freed" });

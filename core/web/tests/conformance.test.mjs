@@ -1,100 +1,113 @@
-// Both modules give the answers of the conformance vectors, number by number (tests/vectors/README.md). After every frame a second tracker, which
-// is restored from the saved bytes of the first, gives them too.
+// Both modules give the answers of the records in tests/vectors, and record the same bytes. After every frame a second tracker, which is restored
+// from the saved bytes of the first, gives them too.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
+import { Recorder } from "../record.js";
+import { State } from "../smr.js";
 import { PROJECT, libraries } from "./library.mjs";
 
-const NUMBERS = {
-  k: 2, first_threshold: 1, least_threshold: 1, padding: 1, window: 2, growth: 1, window_limit: 2, neighbourhood: 1, update_zone: 4,
-  gate_tracking: 2, gate_leaving: 2, gate_returning: 2, gate_lost: 2, gate_lead: 1, gate_least_ratio: 1, runner_up_always: 1, reach: 1,
-  size_part: 1, sweep: 1, refiner: 1, patience: 1, lost_below: 1, uncertain_below: 1, learning_rate: 1, early_rate: 1,
+// Options in the order of the record, and how many numbers each has.
+const OPTIONS = {
+  P: {
+    k: 2, gateTracking: 2, gateLeaving: 2, gateReturning: 2, gateLost: 2, gateLead: 1, leastRatio: 1, firstThreshold: 1, leastThreshold: 1, padding: 1,
+    window: 2, growth: 1, windowLimit: 2, neighbourhood: 1, runnerUpAlways: 1, updateZone: 4,
+  },
+  R: { size: 1, sweep: 1, parts: 4, reach: 1, patience: 1, lostBelow: 1, uncertainBelow: 1, learningRate: 1, earlyRate: 1, refiner: 1 },
 };
-const OPTIONS = { gate_least_ratio: "leastRatio", size_part: "size" };
+const FILES = { "paper.smr": 61, "robust.smr": 85, "refined.smr": 15 };
+const TABLE = 512;
 
-const camel = (name) => name.replace(/_(.)/g, (_, letter) => letter.toUpperCase());
-const hash = (bytes) => bytes.reduce((sum, byte) => Math.imul(sum ^ byte, 0x01000193) >>> 0, 0x811c9dc5).toString(16).padStart(8, "0");
-
-function pixels(hex) {
-  return Uint8Array.from(Buffer.from(hex, "hex"));
+/** The entries of a record: { tag, content }. */
+function* entries(record) {
+  for (let at = 0; at < record.length; ) {
+    const length = record.readUInt32LE(at + 8);
+    yield { tag: record.toString("latin1", at, at + 4), content: record.subarray(at + 12, at + 12 + length) };
+    at += 16 + length;
+  }
 }
 
-const VECTORS = {
-  paper: {
-    files: { "conformance.txt": 61 },
-    preset: { preset: "paper" },
-    // Without the peak, which the C interface does not give.
-    expected: ([x, y, state, ratio, runnerUp, alpha, , , , , asked, template]) => [
-      +x, +y, state, +ratio, asked === "1" ? +runnerUp : null, +alpha, template,
-    ],
-    answered: ({ box, state, ratio, runnerUpRatio, alpha }, tracker) => [
-      box.x, box.y, state, ratio, runnerUpRatio, alpha, hash(tracker.template.pixels),
-    ],
-  },
-  robust: {
-    // Cases name the refiner only if it is on.
-    files: { "robust.txt": 85, "refiner.txt": 15 },
-    preset: { preset: "robust" },
-    // Without the response and the weights, which the C interface does not give. All later answers depend on them.
-    expected: ([x, y, width, height, state, confidence, ratio, , scale, found, template]) => [
-      +x, +y, +width, +height, state, +confidence, +ratio, +scale, found === "1", template,
-    ],
-    answered: ({ fineBox: { x, y, width, height }, state, confidence, ratio, scale, foundAgain }, tracker) => [
-      x, y, width, height, state, confidence, ratio, scale, foundAgain, hash(tracker.template.pixels),
-    ],
-  },
-};
+function begun(smr, content) {
+  const letter = String.fromCharCode(content[2]);
+  const options = { preset: letter === "P" ? "paper" : "robust" };
+  let at = 4 + TABLE;
+  for (const [name, count] of Object.entries(OPTIONS[letter])) {
+    const numbers = Array.from({ length: count }, (_, i) => (at + 2 * i < content.length ? content.readUInt16LE(at + 2 * i) : 0));
+    options[name] = count === 1 ? numbers[0] : numbers;
+    at += 2 * count;
+  }
+  delete options.parts;
+  return smr[letter === "P" ? "paper" : "robust"](options);
+}
 
-/** Follows all targets of a file of vectors. Returns the number of answers. */
-function follow(smr, method, file) {
-  const { preset, expected, answered } = VECTORS[method];
-  const lines = readFileSync(join(PROJECT, "tests/vectors", file), "utf8").split("\n");
-  let [name, options, skipped, size, trackers, answers] = ["", {}, false, [], [], 0];
-  const all = (call) => trackers.map(call);
-  for (const line of lines.filter((line) => line !== "" && !line.startsWith("#"))) {
-    const [keyword, ...values] = line.split(" ");
-    const frame = () => ({ data: pixels(values.at(-1)), width: size[0], height: size[1] });
-    if (keyword === "case") {
-      [name, options, skipped] = [line, { ...preset }, false];
-    } else if (skipped || keyword === "scale") {
-      skipped ||= values[0] !== "255"; // only Rust has another table
-    } else if (keyword === "size") {
-      size = values.map(Number);
-    } else if (keyword === "lock") {
-      all((tracker) => tracker.free());
-      trackers = [smr[method](options), smr[method](options)];
-      const [x, y, width, height] = values.map(Number);
-      trackers[0].lock(frame(), { x, y, width, height });
-      trackers[1].restore(trackers[0].save());
-    } else if (keyword === "frame") {
-      all((tracker) => tracker.update(frame()));
-    } else if (keyword === "answer") {
-      answers += 1;
-      all((tracker) => assert.deepEqual(answered(tracker.answer, tracker), expected(values), `${name}, answer ${answers}`));
-      trackers[1].restore(trackers[0].save());
-    } else if (keyword in NUMBERS) {
-      const numbers = values.map(Number);
-      assert.equal(numbers.length, NUMBERS[keyword], line);
-      options[OPTIONS[keyword] ?? camel(keyword)] = numbers.length === 1 ? numbers[0] : numbers;
-    } else {
-      assert.match(keyword, /^smr-(robust-)?vectors$/);
+const rect = (content, at) => ({
+  x: content.readUInt16LE(at), y: content.readUInt16LE(at + 2), width: content.readUInt16LE(at + 4), height: content.readUInt16LE(at + 6),
+});
+
+/** The whole frame; what the record lacks is black. */
+function frame(content, places) {
+  const [width, height] = [content.readUInt16LE(0), content.readUInt16LE(2)];
+  const data = new Uint8Array(width * height);
+  let at = 20;
+  for (const part of places.map((place) => rect(content, place))) {
+    for (let row = 0; row < part.height; row++, at += part.width) {
+      data.set(content.subarray(at, at + part.width), (part.y + row) * width + part.x);
     }
   }
-  all((tracker) => tracker.free());
+  return { data, width, height };
+}
+
+function answer(content) {
+  const [flags, number] = [content[17], (at) => content.readUInt16LE(at)];
+  return {
+    fineBox: { x: content.readInt32LE(0), y: content.readInt32LE(4), width: content.readUInt32LE(8), height: content.readUInt32LE(12) },
+    state: Object.values(State)[content[16]],
+    foundAgain: (flags & 1) !== 0,
+    confidence: number(18),
+    ratio: number(20),
+    runnerUpRatio: flags & 2 ? number(22) : null,
+    alpha: flags & 4 ? number(24) : null,
+    scale: content.readUInt32LE(26),
+  };
+}
+
+/** Follows all targets of a record. Returns the number of answers. */
+function follow(smr, file) {
+  const record = readFileSync(join(PROJECT, "tests/vectors", file));
+  let [first, second, recorder, answers, recorded] = [null, null, null, 0, []];
+  for (const { tag, content } of entries(record)) {
+    if (tag === "SMRB") {
+      [first, second] = [begun(smr, content), begun(smr, content)];
+      recorder = new Recorder(first);
+    } else if (tag === "SMRL") {
+      first.lock(frame(content, [12]), rect(content, 4));
+      second.restore(first.save());
+    } else if (tag === "SMRW") {
+      [first, second].forEach((tracker) => tracker.update(frame(content, [4, 12])));
+    } else if (tag === "SMRA") {
+      answers += 1;
+      for (const { answer: { box, work, ...given } } of [first, second]) {
+        assert.deepEqual(given, answer(content), `answer ${answers}`);
+        assert.equal(box.x, Math.floor((given.fineBox.x + 128) / 256));
+      }
+      second.restore(first.save());
+    } else {
+      assert.equal(tag, "SMRS");
+      assert.deepEqual(Buffer.from(second.save()), content);
+      first.restore(Uint8Array.from(content));
+      recorded.push(recorder.bytes());
+      [first, second].forEach((tracker) => tracker.free());
+    }
+  }
+  assert.ok(Buffer.concat(recorded).equals(record), "the recorder writes other bytes");
   return answers;
 }
 
 for (const [name, smr] of Object.entries(await libraries())) {
   test(`the ${name} module says what it is`, () => assert.equal(smr.simd, name === "simd"));
-  for (const [method, { files }] of Object.entries(VECTORS)) {
-    for (const [file, least] of Object.entries(files)) {
-      test(`${name}: the ${method} tracker gives the answers of ${file}`, (context) => {
-        const answers = follow(smr, method, file);
-        context.diagnostic(`${answers} answers`);
-        assert.ok(answers >= least);
-      });
-    }
+  for (const [file, count] of Object.entries(FILES)) {
+    test(`${name}: the answers of ${file}`, () => assert.equal(follow(smr, file), count));
   }
 }

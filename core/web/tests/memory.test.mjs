@@ -30,10 +30,10 @@ test("locks, saved targets and freed trackers take no memory", () => {
   const cycle = () => {
     const trackers = [simd.paper(), simd.robust(), simd.paper()];
     for (const tracker of trackers) {
+      tracker.record(() => {});
       tracker.lock(first, first.box);
       tracker.update(second);
       tracker.restore(tracker.save());
-      assert.equal(tracker.table.length, 256);
     }
     trackers.forEach((tracker) => tracker.free());
     assert.throws(() => simd.paper({ k: [1, 0] }));

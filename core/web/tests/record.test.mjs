@@ -17,8 +17,8 @@ test("wrong numbers of bytes are refused, and nothing is recorded", () => {
   for (const bytes of [NaN, Infinity, -Infinity, -1, 0, 0.5, 1e300]) {
     assert.throws(() => new Recorder(tracker, { bytes }), { name: "RangeError", message: /^bytes must be a whole number from 1 to / });
   }
-  for (const observer of [undefined, null, 5, "recorder"]) {
-    assert.throws(() => tracker.observe(observer), { name: "TypeError", message: /^observer must be an object/ });
+  for (const take of [undefined, null, 5, {}]) {
+    assert.throws(() => tracker.record(take), { name: "TypeError", message: /^take must be a function, not / });
   }
   tracker.update(second);
 });

@@ -97,8 +97,8 @@ enum Command {
     ///
     /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
     /// no answer in the record, host-sim prints its own. Firmware that starts again appends to the record: each start is a flight of its own. Damage in
-    /// the middle is an error that says where; what comes before it is replayed. A record may be of any length, with less than 64 MiB between two
-    /// entries; only one entry is in memory at a time.
+    /// the middle is an error that says where; what comes before it is replayed. A record is in memory as a whole, and begins
+    /// within the first 64 MiB of its file.
     #[command(after_help = "Examples:
   host-sim replay flight.smr
   smr-qemu record.elf | host-sim replay -

@@ -38,7 +38,7 @@ impl Replay {
             )
         };
         let bar = progress::of(&name, None, "entries");
-        let report = replay::replay(source, || bar.inc()).with_context(|| name.clone())?;
+        let report = replay::replay(source, self.json, || bar.inc()).with_context(|| name.clone())?;
         bar.clear();
         let replayed = Replayed { version: env!("CARGO_PKG_VERSION"), file: name.clone(), report: &report };
         tell(self.json, &replayed, |replayed, out| describe(replayed, out))?;

@@ -3,8 +3,9 @@
 //! Write it with `SMR_RECORD=1 cargo test -p smr-api`.
 
 use smr::{
-    STATUSES, smr_answer, smr_config, smr_fine_rect, smr_fraction, smr_frame, smr_image, smr_margins, smr_paper_config,
-    smr_part, smr_radius, smr_readout, smr_rect, smr_robust_config, smr_setting, smr_state, smr_status,
+    STATUSES, smr_answer, smr_config, smr_entry, smr_fine_rect, smr_fraction, smr_frame, smr_image, smr_margins,
+    smr_paper_config, smr_part, smr_radius, smr_readout, smr_recorder, smr_rect, smr_robust_config, smr_setting,
+    smr_state, smr_status,
 };
 use smr_api::wrapped;
 use smr_core::{Setting, Settings, paper, robust};
@@ -111,6 +112,7 @@ fn sizes(types: &str) -> String {
     let mut here = sizes!(
         smr_answer,
         smr_config,
+        smr_entry,
         smr_fine_rect,
         smr_fraction,
         smr_frame,
@@ -120,6 +122,7 @@ fn sizes(types: &str) -> String {
         smr_part,
         smr_radius,
         smr_readout,
+        smr_recorder,
         smr_rect,
         smr_robust_config,
         smr_setting,
@@ -147,7 +150,7 @@ SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT
 fn layouts(types: &str) -> Vec<(&str, [usize; 2])> {
     let mut known =
         BTreeMap::from([("uint8_t", [[1_usize, 1]; 2]), ("uint16_t", [[2, 2]; 2]), ("size_t", [[4, 4], [8, 8]])]);
-    known.extend(["int32_t", "uint32_t", "smr_state"].map(|name| (name, [[4, 4]; 2])));
+    known.extend(["int32_t", "uint32_t", "smr_state", "smr_entry_kind"].map(|name| (name, [[4, 4]; 2])));
     let mut found = Vec::new();
     for block in types.split("typedef struct ").skip(1) {
         // A struct that is only declared has no fields.

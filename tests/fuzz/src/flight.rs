@@ -1,27 +1,28 @@
 //! A flight record with changed entries and correct checksums: replayed to the end, to a difference, or to the place of the damage.
 
-use crate::Fuzzed;
-use crate::paper::Small;
-use crate::scene::{Part, Scene, frame};
 use arbitrary::{Result, Unstructured};
 use host_sim::replay::replay;
-use smr_core::record::{AROUND, HEAD, Recorded, Recorder, Tag};
-use smr_core::{Rect, Robust, Tracker};
-use std::convert::Infallible;
-use std::io::Cursor;
+use smr_core::record::{AROUND, HEAD, Tag};
 use std::sync::LazyLock;
 
 /// An entry without its checksum.
 type Entry = Vec<u8>;
 
-/// A flight of each tracker, recorded once. The robust one is slow to lock.
-static FLIGHTS: LazyLock<[Vec<Entry>; 2]> =
-    LazyLock::new(|| [flight::<Small>(4), flight::<Robust>(2)].map(|bytes| entries(&bytes)));
+/// The first flight in the vectors of each tracker. The robust one is slow to lock.
+static FLIGHTS: LazyLock<[Vec<Entry>; 2]> = LazyLock::new(|| {
+    let records: [&[u8]; 2] = [include_bytes!("../../vectors/paper.smr"), include_bytes!("../../vectors/robust.smr")];
+    records.map(|record| {
+        let mut all = entries(record);
+        let next = all.iter().skip(1).position(|entry| entry[..4] == Tag::Begin.bytes());
+        all.truncate(next.map_or(all.len(), |next| next + 1));
+        all
+    })
+});
 
 pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     let u = &mut Unstructured::new(bytes);
     if u.ratio(1, 32)? {
-        let _ = replay(Cursor::new(u.bytes(u.len())?.to_vec()), || ());
+        let _ = replay(u.bytes(u.len())?, false, || ());
         return Ok(());
     }
     let of_robust = u.ratio(1, 32)?;
@@ -40,43 +41,13 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     }
     let logged = u.ratio(1, 16)?;
     let record = if logged { log(&record) } else { record };
-    let report = replay(Cursor::new(record), || ());
+    let report = replay(&record[..], false, || ());
     if changes == 0 && !cut {
         let report = report.expect("it is a record");
         assert_eq!((&report.difference, &report.damage, report.cut_off), (&None, &None, 0));
         assert!(report.flights.iter().all(|flight| flight.locks == 1 && flight.answers > 0));
     }
     Ok(())
-}
-
-/// The record of a lock and some updates.
-fn flight<T: Recorded + Fuzzed>(updates: u8) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let scene = Scene::of(0);
-    let target = Rect::new(20, 14, 12, 10);
-    let mut tracker = Box::new(Tracker::<T>::with(T::usual()).expect("one that a tracker takes"));
-    let Ok(mut recorder) = Recorder::begin(tracker.target(), |piece: &[u8]| -> std::result::Result<(), Infallible> {
-        bytes.extend(piece);
-        Ok(())
-    });
-    let part = |rect: Option<Rect>| -> Part { rect.and_then(|rect| scene.part(rect, 0)).expect("it is small") };
-    let seen = part(Some(tracker.lock_window(scene.bounds(), target)));
-    tracker.lock(&frame(&scene, &seen, None), target).expect("a box in the frame");
-    let Ok(()) = recorder.lock(tracker.target(), &frame(&scene, &seen, None), target);
-    for _ in 0..updates {
-        tracker.moved(64, -64);
-        let Ok(()) = recorder.moved(64, -64);
-        let seen = part(tracker.window());
-        let sweep = tracker.sweep_window().map(|rect| part(Some(rect)));
-        let seen = frame(&scene, &seen, sweep.as_ref());
-        let Ok(()) = recorder.window(tracker.target(), &seen);
-        let answer = tracker.update(&seen).expect("what it asked for is in memory");
-        let Ok(()) = recorder.answer(&answer);
-    }
-    let mut saved = vec![0; T::SAVED_SIZE];
-    let length = tracker.save(&mut saved).expect("it is locked");
-    let Ok(()) = recorder.restored(&saved[..length]);
-    bytes
 }
 
 /// The entries of a complete record.

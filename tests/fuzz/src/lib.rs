@@ -42,7 +42,6 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("boxes", readers::boxes),
     ("words", readers::words),
     ("former", readers::former),
-    ("vectors", readers::vectors),
 ];
 
 /// The target with this name.

@@ -1,6 +1,6 @@
 //! Every reader of host-sim: an error or the content, and never a panic.
 
-use smr_core::{Rect, Tracker};
+use smr_core::Rect;
 use smr_evaluation::robustness::Former;
 use smr_recordings::boxes::{self, Form};
 use smr_recordings::{BoundingBox, FrameRange, OpenOptions, Resize, Sequence};
@@ -105,23 +105,5 @@ pub(crate) fn words(bytes: &[u8]) {
 pub(crate) fn former(bytes: &[u8]) {
     as_file("former.json", bytes, |file| {
         let _ = Former::read(file);
-    });
-}
-
-/// Conformance vectors of both trackers.
-pub(crate) fn vectors(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let mut buffer = vec![0; smr_tests::FRAME_PIXELS];
-    let mut paper = Box::new(Tracker::with(smr_core::paper::Config::camera()).expect("a configuration"));
-    let _ = smr_tests::follow::<smr_tests::SmallPaper>(&mut paper, text, &mut buffer, |tracker, frame| {
-        tracker.update(frame).ok()
-    });
-    // The robust tracker is slow to lock: only texts of every eighth length.
-    if !text.len().is_multiple_of(8) {
-        return;
-    }
-    let mut robust = Box::new(Tracker::with(smr_core::robust::Config::refined()).expect("a configuration"));
-    let _ = smr_tests::follow::<smr_core::Robust>(&mut robust, text, &mut buffer, |tracker, frame| {
-        tracker.update(frame).ok()
     });
 }

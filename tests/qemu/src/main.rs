@@ -1,5 +1,5 @@
-//! Firmware in QEMU: `smr-qemu ELF` prints its log, `smr-qemu ELF SEQ` gives `core/examples/replay` a recording and compares every answer with
-//! the host's. An instruction is a nanosecond of the emulated time, so that the firmware's timer counts instructions.
+//! Firmware in QEMU: `smr-qemu ELF` prints its log, `smr-qemu ELF SEQ` gives `core/examples/replay` the record of a recording: it must
+//! give every answer of the host. An instruction is a nanosecond of the emulated time, so that the firmware's timer counts instructions.
 
 mod replay;
 
@@ -38,7 +38,7 @@ struct Qemu {
     /// The firmware
     #[arg(value_name = "ELF")]
     elf: PathBuf,
-    /// Recordings for the firmware core/examples/replay, or folders of recordings
+    /// Recordings for the firmware core/examples/replay, folders of recordings, or flight records (.smr)
     #[arg(value_name = "SEQ")]
     paths: Vec<PathBuf>,
     /// The tracker; smr is that of --config camera, with a window of +-16
@@ -47,7 +47,7 @@ struct Qemu {
     /// The robust tracker with its refiner
     #[arg(long)]
     refiner: bool,
-    /// Update in steps of so much work, as firmware with a deadline does [default: all at once]
+    /// Then update in steps of so much work, too, as firmware with a deadline does
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
     /// Estimate cycles of a lock, then of updates, each between two calls of `smr_ticks`; needs LLVM (Debian: llvm-19)
@@ -87,19 +87,31 @@ impl Qemu {
     /// Runs the firmware on each recording, and says what it took. True if all answers are the host's.
     fn replay(&self, (flash, statics): (u64, u64)) -> Result<bool> {
         let (mut holds, mut all) = (true, Vec::new());
-        let paths = self.recording.find(&self.paths)?;
+        let is_record = |path: &PathBuf| path.extension().is_some_and(|end| end == "smr");
+        let (mut paths, others): (Vec<_>, Vec<_>) = self.paths.iter().cloned().partition(is_record);
+        if !others.is_empty() {
+            paths.extend(self.recording.find(&others)?);
+        }
         for path in &paths {
-            let sequence = self.recording.open(path)?;
-            let (name, folder) = (sequence.name.clone(), smr_recordings::output::Exchange::create()?);
-            let expected = replay::write(sequence, self.method, self.refiner, self.step, folder.path())?;
+            let (name, record) = if is_record(path) {
+                let name = path.display().to_string();
+                let record = std::fs::read(path).with_context(|| format!("cannot open the record {name}"))?;
+                (name, record)
+            } else {
+                let sequence = self.recording.open(path)?;
+                (sequence.name.clone(), replay::record(sequence, self.method, self.refiner)?)
+            };
+            let folder = smr_recordings::output::Exchange::create()?;
+            replay::write(&record, self.step, folder.path())?;
             // The first measurement is the calibration of the timer.
             let (_, estimated) = match self.cycles {
                 true => self.traced(folder.path(), 1).map(|(holds, estimated)| (holds, Some(estimated)))?,
                 false => self.start(folder.path(), &[], drained)?,
             };
-            let report = Report::of(folder.path(), &expected).with_context(|| name.clone())?;
+            let report = Report::of(folder.path(), &record).with_context(|| name.clone())?;
             let (median, stack) = (report.updates[0], report.stack);
-            let mut text = format!("{name} on {}, {}: {report}", self.machine, self.method_name());
+            let method = if is_record(path) { "as recorded".to_owned() } else { self.method_name() };
+            let mut text = format!("{name} on {}, {method}: {report}", self.machine);
             text += &format!(
                 "  RAM {} bytes: statics {statics}, stack {stack}; flash {flash}\n",
                 statics + u64::from(stack)

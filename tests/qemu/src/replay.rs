@@ -1,93 +1,72 @@
-//! The talk of host and firmware, byte by byte, as `core/examples/replay/main.rs` describes it, and the target followed on the host, too.
+//! A record for the firmware `core/examples/replay`, and what the firmware says of it.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
-use host_sim::replay::answer_values::{state, values};
-use smr_core::{Answer, FineRect, Rect, Robust, Target, Tracker, paper, robust};
+use host_sim::replay::values;
+use smr_core::record::{Entry, Recorded, Recorder, entries};
+use smr_core::{Answer, FineRect, Robust, State, Tracker, paper, robust};
 use smr_evaluation::{CoreKind, Paper, Refused};
-use smr_recordings::{GrayFrame, Sequence};
+use smr_recordings::Sequence;
+use std::convert::Infallible;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{BufWriter, Seek, Write};
+use std::fs;
 use std::num::NonZeroU32;
 use std::path::Path;
 
-const VERSION: u32 = 4;
-const FRAMES: &str = "frames.smr";
-const ANSWERS: &str = "answers.smr";
+const VERSION: u32 = 5;
 /// The window of smr, to each side.
 const RADIUS: u16 = 16;
 
-/// An answer, and a hash of the target as it is saved after it: templates, weights, track.
-type Answered = (Answer, u32);
-
-/// A tracker on this side. It locks in the first frame, and answers in the others.
-type Host = Box<dyn FnMut(&GrayFrame) -> Result<Option<Answered>>>;
-
-fn host<T: Target + 'static>(config: T::Config, start: Rect, method: CoreKind) -> Result<Host>
-where
-    T::Config: 'static,
-{
-    let mut tracker = Tracker::<T>::with(config)?;
-    let mut saved = vec![0; T::SAVED_SIZE];
-    let mut is_locked = false;
-    Ok(Box::new(move |frame| {
-        let frame = frame.frame();
-        if !std::mem::replace(&mut is_locked, true) {
-            let locked = tracker.lock(&frame, start);
-            locked.map_err(|error| Refused::or(error.into(), method.into(), start, frame.bounds()))?;
-            return Ok(None);
-        }
-        let answer = tracker.update(&frame)?;
-        let size = tracker.save(&mut saved)?;
-        // FNV-1a
-        let hash = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193);
-        Ok(Some((answer, saved[..size].iter().fold(0x811C_9DC5, hash))))
-    }))
+/// The record of a recording, by this machine: with the target as it is saved after each answer, so that templates and weights are compared, too.
+pub fn record(sequence: Sequence, method: CoreKind, refiner: bool) -> Result<Vec<u8>> {
+    match method {
+        CoreKind::Smr => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
+        CoreKind::Robust if refiner => of::<Robust>(robust::Config::refined(), sequence, method),
+        CoreKind::Robust => of::<Robust>(robust::Config::robust(), sequence, method),
+    }
 }
 
-/// Writes the recording into `folder`, and follows its target: the answers that the firmware shall give.
-pub fn write(
-    sequence: Sequence,
-    method: CoreKind,
-    refiner: bool,
-    step: Option<NonZeroU32>,
-    folder: &Path,
-) -> Result<Vec<Answered>> {
-    let (start, name) = (sequence.start()?, sequence.name);
-    let (number, mut host) = match method {
-        CoreKind::Smr => (0, host::<Paper>(paper::Config::camera_within(RADIUS), start, method)?),
-        CoreKind::Robust if refiner => (2, host::<Robust>(robust::Config::refined(), start, method)?),
-        CoreKind::Robust => (1, host::<Robust>(robust::Config::robust(), start, method)?),
-    };
-    let header = |width: u16, height: u16, frames| {
-        let [left, top] = [start.x, start.y].map(i32::cast_unsigned);
-        let [width, height, across, down] = [width, height, start.width, start.height].map(u32::from);
-        let step = step.map_or(0, NonZeroU32::get);
-        let magic = u32::from_le_bytes(*b"SMRF");
-        [magic, VERSION, number, step, width, height, frames, left, top, across, down].map(u32::to_le_bytes).concat()
-    };
-    let cannot_write = || format!("cannot write {FRAMES} for QEMU");
-    let mut file = BufWriter::new(File::create(folder.join(FRAMES)).with_context(cannot_write)?);
-    file.write_all(&header(0, 0, 0)).with_context(cannot_write)?;
-    let (mut expected, mut size, mut count) = (Vec::new(), (0, 0), 0);
+fn of<T: Recorded>(config: T::Config, sequence: Sequence, method: CoreKind) -> Result<Vec<u8>> {
+    let (start, name, mut bytes, mut frames) = (sequence.start()?, sequence.name, Vec::new(), 0);
+    let mut tracker = Box::new(Tracker::<T>::with(config)?);
+    let Ok(mut recorder) = Recorder::begin(tracker.target(), |piece: &[u8]| -> Result<(), Infallible> {
+        bytes.extend_from_slice(piece);
+        Ok(())
+    });
+    let mut saved = vec![0; T::SAVED_SIZE];
     for frame in sequence.frames {
         let frame = frame?;
-        (size, count) = ((frame.width, frame.height), count + 1);
-        file.write_all(&frame.pixels).with_context(cannot_write)?;
-        expected.extend(host(&frame).with_context(|| name.clone())?);
+        let frame = frame.frame();
+        frames += 1;
+        if frames == 1 {
+            let locked = tracker.lock(&frame, start);
+            let refused = |error| Refused::or(Error::from(error), method.into(), start, frame.bounds());
+            locked.map_err(refused).with_context(|| name.clone())?;
+            let Ok(()) = recorder.lock(tracker.target(), &frame, start);
+            continue;
+        }
+        let Ok(()) = recorder.window(tracker.target(), &frame);
+        let answer = tracker.update(&frame).with_context(|| name.clone())?;
+        let Ok(()) = recorder.answer(&answer);
+        let size = tracker.save(&mut saved)?;
+        let Ok(()) = recorder.restored(&saved[..size]);
     }
-    ensure!(count > 1, "{name}: only one frame, which is locked on: there is nothing to compare");
-    let first = header(size.0, size.1, count);
-    file.rewind().and_then(|()| file.write_all(&first)).and_then(|()| file.flush()).with_context(cannot_write)?;
-    Ok(expected)
+    ensure!(frames > 1, "{name}: only one frame, which is locked on: there is nothing to compare");
+    Ok(bytes)
 }
 
-/// Answers of the firmware, and their cost.
+/// Writes what the firmware reads into `folder`.
+pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<()> {
+    fs::write(folder.join("record.smr"), record).context("cannot write record.smr for QEMU")?;
+    let step = step.map_or(Ok(()), |step| fs::write(folder.join("step.smr"), step.get().to_le_bytes()));
+    step.context("cannot write step.smr for QEMU")
+}
+
+/// What the firmware says of a record, and what it took.
 pub struct Report {
-    /// Bytes of a target, of its workspace, and of the buffer for pixels.
+    /// Bytes of a target, of its workspace, and of the buffer for an entry.
     memory: [u32; 3],
-    /// The first frame, from 1, with a value that is not the host's: its name, the firmware's and the host's.
-    pub difference: Option<(u32, (&'static str, String, String))>,
+    /// The first frame, from 1, with a value that is not the recorded one: its name, the firmware's and the recorded one.
+    pub difference: Option<(usize, (&'static str, String, String))>,
     work: [u64; 3],
     /// Instructions of an update, and of its longest step.
     pub updates: [u64; 3],
@@ -95,82 +74,93 @@ pub struct Report {
     /// Instructions of each update, and of the lock.
     pub counts: Vec<u64>,
     lock: u64,
-    /// Bytes used.
+    /// Bytes used, and those of them that an update uses.
     pub stack: u32,
+    of_update: u32,
 }
 
 impl Report {
     /// Reads what the firmware has left in `folder`.
-    /// Errors: it refuses, or has said something else than answers to all frames.
-    pub fn of(folder: &Path, expected: &[Answered]) -> Result<Self> {
-        let bytes = fs::read(folder.join(ANSWERS)).unwrap_or_default();
-        let words = |record: &[u8; 80]| {
-            let mut words = [0; 20];
-            words.iter_mut().zip(record.as_chunks().0).for_each(|(word, bytes)| *word = u32::from_le_bytes(*bytes));
+    /// Errors: it refuses the record, or has said something else.
+    pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
+        let bytes = fs::read(folder.join("said.smr")).unwrap_or_default();
+        let words = |line: &[u8; 64]| {
+            let mut words = [0; 16];
+            words.iter_mut().zip(line.as_chunks().0).for_each(|(word, bytes)| *word = u32::from_le_bytes(*bytes));
             words
         };
-        let mut records = bytes.as_chunks().0.iter().map(words);
-        let mut next = || match records.next() {
-            Some([4, frame, why, ..]) => Err(refusal(frame, why)),
-            record => record.context("the firmware ended before it had answered every frame"),
-        };
-        let [1, VERSION, _, _, _, buffer, target, workspace, in_loop, ticks, ..] = next()? else {
+        let mut lines = bytes.as_chunks().0.iter().map(words);
+        let mut next = || lines.next().context("the firmware ended before the record did");
+        let hello = next()?;
+        if hello[0] == 5 {
+            refusal(&hello, record)?;
+        }
+        let [1, VERSION, buffer, target, workspace, in_loop, ticks, ..] = hello else {
             bail!("the firmware does not say hello by version {VERSION} of the protocol: is it core/examples/replay?")
         };
         ensure!(ticks > 0, "the firmware's timer stands still: QEMU does not emulate it, or not with -icount");
         let rounded = |ticks_of: u32| u64::from(ticks_of) * u64::from(in_loop) + u64::from(ticks) / 2;
         let instructions = |ticks_of: u32| rounded(ticks_of) / u64::from(ticks);
-        let (mut work, mut longest, mut counts, mut difference) = (vec![], vec![], vec![], None);
-        for (number, host) in (2..).zip(expected) {
-            let record = next()?;
-            ensure!(record[..2] == [2, number], "the firmware sent {record:?}: expected the answer to frame {number}");
-            let [taken, in_ticks, of_step] = [record[14], record[15], record[16]];
-            work.push(u64::from(taken));
-            counts.push(instructions(in_ticks));
-            longest.push(instructions(of_step));
-            let pairs = described(&answered(&record)?).into_iter().zip(described(host));
-            let differs =
-                |((what, target), (_, host)): (_, (_, String))| (target != host).then_some((what, target, host));
-            difference = difference.or_else(|| pairs.filter_map(differs).next().map(|values| (number, values)));
-        }
-        let [3, _, stack, _, lock, ..] = next()? else { bail!("the firmware does not come to its end") };
+        let (mut work, mut longest, mut counts) = (vec![], vec![], vec![]);
+        let (difference, (stack, of_update), lock) = loop {
+            match next()? {
+                [2, taken, in_ticks, ..] => {
+                    work.push(u64::from(taken));
+                    counts.push(instructions(in_ticks));
+                }
+                [3, of_step, ..] => longest.push(instructions(of_step)),
+                [4, stack, _, of_update, lock, ..] => break (None, (stack, of_update), instructions(lock)),
+                line => break (Some(refusal(&line, record)?), (0, 0), 0),
+            }
+        };
+        let answers = entries(record).flatten().filter(|found| matches!(found.entry, Entry::Answer(_))).count();
+        ensure!(difference.is_some() || counts.len() == answers, "the firmware ended before the record did");
         let memory = [target, workspace, buffer];
         let [work, updates, longest] = [&work, &counts, &longest].map(|figures| crate::spread(figures));
-        Ok(Self { memory, difference, work, updates, longest, counts, stack, lock: instructions(lock) })
+        Ok(Self { memory, difference, work, updates, longest, counts, stack, of_update, lock })
     }
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { memory: [target, workspace, buffer], work, updates, longest, counts, lock, stack, .. } = self;
-        match &self.difference {
-            None => writeln!(f, "{} frames answered as on the host, bit for bit", counts.len())?,
-            Some((frame, (what, target, host))) => {
-                writeln!(f, "FAILED in frame {frame}: {what}\n    target: {target}\n    host:   {host}")?;
-            }
+        let Self { memory: [target, workspace, buffer], work, updates, longest, counts, lock, of_update, .. } = self;
+        if let Some((frame, (what, target, recorded))) = &self.difference {
+            return writeln!(f, "FAILED in frame {frame}: {what}\n    target:   {target}\n    recorded: {recorded}");
         }
-        let more = stack.saturating_sub(target + workspace + buffer);
-        writeln!(f, "  target {target} bytes, workspace {workspace}, pixels {buffer}, {more} more on the stack")?;
+        writeln!(f, "{} frames answered as recorded, bit for bit", counts.len())?;
+        writeln!(f, "  target {target} bytes, workspace {workspace}, buffer {buffer}, stack of an update {of_update}")?;
         writeln!(f, "  instructions of the lock: {lock}")?;
-        let [median, p95, max] = updates;
-        writeln!(f, "  instructions of an update: median {median}, 95 % below {p95}, at most {max}")?;
-        if longest != updates {
+        let ([median, p95, max], mean) = (updates, counts.iter().sum::<u64>() / (counts.len() as u64).max(1));
+        writeln!(f, "  instructions of an update: median {median}, mean {mean}, 95 % below {p95}, at most {max}")?;
+        if longest[2] > 0 {
             let [median, _, max] = longest;
-            writeln!(f, "  instructions of its longest step: median {median}, at most {max}")?;
+            writeln!(f, "  in steps, too; instructions of the longest of an update: median {median}, at most {max}")?;
         }
         writeln!(f, "  work of an update: median {}, at most {}", work[0], work[2])
     }
 }
 
-/// The answer in a record.
-fn answered(record: &[u32; 20]) -> Result<Answered> {
-    let [_, _, x, y, width, height, code, confidence, ratio, runner_up, alpha, scale, again, hash, ..] = *record;
+/// Another answer than the recorded one, as the firmware says it: the frame, and what differs.
+/// Errors: it is no answer that differs.
+fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
+    let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {
+        bail!("the firmware says {line:?}: expected what an update took")
+    };
+    // The lock is of the first frame.
+    let of_frame = |entry: &Entry<'_>| matches!(entry, Entry::Lock { .. } | Entry::Answer(_));
+    let before = entries(record).flatten().take_while(|found| found.at < at as usize);
+    let frame = 1 + before.filter(|found| of_frame(&found.entry)).count();
+    let entry = entries(record).flatten().map(|found| found.entry);
+    let recorded = entry.filter(of_frame).nth(frame - 1);
+    let (6, Some(Entry::Answer(recorded))) = (why, recorded) else {
+        return Err(anyhow!("the firmware refuses frame {frame}: {}", reason(why)));
+    };
     let fine = FineRect { x: x.cast_signed(), y: y.cast_signed(), width, height };
     let some = |word: u32| (word != u32::MAX).then(|| u16::try_from(word)).transpose();
     let answer = Answer {
         bbox: fine.whole(),
         fine,
-        state: state(code).context("from the firmware")?,
+        state: u8::try_from(state).ok().and_then(State::from_code).context("the firmware gives no state: 0 to 3")?,
         confidence: confidence.try_into()?,
         ratio: ratio.try_into()?,
         runner_up_ratio: some(runner_up)?,
@@ -178,24 +168,20 @@ fn answered(record: &[u32; 20]) -> Result<Answered> {
         scale,
         found_again: again != 0,
     };
-    Ok((answer, hash))
+    let pairs = values(&answer).into_iter().zip(values(&recorded));
+    let mut differ = pairs.filter_map(|((what, target), (_, host))| (target != host).then_some((what, target, host)));
+    differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")
 }
 
-/// Every value, by the name that people read.
-fn described((answer, hash): &Answered) -> Vec<(&'static str, String)> {
-    let hash = ("hash of the saved target", format!("{hash:08x}"));
-    values(answer).into_iter().chain([hash]).collect()
-}
-
-/// The reason that the firmware gives as the number `why`, as `core/examples/replay` has it.
-fn refusal(frame: u32, why: u32) -> Error {
-    let reason = match why {
-        1 => "it cannot read the recording, or is built without this tracker",
-        2 => "the box has more pixels than its template",
-        3 => "the window around the box has more pixels than its buffer",
-        4 => "it cannot lock on the box",
-        5 => "it cannot search the frame",
-        _ => "it cannot write its answers",
-    };
-    anyhow!("the firmware refuses frame {frame}: {reason}")
+/// The reason that the firmware gives as a number, as `core/examples/replay` has it.
+fn reason(why: u32) -> &'static str {
+    match why {
+        1 => "it finds no entry of a record where it expects one",
+        2 => "an entry of the record is larger than its buffer",
+        3 => "it is built without this tracker, or has no room for its window",
+        4 => "it cannot lock on the box, or reads other pixels for it: the box may be too large for its template",
+        5 => "it cannot search the frame, or reads other pixels",
+        7 => "its target is saved as other bytes",
+        _ => "it cannot write what it has found",
+    }
 }

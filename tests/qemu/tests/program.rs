@@ -28,12 +28,12 @@ impl Bench {
         bench
     }
 
-    /// QEMU leaves these records.
-    fn answering(records: &[&[u32]]) -> Self {
-        let bench = Self::new("cp \"${0%/*}/records\" answers.smr");
-        let padded = |record: &&[u32]| [record, &[0; 20][record.len()..]].concat();
-        let words = records.iter().flat_map(padded);
-        fs::write(bench.path("records"), words.flat_map(u32::to_le_bytes).collect::<Vec<_>>()).unwrap();
+    /// QEMU leaves these lines.
+    fn saying(lines: &[&[u32]]) -> Self {
+        let bench = Self::new("cp \"${0%/*}/lines\" said.smr");
+        let padded = |line: &&[u32]| [line, &[0; 16][line.len()..]].concat();
+        let words = lines.iter().flat_map(padded);
+        fs::write(bench.path("lines"), words.flat_map(u32::to_le_bytes).collect::<Vec<_>>()).unwrap();
         bench
     }
 
@@ -69,18 +69,22 @@ impl Bench {
 }
 
 const SEQ: &[&str] = &["synthetic", "--frames", "..3"];
-const HELLO: &[u32] = &[1, 4, 0, 4096, 16, 9216, 4500, 4600, 2_000_000, 80_000];
+const HELLO: &[u32] = &[1, 5, 9252, 4500, 4600, 2_000_000, 80_000];
+/// A byte of the record in the entry of the lock.
+const LOCKED: u32 = 600;
 
 #[test]
 fn what_is_wrong_is_said_in_one_line() {
     Bench::new("echo 'qemu: no such machine' >&2; exit 1")
         .refuses(SEQ, "ended (exit status: 1): qemu: no such machine");
     Bench::new("kill -SEGV $$").refuses(&[], "ended (signal: 11");
-    Bench::new("exit 0").refuses(SEQ, "synthetic: the firmware ended before it had answered every frame");
-    Bench::answering(&[HELLO, &[4, 2, 5]]).refuses(SEQ, "the firmware refuses frame 2: it cannot search the frame");
-    Bench::answering(&[&[1, 7]]).refuses(SEQ, "by version 4 of the protocol");
-    Bench::answering(&[HELLO, &[2, 3]]).refuses(SEQ, "expected the answer to frame 2");
-    Bench::answering(&[&HELLO[..9]]).refuses(SEQ, "timer stands still");
+    Bench::new("exit 0").refuses(SEQ, "synthetic: the firmware ended before the record did");
+    Bench::saying(&[HELLO, &[5, LOCKED, 5]]).refuses(SEQ, "the firmware refuses frame 2: it cannot search the frame");
+    Bench::saying(&[HELLO, &[5, 0, 3]]).refuses(SEQ, "the firmware refuses frame 1: it is built without this tracker");
+    Bench::saying(&[&[1, 7]]).refuses(SEQ, "by version 5 of the protocol");
+    Bench::saying(&[HELLO, &[9, 3]]).refuses(SEQ, "expected what an update took");
+    Bench::saying(&[HELLO, &[2, 3], &[4, 2]]).refuses(SEQ, "the firmware ended before the record did");
+    Bench::saying(&[&HELLO[..6]]).refuses(SEQ, "timer stands still");
     let bench = Bench::new("");
     bench.refuses(&["--refiner"], "--refiner: expected --method robust");
     bench.program("qemu-system-arm", "");
@@ -92,12 +96,17 @@ fn what_is_wrong_is_said_in_one_line() {
 
 #[test]
 fn another_answer_is_a_failed_check() {
-    let answer = |frame| [2, frame, 256, 512, 10, 11, 0];
-    let bench = Bench::answering(&[HELLO, &answer(2), &answer(3), &[3, 3, 20_000, 30_000, 4]]);
+    let bench = Bench::saying(&[HELLO, &[5, LOCKED, 6, 256, 512, 10, 11]]);
     let (code, out, err) = bench.run(SEQ);
     assert_eq!((code, err.as_str()), (Some(1), ""));
-    let words = "FAILED in frame 2: box in 1/256 pixel\n    target: 10x11 at (256, 512)\n    host:   ";
-    assert!(out.contains(words) && out.contains("instructions of the lock: 100\n"), "{out}");
+    let words = "FAILED in frame 2: box in 1/256 pixel\n    target:   10x11 at (256, 512)\n    recorded: ";
+    assert!(out.contains(words), "{out}");
+    let bench = Bench::saying(&[HELLO, &[2, 7, 8], &[2, 7, 8], &[3, 5], &[4, 20_000, 30_000, 900, 4]]);
+    let (code, out, err) = bench.run(&[SEQ, &["--step", "10"]].concat());
+    assert_eq!((code, err.as_str()), (Some(0), ""));
+    for words in ["2 frames answered as recorded", "of the lock: 100\n", "median 200, mean 200", "at most 125\n"] {
+        assert!(out.contains(words), "`{words}` is not in: {out}");
+    }
 }
 
 /// The firmware fails when nobody reads its log any more.

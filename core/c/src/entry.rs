@@ -1,0 +1,165 @@
+//! The entries of a flight record.
+
+use crate::answer::smr_answer;
+use crate::config::{smr_paper_config, smr_robust_config};
+use crate::frame::{smr_frame, smr_part, smr_rect};
+use crate::pointer::{self, Out};
+use crate::status::{SMR_ERROR_DAMAGED, SMR_ERROR_OTHER_CONFIG, SMR_ERROR_OTHER_VERSION, smr_status, status_of};
+use core::ptr;
+use smr_core::record::{Entry, Flaw, Recorded, first};
+use smr_core::{Frame, Rect, Robust, paper, robust};
+
+/// The kind of an entry of a flight record.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum smr_entry_kind {
+    /// There is no further entry.
+    SMR_ENTRY_END = 0,
+    /// A tracker begins, with this configuration.
+    SMR_ENTRY_BEGIN = 1,
+    /// A lock: `bbox` and `frame`.
+    SMR_ENTRY_LOCK = 2,
+    /// A turn of the camera: `right` and `down`.
+    SMR_ENTRY_MOVED = 3,
+    /// An update begins: `frame`.
+    SMR_ENTRY_WINDOW = 4,
+    /// Its `answer`.
+    SMR_ENTRY_ANSWER = 5,
+    /// The tracker continues with a `saved` target.
+    SMR_ENTRY_RESTORED = 6,
+}
+
+/// An entry of a flight record. Only the fields that belong to its kind are set; the others are 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct smr_entry {
+    /// What happened.
+    pub kind: smr_entry_kind,
+    /// The frame, with the windows that were read as its parts.
+    pub frame: smr_frame,
+    /// The box that was locked on.
+    pub bbox: smr_rect,
+    /// As for #smr_moved.
+    pub right: i32,
+    /// As for #smr_moved.
+    pub down: i32,
+    /// The answer.
+    pub answer: smr_answer,
+    /// A saved target, in the record.
+    pub saved: *const u8,
+    /// Its bytes.
+    pub saved_size: usize,
+    /// 1 if the record is of the robust tracker, 0 if it is of the paper's.
+    pub is_robust: u8,
+    /// The numbers of the paper's tracker.
+    pub paper: smr_paper_config,
+    /// The numbers of the robust tracker.
+    pub robust: smr_robust_config,
+}
+
+/// Reads the next entry of a flight record in memory: a test of firmware can run it again, and compare the answers.
+///
+/// @param record  The record.
+/// @param size    Its bytes.
+/// @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
+/// @param entry   Is set to the entry, which points into the record; unchanged after an error.
+/// @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
+///                (no whole entry begins there), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
+///                other than the paper's).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_next_entry(
+    record: *const u8,
+    size: usize,
+    at: *mut usize,
+    entry: *mut smr_entry,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { next_entry(record, size, at, entry) })
+}
+
+/// # Safety
+/// As `smr_next_entry` demands.
+unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut smr_entry) -> Result<(), smr_status> {
+    const NOWHERE: [core::ops::Range<usize>; 2] = [0..0, 0..0];
+    pointer::check_bytes(record, size, &NOWHERE)?;
+    // SAFETY: as the caller ensures.
+    let (start, next, out) = unsafe { (pointer::read(at)?, Out::new(at)?, Out::new(entry)?) };
+    // SAFETY: as the caller ensures; the pointer is not NULL, and its bytes are at most isize::MAX.
+    let record = unsafe { core::slice::from_raw_parts(record, size) };
+    let rest = record.get(start..).ok_or(SMR_ERROR_DAMAGED)?;
+    if rest.is_empty() {
+        out.write(smr_entry::of(smr_entry_kind::SMR_ENTRY_END));
+        return Ok(());
+    }
+    let found = first(rest).map_err(|damage| match damage.flaw {
+        Flaw::OtherVersion(_) => SMR_ERROR_OTHER_VERSION,
+        _ => SMR_ERROR_DAMAGED,
+    })?;
+    // SAFETY: the caller ensures that there is memory for an entry.
+    fill(unsafe { &mut *entry }, &found.entry)?;
+    next.write(start + found.size);
+    Ok(())
+}
+
+impl smr_entry {
+    /// An entry of a kind, and zeroes.
+    const fn of(kind: smr_entry_kind) -> Self {
+        // SAFETY: zeroes are a NULL pointer, numbers of 0 and the first state.
+        Self { kind, ..unsafe { core::mem::zeroed() } }
+    }
+}
+
+/// Writes what an entry says. If it fails, it writes nothing.
+#[inline(never)] // keeps its stack out of that of the reader
+fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
+    use smr_entry_kind as Kind;
+    match *entry {
+        Entry::Begin(begin) if begin.tracker == Robust::TRACKER => {
+            let config = begin.config(&robust::Config::robust()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
+            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            (of.is_robust, of.robust) = (1, (&config).into());
+        }
+        Entry::Begin(begin) => {
+            let config = begin.config(&paper::Config::paper()).ok_or(SMR_ERROR_OTHER_CONFIG)?;
+            *of = smr_entry::of(Kind::SMR_ENTRY_BEGIN);
+            of.paper = (&config).into();
+        }
+        Entry::Lock { ref frame, window, bbox } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_LOCK);
+            (of.frame, of.bbox) = (smr_frame::of(frame, [Some(window), None]), bbox.into());
+        }
+        Entry::Moved { right, down } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_MOVED);
+            (of.right, of.down) = (right, down);
+        }
+        Entry::Window { ref frame, window, sweep } => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_WINDOW);
+            of.frame = smr_frame::of(frame, [Some(window), sweep]);
+        }
+        Entry::Answer(answer) => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_ANSWER);
+            of.answer = answer.into();
+        }
+        Entry::Restored(saved) => {
+            *of = smr_entry::of(Kind::SMR_ENTRY_RESTORED);
+            (of.saved, of.saved_size) = (saved.as_ptr(), saved.len());
+        }
+    }
+    Ok(())
+}
+
+impl smr_frame {
+    /// The frame with these parts, which are in memory.
+    fn of(frame: &Frame<'_>, windows: [Option<Rect>; 2]) -> Self {
+        let part = |window: Option<Rect>| {
+            let image = window.and_then(|window| frame.patch(window));
+            let Rect { x, y, width, height } = window.unwrap_or_default();
+            let [x, y] = [x, y].map(|place| u16::try_from(place).unwrap_or(0));
+            let pixels = image.map_or(ptr::null(), |image| image.row(0).as_ptr());
+            let stride = usize::from(width);
+            smr_part { pixels, size: stride * usize::from(height), stride, width, height, x, y }
+        };
+        let Rect { width, height, .. } = frame.bounds();
+        Self { width, height, parts: windows.map(part) }
+    }
+}

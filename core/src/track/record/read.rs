@@ -1,0 +1,440 @@
+//! The entries of a record, checked.
+
+use super::{AROUND, HEAD, Tag, VERSION};
+use crate::image::{FineRect, Frame, Image, Rect};
+use crate::similarity::Table;
+use crate::track::checksum::Crc;
+use crate::track::{Answer, Settings, State};
+use core::fmt;
+
+/// Numbers of a table of similarities, and more than the other numbers of a configuration.
+const TABLE: usize = 256;
+const MOST: usize = 32;
+
+/// The entries of `record`, in their order.
+///
+/// Bytes before an entry `SMRB` are passed over if they are no entry: firmware that starts again appends to what was
+/// cut off. So are those at the end. See [`Entries::cut_off`].
+///
+/// ```
+/// use smr_core::record::{Entry, entries};
+/// # use smr_core::{Robust, Tracker, record::Recorder};
+/// # let mut record = Vec::new();
+/// # let tracker = Box::new(Tracker::<Robust>::new());
+/// # let mut recorder = Recorder::begin(tracker.target(), |bytes| std::io::Write::write_all(&mut record, bytes))?;
+/// # recorder.moved(256, -128)?;
+/// for found in entries(&record) {
+///     let found = found?; // bytes that are no entry, or an entry that is missing
+///     if let Entry::Moved { right, down } = found.entry {
+///         assert_eq!((found.number, right, down), (1, 256, -128));
+///     }
+/// }
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[must_use]
+pub const fn entries(record: &[u8]) -> Entries<'_> {
+    Entries { record, at: 0, next: 0, cut_off: 0 }
+}
+
+/// The entry that `bytes` begin with, for a record that is not in memory as a whole: see [`HEAD`] for how many they are.
+///
+/// # Errors
+/// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
+pub fn first(bytes: &[u8]) -> Result<Found<'_>, Damage> {
+    let of = |flaw| Damage { at: 0, flaw };
+    let (tag, number, content) = whole(bytes).ok_or(of(Flaw::NoEntry(bytes.len())))?;
+    let entry = read(tag, content).map_err(of)?;
+    Ok(Found { at: 0, size: AROUND + content.len(), number, entry })
+}
+
+/// An iterator over the entries of a record: see [`entries`]. It ends after damage.
+#[derive(Clone, Debug)]
+pub struct Entries<'a> {
+    record: &'a [u8],
+    at: usize,
+    /// The number that the next entry must have, unless it begins a record.
+    next: u32,
+    cut_off: usize,
+}
+
+/// An entry, and its place in the record.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<'a> {
+    /// Its first byte in the record.
+    pub at: usize,
+    /// Its bytes.
+    pub size: usize,
+    /// Its number since the last beginning.
+    pub number: u32,
+    /// What happened.
+    pub entry: Entry<'a>,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug)]
+pub enum Entry<'a> {
+    /// A tracker was made.
+    Begin(Begin<'a>),
+    /// A lock on `bbox`, which read `window` of the frame.
+    Lock {
+        /// The frame, with the pixels of the window in memory.
+        frame: Frame<'a>,
+        /// The pixels that were read.
+        window: Rect,
+        /// The box.
+        bbox: Rect,
+    },
+    /// A turn of the camera, in 1/256 pixel.
+    Moved {
+        /// To the right.
+        right: i32,
+        /// Down.
+        down: i32,
+    },
+    /// An update is about to begin.
+    Window {
+        /// The frame, with the pixels of both windows in memory.
+        frame: Frame<'a>,
+        /// The pixels that the update reads.
+        window: Rect,
+        /// The second window, if there is one.
+        sweep: Option<Rect>,
+    },
+    /// The answer of the update.
+    Answer(Answer),
+    /// The saved target that the tracker continued with.
+    Restored(&'a [u8]),
+}
+
+/// The tracker that a record begins with.
+#[derive(Clone, Copy)]
+pub struct Begin<'a> {
+    /// Its letter, [`Recorded::TRACKER`](super::Recorded::TRACKER).
+    pub tracker: u8,
+    numbers: &'a [u8],
+}
+
+impl fmt::Debug for Begin<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Begin").field("tracker", &char::from(self.tracker)).finish_non_exhaustive()
+    }
+}
+
+impl Begin<'_> {
+    /// The recorded configuration; `None` if it is not one of this tracker and version.
+    ///
+    /// Answers do not depend on the rest of a configuration: that is taken from `rest`. The table is the paper's or the
+    /// one in `rest`, because a record has its entries only.
+    #[must_use]
+    pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
+        let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);
+        let entries = numbers.clone().take(TABLE);
+        let mut tables = [&Table::PAPER, rest.table()].into_iter();
+        let table = tables.find(|table| table.entries().iter().copied().eq(entries.clone()))?;
+        numbers.nth(TABLE - 1)?;
+        let (mut all, count) = ([0; MOST], numbers.len());
+        all.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+        let found = C::of_numbers(table, all.get(..count)?).ok().filter(|_| self.tracker == C::KIND as u8)?;
+        let mut config = *rest;
+        config.put(table, &found.numbers());
+        Some(config)
+    }
+}
+
+/// What is wrong with a record, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Damage {
+    /// A byte of the record.
+    pub at: usize,
+    /// What is wrong there.
+    pub flaw: Flaw,
+}
+
+/// What is wrong with a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Flaw {
+    /// So many bytes are no entry, and the record goes on behind them.
+    NoEntry(usize),
+    /// The entry with this number is missing.
+    Missing(u32),
+    /// The record is of this version, not of [`VERSION`].
+    OtherVersion(u16),
+    /// The content of an entry is not that of its kind.
+    Content,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let at = self.at;
+        match self.flaw {
+            Flaw::NoEntry(bytes) => write!(f, "{bytes} bytes at byte {at} are damaged: no entry"),
+            Flaw::Missing(number) => write!(f, "byte {at}: entry {number} is missing"),
+            Flaw::OtherVersion(version) => {
+                write!(f, "byte {at}: version {version} of the record: expected {VERSION}")
+            }
+            Flaw::Content => write!(f, "the entry at byte {at} does not hold what its kind holds"),
+        }
+    }
+}
+
+impl core::error::Error for Damage {}
+
+impl Entries<'_> {
+    /// The bytes before the last entry, or at the end of the record, that are no entry.
+    #[must_use]
+    pub const fn cut_off(&self) -> usize {
+        self.cut_off
+    }
+
+    fn end(&mut self) {
+        self.record = &[];
+    }
+}
+
+impl<'a> Iterator for Entries<'a> {
+    type Item = Result<Found<'a>, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let start = self.at;
+        let (tag, number, content) = loop {
+            let rest = self.record.get(self.at..).filter(|rest| !rest.is_empty());
+            let Some(rest) = rest else {
+                self.cut_off = self.at - start.min(self.at);
+                self.at = start;
+                self.end();
+                return None;
+            };
+            if let Some(found) = whole(rest) {
+                break found;
+            }
+            self.at += 1;
+        };
+        let at = self.at;
+        self.cut_off = at - start.min(at);
+        let size = AROUND + content.len();
+        self.at += size;
+        let expected = if tag == Tag::Begin { 0 } else { self.next };
+        self.next = number.wrapping_add(1);
+        let entry = if self.cut_off > 0 && tag != Tag::Begin {
+            Err(Damage { at: start, flaw: Flaw::NoEntry(self.cut_off) })
+        } else if number != expected {
+            Err(Damage { at, flaw: Flaw::Missing(expected) })
+        } else {
+            read(tag, content).map_err(|flaw| Damage { at, flaw })
+        };
+        if entry.is_err() {
+            self.end();
+        }
+        Some(entry.map(|entry| Found { at, size, number, entry }))
+    }
+}
+
+/// Tag, number and content of the entry that begins here; `None` if no whole one does.
+#[inline(never)]
+fn whole(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
+    let mut head = Fields(bytes);
+    let tag = head.take()?;
+    let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag)?;
+    let (number, length) = (head.u32()?, usize::try_from(head.u32()?).ok()?);
+    let content = head.bytes(length)?;
+    let sum = head.u32()?;
+    let summed = bytes.get(..HEAD + content.len())?;
+    (Crc::of(summed) == sum).then_some((tag, number, content))
+}
+
+#[inline(never)]
+fn read(tag: Tag, content: &[u8]) -> Result<Entry<'_>, Flaw> {
+    let mut from = Fields(content);
+    if tag == Tag::Begin {
+        let version = from.u16().ok_or(Flaw::Content)?;
+        if version != VERSION {
+            return Err(Flaw::OtherVersion(version));
+        }
+    }
+    entry(tag, &mut from).filter(|_| from.0.is_empty()).ok_or(Flaw::Content)
+}
+
+fn entry<'a>(tag: Tag, from: &mut Fields<'a>) -> Option<Entry<'a>> {
+    Some(match tag {
+        Tag::Begin => {
+            let [tracker, _] = from.take()?;
+            Entry::Begin(Begin { tracker, numbers: from.rest() })
+        }
+        Tag::Lock => {
+            let (size, bbox, window) = (from.size()?, from.rect()?, from.rect()?);
+            Entry::Lock { frame: from.frame(size, window)?, window, bbox }
+        }
+        Tag::Moved => Entry::Moved { right: from.i32()?, down: from.i32()? },
+        Tag::Window => {
+            let (size, window, sweep) = (from.size()?, from.rect()?, from.rect()?);
+            let sweep = Some(sweep).filter(|sweep| !sweep.is_empty());
+            let mut frame = from.frame(size, window)?;
+            if let Some(sweep) = sweep {
+                let (image, x, y) = from.part(sweep)?;
+                frame = frame.and_part(image, x, y).ok()?;
+            }
+            Entry::Window { frame, window, sweep }
+        }
+        Tag::Answer => Entry::Answer(from.answer()?),
+        Tag::Restored => Entry::Restored(from.rest()),
+    })
+}
+
+/// The numbers of an entry, one after the other; `None` at the end.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (first, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(first)
+    }
+
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn rest(&mut self) -> &'a [u8] {
+        core::mem::take(&mut self.0)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.take().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn i32(&mut self) -> Option<i32> {
+        self.take().map(i32::from_le_bytes)
+    }
+
+    fn size(&mut self) -> Option<(u16, u16)> {
+        Some((self.u16()?, self.u16()?))
+    }
+
+    fn rect(&mut self) -> Option<Rect> {
+        let (x, y) = self.size()?;
+        let (width, height) = self.size()?;
+        Some(Rect::new(x.into(), y.into(), width, height))
+    }
+
+    /// The next pixels, as the part of a frame in this rectangle.
+    fn part(&mut self, rect: Rect) -> Option<(Image<'a>, u16, u16)> {
+        let pixels = self.bytes(usize::try_from(rect.area()).ok()?)?;
+        let image = Image::new(pixels, rect.width, rect.height).ok()?;
+        Some((image, u16::try_from(rect.x).ok()?, u16::try_from(rect.y).ok()?))
+    }
+
+    fn frame(&mut self, (width, height): (u16, u16), part: Rect) -> Option<Frame<'a>> {
+        let (image, x, y) = self.part(part)?;
+        Frame::part(image, x, y, width, height).ok()
+    }
+
+    fn answer(&mut self) -> Option<Answer> {
+        let fine = FineRect { x: self.i32()?, y: self.i32()?, width: self.u32()?, height: self.u32()? };
+        let [state, flags] = self.take()?;
+        let (confidence, ratio, runner_up, alpha) = (self.u16()?, self.u16()?, self.u16()?, self.u16()?);
+        let if_there = |bit: u8, number: u16| (flags & bit != 0).then_some(number);
+        let answer = Answer {
+            bbox: fine.whole(),
+            fine,
+            state: State::from_code(state)?,
+            confidence,
+            ratio,
+            runner_up_ratio: if_there(2, runner_up),
+            alpha: if_there(4, alpha),
+            scale: self.u32()?,
+            found_again: flags & 1 != 0,
+        };
+        (flags < 8).then_some(answer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Recorder;
+    use crate::{Robust, Target};
+    use std::boxed::Box;
+    use std::vec::Vec;
+
+    /// A record of three entries, and where each ends.
+    fn record() -> (Vec<u8>, [usize; 3]) {
+        let mut bytes = Vec::new();
+        let target = Box::new(Robust::EMPTY);
+        let write = |piece: &[u8]| std::io::Write::write_all(&mut bytes, piece);
+        let mut recorder = Recorder::begin(&*target, write).expect("memory");
+        recorder.moved(1, -2).expect("memory");
+        recorder.restored(b"SMRB is no entry").expect("memory");
+        let last = AROUND + 16;
+        let end = bytes.len();
+        (bytes, [end - last - AROUND - 8, end - last, end])
+    }
+
+    fn sealed(tag: Tag, number: u32, content: &[u8]) -> Vec<u8> {
+        let length = u32::try_from(content.len()).expect("it is small");
+        let mut bytes = [&tag.bytes(), &number.to_le_bytes(), &length.to_le_bytes(), content].concat();
+        bytes.extend(Crc::of(&bytes).to_le_bytes());
+        bytes
+    }
+
+    /// Places of the entries, what is wrong after them, and the bytes that are no entry.
+    fn read_all(bytes: &[u8]) -> (Vec<(usize, u32)>, Option<Damage>, usize) {
+        let (mut all, mut found, mut damage) = (entries(bytes), Vec::new(), None);
+        for next in all.by_ref() {
+            match next {
+                Ok(Found { at, number, .. }) => found.push((at, number)),
+                Err(wrong) => damage = Some(wrong),
+            }
+        }
+        (found, damage, all.cut_off())
+    }
+
+    #[test]
+    fn a_record_cut_off_anywhere_is_good_up_to_its_last_whole_entry() {
+        let (whole, ends) = record();
+        for cut in 0..=whole.len() {
+            let good = ends.iter().filter(|&&end| end <= cut).count();
+            let left = cut - ends[..good].last().unwrap_or(&0);
+            let (found, damage, cut_off) = read_all(&whole[..cut]);
+            assert_eq!((found.len(), damage, cut_off), (good, None, left), "{cut}");
+            // Firmware that starts again appends.
+            let (found, damage, _) = read_all(&[&whole[..cut], &whole].concat());
+            assert_eq!((found.len(), found[good], damage), (good + 3, (cut, 0), None), "{cut}");
+        }
+    }
+
+    #[test]
+    fn damage_is_said_with_its_place() {
+        let (whole, ends) = record();
+        for at in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 1;
+            let before = ends.iter().filter(|&&end| end <= at).count();
+            let start = if before == 0 { 0 } else { ends[before - 1] };
+            let (found, damage, _) = read_all(&damaged);
+            let flaw = Flaw::NoEntry(ends[before] - start);
+            assert_eq!((found.len(), damage), (before, (before < 2).then_some(Damage { at: start, flaw })), "{at}");
+        }
+        let flaw = |entry: &[u8]| {
+            let (_, damage, _) = read_all(&[&whole[..ends[1]], entry].concat());
+            damage.map(|damage| (damage.at, damage.flaw))
+        };
+        assert_eq!(flaw(&sealed(Tag::Restored, 2, &[])), None);
+        assert_eq!(flaw(&sealed(Tag::Restored, 3, &[])), Some((ends[1], Flaw::Missing(2))));
+        assert_eq!(flaw(&sealed(Tag::Begin, 2, &whole[HEAD..ends[0] - 4])), Some((ends[1], Flaw::Missing(0))));
+        assert_eq!(flaw(&sealed(Tag::Begin, 0, &[9, 0, b'P', 0])), Some((ends[1], Flaw::OtherVersion(9))));
+        for tag in Tag::ALL.into_iter().filter(|&tag| tag != Tag::Restored) {
+            let number = if tag == Tag::Begin { 0 } else { 2 };
+            let is = if tag == Tag::Moved { 9 } else { 1 };
+            assert_eq!(flaw(&sealed(tag, number, &[1; 9][..is])), Some((ends[1], Flaw::Content)), "{tag:?}");
+        }
+    }
+}
