@@ -56,7 +56,7 @@ const CALL = struct({
   responses: array(array(i32, RESPONSE_SPAN), RESPONSE_SPAN),
 });
 // The memory for a flight record; the first five are the library's.
-const SINK = struct({ write: u32, context: u32, entries: u32, failed: u32, bytes: u32, size: u32, used: u32 });
+const SINK = struct({ write: u32, context: u32, entries: u32, flags: u32, tracker: u32, bytes: u32, size: u32, used: u32 });
 // More than a record's first entry, and more than the entries of an update without their pixels.
 const MOST_AROUND = 1024;
 // Memory for windows is taken in steps, so that windows of changing size do not scatter the memory.

@@ -928,7 +928,7 @@ typedef struct smr_readout {
 } smr_readout;
 
 /**
- * Where a flight record goes: see #smr_record. Set `write` and `context`, and the rest to 0.
+ * The recorder of a tracker: see #smr_record. Set `write` and `context`, and the rest to 0.
  */
 typedef struct smr_recorder {
   /**
@@ -948,6 +948,14 @@ typedef struct smr_recorder {
    * 1 once `write` has failed: nothing more is written.
    */
   uint8_t failed;
+  /**
+   * 1 while an update in steps is under way.
+   */
+  uint8_t under_way;
+  /**
+   * The tracker that is recorded.
+   */
+  struct smr_tracker *tracker;
 } smr_recorder;
 
 /**
@@ -1022,7 +1030,7 @@ SMR_SIZE(smr_fine_rect, 16, 16);
 SMR_SIZE(smr_answer, 48, 48);
 SMR_SIZE(smr_image, 8, 16);
 SMR_SIZE(smr_readout, 44, 56);
-SMR_SIZE(smr_recorder, 16, 24);
+SMR_SIZE(smr_recorder, 20, 32);
 SMR_SIZE(smr_entry, 192, 240);
 #ifndef __i386__ /* where members of a struct have an alignment of at most 4 */
 struct smr_storage {

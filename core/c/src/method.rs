@@ -12,7 +12,7 @@ use crate::pointer::{self, Out};
 #[cfg(feature = "unstable")]
 use crate::status::SMR_ERROR_OTHER_METHOD;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
-use crate::tracker::{Event, Hook, Known, Tracked, smr_tracker};
+use crate::tracker::{Known, Tracked, smr_tracker};
 #[cfg(feature = "unstable")]
 use crate::unstable::ResponseMap;
 use core::ffi::c_void;
@@ -88,9 +88,8 @@ struct Stored<T: Method> {
     held: Held<T>,
 }
 
-/// A target, its recorder, and the address of its workspace.
+/// A target, and the address of its workspace.
 struct Held<T: Method> {
-    hook: Option<Hook>,
     workspace: *mut Scratch<T>,
     target: T,
 }
@@ -140,7 +139,6 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
         (&raw mut (*storage).held.target).write(T::EMPTY);
         (*storage).held.target.set_config(config);
         (&raw mut (*storage).held.workspace).write(workspace);
-        (&raw mut (*storage).held.hook).write(None);
         (&raw mut (*storage).handle).write(smr_tracker::new(storage.cast(), &raw mut (*storage).held));
         (&raw mut (*workspace).workspace).write(T::EMPTY_WORKSPACE);
         (&raw mut (*workspace).owner).write(0);
@@ -204,20 +202,15 @@ impl<T: Method> Tracked for Held<T> {
             return Err(SMR_UNDER_WAY);
         }
         calls::commit_lock(target, workspace, frame);
-        self.tell(&Event::Lock(frame, *bbox));
         Ok(())
     }
 
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
-        if self.hook.is_some() && !calls::updates::<T>(self.parts()?.1) {
-            self.tell(&Event::Window(frame));
-        }
         let (target, workspace) = self.parts()?;
         if !calls::step(target, workspace, frame, work)? {
             return Err(SMR_UNDER_WAY);
         }
         conclude(target, workspace, frame, out);
-        self.tell(&Event::Answer(out));
         Ok(())
     }
 
@@ -233,18 +226,6 @@ impl<T: Method> Tracked for Held<T> {
     fn work(&self) -> Result<u32, smr_status> {
         // SAFETY: as for `parts`; nobody writes the workspace while the result lives.
         Ok(T::work(unsafe { &self.marked().ok_or(SMR_ERROR_NOT_INITIALISED)?.as_ref().workspace }))
-    }
-
-    #[inline(never)] // one copy in flash
-    fn tell(&mut self, event: &Event<'_>) {
-        if let Some(Hook { recorder, call }) = self.hook {
-            // SAFETY: as `smr_record` demands of its caller.
-            unsafe { call(recorder, self, event) }
-        }
-    }
-
-    fn record(&mut self, hook: Option<Hook>) {
-        self.hook = hook;
     }
 
     fn cancel(&mut self) {

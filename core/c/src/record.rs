@@ -1,12 +1,15 @@
 //! Flight records, written as a tracker is called.
 
-use crate::pointer;
-use crate::status::{SMR_ERROR_NULL, smr_status, status_of};
-use crate::tracker::{Event, Hook, Known, Tracked, borrow, each, smr_tracker};
+use crate::answer::smr_answer;
+use crate::pointer::{self, Out};
+use crate::status::{SMR_ERROR_NULL, SMR_UNDER_WAY, smr_status, status_of};
+use crate::tracker::{Event, Known, Tracked, borrow, each, smr_tracker};
 use core::ffi::{c_int, c_void};
+use core::ops::Range;
 use smr_core::record::Recorder;
+use smr_core::{Frame, Rect};
 
-/// Where a flight record goes: see #smr_record. Set `write` and `context`, and the rest to 0.
+/// The recorder of a tracker: see #smr_record. Set `write` and `context`, and the rest to 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_recorder {
@@ -19,6 +22,10 @@ pub struct smr_recorder {
     pub entries: u32,
     /// 1 once `write` has failed: nothing more is written.
     pub failed: u8,
+    /// 1 while an update in steps is under way.
+    pub under_way: u8,
+    /// The tracker that is recorded.
+    pub tracker: *mut smr_tracker,
 }
 
 /// Records a tracker from now on: every lock, update, move and restored target, as `write` of the recorder is given
@@ -35,52 +42,111 @@ pub struct smr_recorder {
 pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut smr_recorder) -> smr_status {
     // SAFETY: as the header demands of the caller.
     status_of(unsafe {
-        borrow(tracker).and_then(|tracker| {
+        borrow(tracker).and_then(|_| {
+            let own = (*tracker).own;
             if recorder.is_null() {
-                tracker.record(None);
+                (*tracker).send_to(own);
                 return Ok(());
             }
             pointer::check(recorder)?;
             if (*recorder).write.is_none() {
                 return Err(SMR_ERROR_NULL);
             }
-            ((*recorder).entries, (*recorder).failed) = (0, 0);
-            tracker.record(Some(Hook { recorder, call: told }));
-            tracker.tell(&Event::Begin);
+            *recorder = smr_recorder { entries: 0, failed: 0, under_way: 0, tracker, ..*recorder };
+            (*tracker).send_to(recorder);
+            (*recorder).tell(&Event::Begin);
             Ok(())
         })
     })
 }
 
-/// Adds an event to the record.
-///
-/// # Safety
-/// As `smr_record` demands.
-unsafe fn told(recorder: *mut smr_recorder, tracker: &mut dyn Tracked, event: &Event<'_>) {
-    // SAFETY: as the caller ensures.
-    let recorder = unsafe { &mut *recorder };
-    let (Some(write), 0) = (recorder.write, recorder.failed) else { return };
-    let context = recorder.context;
-    let write = |bytes: &[u8]| {
-        // SAFETY: as the caller ensures: C's function takes these bytes.
-        if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
-    };
-    let mut to = Recorder::resume(recorder.entries, write);
-    let result = match *event {
-        Event::Begin => each!(tracker.known(), target => to.beginning(target)),
-        Event::Lock(frame, bbox) => to.lock_of(frame, bbox, tracker.lock_window(frame.bounds(), bbox)),
-        Event::Window(frame) => {
-            let [window, sweep] = [tracker.window(), tracker.sweep_window()].map(Option::unwrap_or_default);
-            // Else the update fails.
-            if !frame.covers(window) || !sweep.is_empty() && !frame.covers(sweep) {
-                return;
-            }
-            to.window_of(frame, window, sweep)
+impl smr_recorder {
+    /// The tracker that is recorded.
+    fn own<'a>(&self) -> &'a mut dyn Tracked {
+        // SAFETY: `smr_record` has set it, and its caller ensures that nobody else uses the tracker.
+        unsafe { &mut *(*self.tracker).own }
+    }
+}
+
+/// Passes each call on, and records it.
+impl Tracked for smr_recorder {
+    fn known(&mut self) -> Known<'_> {
+        self.own().known()
+    }
+
+    fn memory(&self) -> [Range<usize>; 2] {
+        self.own().memory()
+    }
+
+    fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
+        self.own().lock_window(bounds, bbox)
+    }
+
+    fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status> {
+        self.under_way = 0;
+        self.own().lock_step(frame, bbox, work)?;
+        self.tell(&Event::Lock(frame, *bbox));
+        Ok(())
+    }
+
+    fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status> {
+        if self.under_way == 0 {
+            self.tell(&Event::Window(frame));
         }
-        Event::Answer(answer) => to.answer(&answer.read().into()),
-        Event::Moved(right, down) => to.moved(right, down),
-        Event::Restored(saved) => to.restored(saved),
-    };
-    recorder.entries = to.entries();
-    recorder.failed = result.is_err().into();
+        let result = self.own().update_step(frame, work, out);
+        self.under_way = (result == Err(SMR_UNDER_WAY)).into();
+        if result.is_ok() {
+            self.tell(&Event::Answer(out));
+        }
+        result
+    }
+
+    fn cancel(&mut self) {
+        self.under_way = 0;
+        self.own().cancel();
+    }
+
+    fn tell(&mut self, event: &Event<'_>) {
+        let own = self.own();
+        let (Some(write), 0) = (self.write, self.failed) else { return };
+        let context = self.context;
+        let write = |bytes: &[u8]| {
+            // SAFETY: as the caller of `smr_record` ensures: C's function takes these bytes.
+            if unsafe { write(context, bytes.as_ptr(), bytes.len()) } == 0 { Ok(()) } else { Err(()) }
+        };
+        let mut to = Recorder::resume(self.entries, write);
+        let result = match *event {
+            Event::Begin => each!(own.known(), target => to.beginning(target)),
+            Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
+            Event::Window(frame) => {
+                let [window, sweep] = [own.window(), own.sweep_window()].map(Option::unwrap_or_default);
+                // Else the update fails.
+                let shows = frame.covers(window) && (sweep.is_empty() || frame.covers(sweep));
+                if shows { to.window_of(frame, window, sweep) } else { Ok(()) }
+            }
+            Event::Answer(answer) => to.answer(&answer.read().into()),
+            Event::Moved(right, down) => to.moved(right, down),
+            Event::Restored(saved) => to.restored(saved),
+        };
+        self.failed = result.is_err().into();
+        self.entries = to.entries();
+    }
+
+    fn window(&self) -> Option<Rect> {
+        self.own().window()
+    }
+
+    fn sweep_window(&self) -> Option<Rect> {
+        self.own().sweep_window()
+    }
+
+    #[cfg(feature = "unstable")]
+    fn work(&self) -> Result<u32, smr_status> {
+        self.own().work()
+    }
+
+    #[cfg(feature = "unstable")]
+    fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status> {
+        self.own().response_map(frame)
+    }
 }

@@ -4,7 +4,6 @@ use crate::answer::smr_answer;
 use crate::capacity::PaperTarget;
 use crate::frame::smr_frame;
 use crate::pointer::{self, Out};
-use crate::record::smr_recorder;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
 use core::ops::Range;
 use core::ptr::addr_of;
@@ -19,14 +18,22 @@ use smr_core::{Frame, Rect, Robust};
 pub struct smr_tracker {
     /// [`mark_of`] its own address, to recognise memory that is not a tracker.
     mark: usize,
-    /// The tracker in the same storage.
+    /// Takes the calls: `own`, or a recorder that passes them on. Only `smr_record` names the recorder's code, so a
+    /// program without it does not link it.
     held: *mut dyn Tracked,
+    /// The tracker in the same storage.
+    pub(crate) own: *mut dyn Tracked,
 }
 
 impl smr_tracker {
     /// The handle at `address`, of the tracker `held`.
     pub(crate) fn new(address: *const Self, held: *mut dyn Tracked) -> Self {
-        Self { mark: mark_of(address), held }
+        Self { mark: mark_of(address), held, own: held }
+    }
+
+    /// Sends all calls to `held` from now on.
+    pub(crate) const fn send_to(&mut self, held: *mut dyn Tracked) {
+        self.held = held;
     }
 }
 
@@ -56,14 +63,6 @@ macro_rules! each {
 }
 pub(crate) use each;
 
-/// The recorder of a tracker, and the call that adds an event to the record. Only `smr_record` names that call, so that a
-/// program without it does not link it.
-#[derive(Clone, Copy)]
-pub(crate) struct Hook {
-    pub(crate) recorder: *mut smr_recorder,
-    pub(crate) call: unsafe fn(*mut smr_recorder, &mut dyn Tracked, &Event<'_>),
-}
-
 /// What a record has entries of.
 #[derive(Clone, Copy)]
 pub(crate) enum Event<'a> {
@@ -90,9 +89,7 @@ pub(crate) trait Tracked {
     /// Ends what is under way.
     fn cancel(&mut self);
     /// Tells the recorder of an event, if there is one.
-    fn tell(&mut self, event: &Event<'_>);
-    /// Sets the recorder.
-    fn record(&mut self, hook: Option<Hook>);
+    fn tell(&mut self, _: &Event<'_>) {}
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
     #[cfg(feature = "unstable")]

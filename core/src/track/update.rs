@@ -159,11 +159,6 @@ pub mod calls {
         begins
     }
 
-    /// True if an update is under way in the workspace.
-    pub fn updates<T: Steps>(workspace: &mut T::Workspace) -> bool {
-        T::under_way(workspace, SEAL).call == Call::Update
-    }
-
     /// Checks that an update with `frame` is possible. Reads no pixel.
     ///
     /// # Errors
