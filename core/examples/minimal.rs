@@ -17,8 +17,7 @@ mod firmware {
     use defmt::{error, info};
     use defmt_semihosting as _;
     use semihosting::process::exit;
-    use smr_core::paper::Config;
-    use smr_core::{Frame, Image, Paper, Rect, State, Tracker};
+    use smr_core::{Error, Frame, Image, Paper, Rect, State, Tracker};
 
     const WIDTH: u16 = 64;
     const HEIGHT: u16 = 48;
@@ -30,36 +29,35 @@ mod firmware {
     /// Three frames in flash in place of a camera, drawn at compile time. The target moves by a few pixels in each.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// A tracker with room for a template of 256 pixels and for 17 offsets on each axis, the window -8..=8 below. The
-    /// type contains all the memory of the tracker, so its size is known at compile time. It could also be a `static`.
+    /// A tracker with room for a template of 256 pixels and for 17 offsets on each axis, so with a window of -8..=8: a
+    /// small one, because the work is offsets times pixels. The type contains all the memory of the tracker, so its size
+    /// is known at compile time. It could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
     fn main() -> ! {
-        // A small window, because the work is offsets times pixels.
-        match follow(Config::camera_within(8)) {
+        match follow(&mut Small::new()) {
             Ok(()) => exit(0),
             Err(what) => {
-                error!("{=str}", what);
+                error!("{}", defmt::Display2Format(&what));
                 exit(1)
             }
         }
     }
 
-    fn follow(config: Config) -> Result<(), &'static str> {
-        let mut tracker = Small::new(config).map_err(|_| "the configuration cannot be used")?;
+    fn follow(tracker: &mut Small) -> Result<(), Error> {
         info!("a tracker takes {=usize} bytes", size_of::<Small>());
 
         let [first, others @ ..] = &FRAMES;
-        tracker.lock(&frame(first)?, START).map_err(|_| "cannot lock on the box")?;
+        tracker.lock(&frame(first)?, START)?;
 
         for (number, pixels) in (2u32..).zip(others) {
             // The tracker reads only these pixels. If your camera can read out a part of the sensor, give it only
-            // these: see `Frame::part` and the example `replay`.
-            let window = tracker.window().ok_or("not locked")?;
+            // these, as `Frame::of_window`.
+            let window = tracker.window().unwrap_or_default();
             info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
 
-            let answer = tracker.update(&frame(pixels)?).map_err(|_| "cannot search the frame")?;
+            let answer = tracker.update(&frame(pixels)?)?;
             let Rect { x, y, .. } = answer.bbox;
             match answer.state {
                 // The ratio is the similarity of target and template: 65535 is 1.0.
@@ -75,8 +73,8 @@ mod firmware {
     }
 
     /// Borrows the pixels as a frame, without a copy.
-    fn frame(pixels: &[u8; FRAME]) -> Result<Frame<'_>, &'static str> {
-        Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
+    fn frame(pixels: &[u8; FRAME]) -> Result<Frame<'_>, Error> {
+        Ok(Frame::whole(Image::new(pixels, WIDTH, HEIGHT)?))
     }
 
     /// A flat background with the target, a pattern that does not repeat, at (`left`, `top`).
