@@ -18,7 +18,7 @@ macro_rules! errors {
         ///     Ok(tracker.update(&frame)?)
         /// }
         ///
-        /// let error = locked(&mut Tracker::new(), &[0; 100]).unwrap_err();
+        /// let error = locked(&mut Tracker::<Robust>::new(), &[0; 100]).unwrap_err();
         /// assert_eq!(error, Error::Image(smr_core::ImageError::SliceTooShort));
         /// ```
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]

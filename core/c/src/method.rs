@@ -26,6 +26,10 @@ use smr_core::{Frame, Rect, Robust, Target};
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
+    /// A target and a workspace that no call has used. As constants they are written in place, all zeroes.
+    const EMPTY: Self;
+    const EMPTY_WORKSPACE: Self::Workspace;
+
     /// This tracker's part of `config`.
     fn configuration(config: &smr_config) -> Self::Config;
 
@@ -49,6 +53,8 @@ impl Method for PaperTarget {
         workspace_size: PAPER_WORKSPACE_SIZE,
         make: make::<Self>,
     };
+    const EMPTY: Self = Self::new();
+    const EMPTY_WORKSPACE: Self::Workspace = smr_core::paper::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.paper()
@@ -66,6 +72,8 @@ impl Method for Robust {
         workspace_size: ROBUST_WORKSPACE_SIZE,
         make: make::<Self>,
     };
+    const EMPTY: Self = Self::new();
+    const EMPTY_WORKSPACE: Self::Workspace = smr_core::robust::Workspace::new();
 
     fn configuration(config: &smr_config) -> Self::Config {
         config.robust()

@@ -27,12 +27,12 @@
 //!
 //! | entry | bytes |
 //! |---|---|
-//! | begin | 584 ([`Paper`]) or 556 ([`Robust`]; with the refiner 558) |
+//! | begin | 584 ([`Paper`](crate::Paper)) or 556 ([`Robust`](crate::Robust); with the refiner 558) |
 //! | lock | 36 + pixels of [`Target::lock_window`] |
 //! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
-//! The pixels are in the record because the answer depends on them. The window of [`Paper`] is box + 2 * radius in
-//! width and height: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`] is
+//! The pixels are in the record because the answer depends on them. The window of [`Paper`](crate::Paper) is box + 2 * radius in
+//! width and height: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
 //! about 16 times the area of its target.
 //!
 //! The recorder keeps 64 bytes on the stack and needs no other memory. It takes the time of a CRC-32 over the bytes,

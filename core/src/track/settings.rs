@@ -108,7 +108,7 @@ pub trait Settings: Numbers {
     /// A description of each, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
-    /// Sets a setting by its name. [`Target::new`](crate::Target::new) compares it with others.
+    /// Sets a setting by its name. [`Target::with`](crate::Target::with) compares it with others.
     ///
     /// # Errors
     /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]. The configuration is

@@ -54,9 +54,9 @@ pub trait Target: Steps {
     /// The most work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
     fn most_work(config: &Self::Config, width: u16, height: u16) -> MostWork;
 
-    /// A target that is not locked, with the default configuration. All its bytes are 0.
+    /// A target that is not locked, with the default configuration.
     #[doc(hidden)]
-    const EMPTY: Self;
+    fn unlocked() -> Self;
 
     /// A target that is not locked.
     ///
@@ -64,8 +64,9 @@ pub trait Target: Steps {
     /// [`ConfigError`] if the configuration is invalid.
     #[inline(always)]
     fn with(config: Self::Config) -> Result<Self, ConfigError> {
-        let mut target = Self::EMPTY;
-        target.configure(config)?;
+        Self::check_config(&config)?;
+        let mut target = Self::unlocked();
+        target.set_config(config);
         Ok(target)
     }
 

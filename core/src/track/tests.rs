@@ -601,8 +601,8 @@ fn a_second_target_takes_no_scratch() {
 #[allow(unsafe_code)]
 fn a_tracker_in_a_static_takes_no_flash() {
     use std::sync::Mutex;
-    static PAPER: Mutex<Tracker<SmallPaper>> = Mutex::new(Tracker::new());
-    static ROBUST: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
+    static PAPER: Mutex<Tracker<SmallPaper>> = Mutex::new(Tracker::<SmallPaper>::new());
+    static ROBUST: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
     static OTHER: Mutex<[u8; 4096]> = Mutex::new([1; 4096]);
     // SAFETY: the linker defines both; only their addresses are taken.
     unsafe extern "C" {

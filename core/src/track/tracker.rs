@@ -1,5 +1,7 @@
 //! A target together with its workspace, for following a single target.
 
+use super::paper::{self, target::Paper};
+use super::robust::{self, target::Robust};
 use super::update::{self, calls};
 use super::{Answer, ConfigError, LockError, Quality, RestoreError, SaveError, State, Target, UpdateError};
 use crate::image::{FineRect, Frame, Rect};
@@ -43,16 +45,15 @@ pub struct Tracker<T: Target> {
     workspace: T::Workspace,
 }
 
-impl<T: Target> Tracker<T> {
-    /// A tracker without a target, with the default configuration: [`paper::Config::camera`](crate::paper::Config::camera)
-    /// for windows that fit `SPAN`, [`robust::Config::robust`](crate::robust::Config::robust). All its bytes are 0. In a
+impl Tracker<Robust> {
+    /// A tracker without a target, with the default configuration: [`robust::Config::robust`]. All its bytes are 0. In a
     /// `static` it takes neither stack nor flash:
     ///
     /// ```
     /// use smr_core::{Robust, Tracker, robust::Config};
     /// use std::sync::Mutex; // in firmware: the mutex of critical-section or Embassy
     ///
-    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::new());
+    /// static TRACKER: Mutex<Tracker<Robust>> = Mutex::new(Tracker::<Robust>::new());
     /// let mut config = Config::robust();
     /// config.reach = 6;
     /// TRACKER.lock().unwrap().configure(config)?;
@@ -60,18 +61,32 @@ impl<T: Target> Tracker<T> {
     /// # Ok::<(), smr_core::Error>(())
     /// ```
     #[must_use]
+    #[inline(always)]
     pub const fn new() -> Self {
-        Self { target: T::EMPTY, workspace: T::EMPTY_WORKSPACE }
+        Self { target: Robust::new(), workspace: robust::Workspace::new() }
     }
+}
 
+impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
+    /// A tracker without a target, with [`paper::Config::camera`] for windows that fit `SPAN`. All its bytes are 0. In a
+    /// `static` it takes neither stack nor flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
+    #[must_use]
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Self { target: Paper::new(), workspace: paper::Workspace::new() }
+    }
+}
+
+impl<T: Target> Tracker<T> {
     /// A tracker without a target.
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
     #[inline(always)]
     pub fn with(config: T::Config) -> Result<Self, ConfigError> {
-        let mut tracker = Self::new();
-        tracker.target.configure(config)?;
+        T::check_config(&config)?;
+        let mut tracker = Self::default();
+        tracker.target.set_config(config);
         Ok(tracker)
     }
 
@@ -292,8 +307,9 @@ impl<T: Target> Tracker<T> {
 }
 
 impl<T: Target> Default for Tracker<T> {
+    #[inline(always)]
     fn default() -> Self {
-        Self::new()
+        Self { target: T::unlocked(), workspace: T::Workspace::default() }
     }
 }
 

@@ -55,10 +55,6 @@ pub trait Steps: Sized {
     /// Scratch memory for an update or a lock.
     type Workspace: Default;
 
-    /// A workspace that no call has used. All its bytes are 0.
-    #[doc(hidden)]
-    const EMPTY_WORKSPACE: Self::Workspace;
-
     /// What the workspace stores about an update or lock under way.
     #[doc(hidden)]
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;

@@ -56,6 +56,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     /// A target that is not locked, with [`Config::camera`] for windows that fit `SPAN`. All its bytes are 0, so that a
     /// `static` takes no flash. For another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self { config: Slot::Empty, track: Slot::Empty, template: Template::new() }
     }
@@ -150,7 +151,10 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         }
     }
 
-    const EMPTY: Self = Self::new();
+    #[inline(always)]
+    fn unlocked() -> Self {
+        Self::new()
+    }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
         config.check()?;
@@ -218,8 +222,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
 impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     type Workspace = Workspace<PIXELS, SPAN>;
-
-    const EMPTY_WORKSPACE: Self::Workspace = Workspace::new();
 
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way

@@ -360,15 +360,15 @@ impl<'a> Fields<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Robust;
     use crate::record::Recorder;
-    use crate::{Robust, Target};
     use std::boxed::Box;
     use std::vec::Vec;
 
     /// A record of three entries, and where each ends.
     fn record() -> (Vec<u8>, [usize; 3]) {
         let mut bytes = Vec::new();
-        let target = Box::new(Robust::EMPTY);
+        let target = Box::new(Robust::new());
         let write = |piece: &[u8]| std::io::Write::write_all(&mut bytes, piece);
         let mut recorder = Recorder::begin(&*target, write).expect("memory");
         recorder.moved(1, -2).expect("memory");

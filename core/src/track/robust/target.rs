@@ -60,6 +60,7 @@ impl Robust {
     /// A target that is not locked, with [`Config::robust`]. All its bytes are 0, so that a `static` takes no flash. For
     /// another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self { config: Slot::Empty, memory: Memory::new() }
     }
@@ -151,7 +152,10 @@ impl Target for Robust {
         config.most_work()
     }
 
-    const EMPTY: Self = Self::new();
+    #[inline(always)]
+    fn unlocked() -> Self {
+        Self::new()
+    }
 
     fn check_config(config: &Config) -> Result<(), ConfigError> {
         config.check()
@@ -219,8 +223,6 @@ impl Target for Robust {
 
 impl Steps for Robust {
     type Workspace = Workspace;
-
-    const EMPTY_WORKSPACE: Workspace = Workspace::new();
 
     fn under_way<'a>(workspace: &'a mut Workspace, _: &Seal) -> &'a mut UnderWay {
         &mut workspace.under_way
