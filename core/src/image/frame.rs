@@ -103,14 +103,6 @@ impl<'a> Frame<'a> {
 
     /// A frame of the `size` (width, height) of which only the `pixels` of `window` are in memory, row after row.
     ///
-    /// ```
-    /// # use smr_core::{Frame, Rect};
-    /// let window = Rect::new(100, 40, 96, 96); // from `Tracker::window`
-    /// let frame = Frame::of_window(&[0; 96 * 96], window, (320, 240))?;
-    /// assert!(frame.covers(window));
-    /// # Ok::<(), smr_core::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or has more pixels.
     pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, Error> {

@@ -139,21 +139,6 @@ impl<T: Target> Tracker<T> {
     /// of the last step. The pixels must be the same in every step. `None` while work is left; there is no target
     /// until then. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) does all work in one step.
     ///
-    /// ```
-    /// # use smr_core::{Frame, Image, Rect, Robust, Tracker, robust};
-    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// let mut tracker = Box::new(Tracker::<Robust>::new());
-    /// let quality = loop {
-    ///     if let Some(quality) = tracker.lock_step(&frame, Rect::new(20, 10, 16, 16), 200_000)? {
-    ///         break quality;
-    ///     }
-    ///     // other work with a deadline
-    /// };
-    /// assert!(!quality.is_poor());
-    /// # Ok::<(), smr_core::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// [`LockError`]. The target and the lock under way are then unchanged.
     pub fn lock_step(&mut self, frame: &Frame<'_>, bbox: Rect, work: u32) -> Result<Option<Quality>, LockError> {
@@ -228,8 +213,8 @@ impl<T: Target> Tracker<T> {
     /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
     /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<Paper<256, 161>>::new();
-    /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+    /// let mut tracker = Tracker::<Paper<256, 161>>::new();
+    /// while tracker.lock_step(&frame, Rect::new(20, 10, 16, 16), 200_000)?.is_none() {}
     /// let answer = loop {
     ///     if let Some(answer) = tracker.update_step(&frame, 10_000)? {
     ///         break answer;

@@ -35,8 +35,7 @@ impl Refused {
             ],
             LockError::WindowTooLarge => vec![
                 (has("method"), "--method robust"),
-                (has("set"), "a smaller --set window_limit"),
-                (has("set"), "a smaller --set padding"),
+                (has("set"), "a smaller --set window_limit or --set padding"),
                 (has("resize"), "--resize 1/2"),
             ],
             _ => vec![
