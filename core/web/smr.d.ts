@@ -67,7 +67,7 @@ export type Pair = [number, number];
 /** The options of smr_paper_config in smr.h. */
 export interface PaperOptions {
   preset?: "camera" | "paper";
-  /** The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6). 1 to 65535. */
+  /** The next threshold alpha as a part of the largest difference of two pixels of template and box. 1 to 65535. */
   k?: Pair;
   /** The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted. 0 to 65535. */
   gateTracking?: Pair;

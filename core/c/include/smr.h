@@ -133,7 +133,7 @@ typedef char smr_memory_is_as_large_as_stated[
 /**
  * How a call ended. The numbers never change; later versions may add new ones.
  *
- * A call that does not return #SMR_OK changes nothing, except that #smr_init sets `*tracker` to NULL.
+ * A call that returns an error changes nothing, except that #smr_init sets `*tracker` to NULL and a read-out notes the line.
  */
 enum smr_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -536,8 +536,7 @@ typedef struct smr_margins {
  */
 typedef struct smr_paper_config {
   /**
-   * The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6). 1 to
-   * 65535.
+   * The next threshold alpha as a part of the largest difference of two pixels of template and box. 1 to 65535.
    */
   struct smr_fraction k;
   /**
@@ -995,7 +994,7 @@ typedef struct smr_entry {
    */
   size_t saved_size;
   /**
-   * 1 if the record is of the robust tracker, 0 if it is of the paper's.
+   * Of #SMR_ENTRY_BEGIN: 1 for the robust tracker, 0 for the paper's.
    */
   uint8_t is_robust;
   /**
@@ -1202,7 +1201,7 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * pixels in #smr_lock_window.
  *
  * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
- * as much as 11 to 14 updates. #smr_lock_step does the same in steps.
+ * as much as 11 to 16 updates. #smr_lock_step does the same in steps.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -1218,7 +1217,7 @@ smr_status smr_lock(struct smr_tracker *tracker,
 /**
  * Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
  * size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
- * no target until then. Units of work: see #smr_update_step; a lock takes at most 50.5 million. The paper's tracker does
+ * no target until then. Units of work: see #smr_update_step; a lock takes at most 50.6 million. The paper's tracker does
  * all work in one step.
  *
  * @param tracker  Made by #smr_init.
@@ -1478,7 +1477,8 @@ smr_status smr_readout_frame(const struct smr_readout *readout,
  * them. `host-sim replay FILE` runs the bytes through the same code again and names the first difference. The
  * documentation of smr_core::record describes every byte.
  *
- * Call it before #smr_lock. A tracker that has a target already continues in the record with #smr_restore.
+ * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. Of trackers that
+ * share a workspace, finish one update in steps before you call another tracker.
  * #smr_init ends it. What `write` does takes place within the calls that are recorded.
  *
  * @param tracker   Made by #smr_init.
@@ -1496,7 +1496,7 @@ smr_status smr_record(struct smr_tracker *tracker,
  * @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
  * @param entry   Is set to the entry, which points into the record; unchanged after an error.
  * @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
- *                (no whole entry begins there), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
+ *                (no whole entry begins there: the record was cut off), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
  *                other than the paper's).
  */
 smr_status smr_next_entry(const uint8_t *record,

@@ -49,7 +49,7 @@ pub struct smr_entry {
     pub saved: *const u8,
     /// Its bytes.
     pub saved_size: usize,
-    /// 1 if the record is of the robust tracker, 0 if it is of the paper's.
+    /// Of #SMR_ENTRY_BEGIN: 1 for the robust tracker, 0 for the paper's.
     pub is_robust: u8,
     /// The numbers of the paper's tracker.
     pub paper: smr_paper_config,
@@ -64,7 +64,7 @@ pub struct smr_entry {
 /// @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
 /// @param entry   Is set to the entry, which points into the record; unchanged after an error.
 /// @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
-///                (no whole entry begins there), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
+///                (no whole entry begins there: the record was cut off), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
 ///                other than the paper's).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_next_entry(

@@ -32,7 +32,8 @@ pub struct smr_recorder {
 /// them. `host-sim replay FILE` runs the bytes through the same code again and names the first difference. The
 /// documentation of smr_core::record describes every byte.
 ///
-/// Call it before #smr_lock. A tracker that has a target already continues in the record with #smr_restore.
+/// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. Of trackers that
+/// share a workspace, finish one update in steps before you call another tracker.
 /// #smr_init ends it. What `write` does takes place within the calls that are recorded.
 ///
 /// @param tracker   Made by #smr_init.

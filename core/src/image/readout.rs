@@ -11,12 +11,13 @@
 //!
 //! const SIZE: (u16, u16) = (320, 240);
 //! /// The frame that is coming, and its gray pixels.
-//! static COMING: Mutex<(Option<Readout>, [u8; 100_000])> = Mutex::new((None, [0; 100_000]));
+//! static COMING: Mutex<Option<Readout>> = Mutex::new(None);
+//! static PIXELS: Mutex<[u8; 100_000]> = Mutex::new([0; 100_000]); // a static of its own: all zeroes, so no flash
 //!
 //! /// The interrupt of the DMA: the camera has sent line `y`, here as YUYV.
 //! fn line_came(y: u16, line: &[u8]) -> Result<(), ReadoutError> {
-//!     let (readout, pixels) = &mut *COMING.lock().unwrap();
-//!     readout.as_mut().map_or(Ok(()), |readout| readout.push_line(y, line, pixels))
+//!     let Some(readout) = &mut *COMING.lock().unwrap() else { return Ok(()) };
+//!     readout.push_line(y, line, &mut *PIXELS.lock().unwrap())
 //! }
 //!
 //! # fn wait_for_lines() { for y in 0..240 { line_came(y, &[90; 640]).unwrap() } }
@@ -30,10 +31,10 @@
 //!     if let Some(second) = tracker.sweep_window() {
 //!         readout = readout.and_window(second)?; // there the robust tracker searches for a lost target
 //!     }
-//!     COMING.lock().unwrap().0 = Some(readout);
+//!     *COMING.lock().unwrap() = Some(readout);
 //!     wait_for_lines(); // until Readout::is_complete
-//!     let (readout, pixels) = &*COMING.lock().unwrap();
-//!     let frame = readout.expect("begun above").frame(pixels)?;
+//!     let pixels = PIXELS.lock().unwrap(); // in firmware: taken from the interrupt, as `examples/async` does
+//!     let frame = COMING.lock().unwrap().take().expect("begun above").frame(&*pixels)?;
 //!     if number == 0 {
 //!         tracker.lock(&frame, target)?;
 //!     } else {

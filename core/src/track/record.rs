@@ -198,8 +198,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`], with the same
-    /// arguments.
+    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`] has
+    /// succeeded, with the same arguments.
     ///
     /// # Errors
     /// The writer's.

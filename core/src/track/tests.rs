@@ -235,13 +235,14 @@ fn every_other_call_ends_what_is_under_way<T: Target>(config: T::Config) {
         saved(other.target())
     };
     type Call<T> = fn(&mut Tracker<T>, &[u8]);
-    let calls: [Call<T>; 7] = [
+    let calls: [Call<T>; 8] = [
         |tracker, other| tracker.restore(other).unwrap(),
         |tracker, _| tracker.moved(256, 0),
         |tracker, _| assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok()),
         |tracker, _| assert!(tracker.lock_step(&whole(&picture(1, 1)), Rect::new(1, 1, 20, 20), u32::MAX).is_ok()),
         |tracker, _| assert!(tracker.bbox().is_none() || tracker.update(&whole(&picture(63, 44))).is_ok()),
         |tracker, other| tracker.parts().0.restore(other).unwrap(),
+        |tracker, _| tracker.configure(*tracker.config()).unwrap(),
         |tracker, _| *tracker.parts().1 = T::Workspace::default(),
     ];
     for (number, call) in calls.into_iter().enumerate() {

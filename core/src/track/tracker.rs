@@ -95,8 +95,9 @@ impl<T: Target> Tracker<T> {
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid. Nothing is then changed.
     pub fn configure(&mut self, config: T::Config) -> Result<(), ConfigError> {
+        self.target.configure(config)?;
         calls::end::<T>(&mut self.workspace);
-        self.target.configure(config)
+        Ok(())
     }
 
     /// The target.
@@ -137,7 +138,7 @@ impl<T: Target> Tracker<T> {
 
     /// Locks in steps of bounded work: begins the lock, or goes on with it if `bbox` and the size of the frame are those
     /// of the last step. The pixels must be the same in every step. `None` while work is left; there is no target
-    /// until then. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) does all work in one step.
+    /// until then, because the first step forgets the previous one. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) does all work in one step.
     ///
     /// # Errors
     /// [`LockError`]. The target and the lock under way are then unchanged.
@@ -197,7 +198,7 @@ impl<T: Target> Tracker<T> {
     /// The answer does not depend on the steps. The pixels must be the same in every step.
     ///
     /// An update under way is in the tracker; nothing else need be kept between two steps. Every other call that may
-    /// change the target ([`update`](Self::update), `lock`, `lock_step`, `moved`, `restore`, `parts`) ends it, and the next
+    /// change the target ([`update`](Self::update), `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next
     /// step begins a new one.
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
@@ -234,7 +235,7 @@ impl<T: Target> Tracker<T> {
     }
 
     /// [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It asks after each 10,000 units of
-    /// work.
+    /// work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000 units.
     ///
     /// ```
     /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};

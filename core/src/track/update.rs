@@ -1,8 +1,8 @@
 //! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! The workspace stores which call is under way and how far it has come. A call goes on only in the
-//! [`Tracker`](crate::Tracker), which owns the target and its workspace, so it cannot go on with another target. Every
-//! other call that may change the target ends it.
+//! The workspace stores which call is under way and how far it has come. A call goes on only in a
+//! [`Tracker`](crate::Tracker), which owns target and workspace, or behind the handle of C, whose workspace notes who
+//! used it last; so it cannot go on with another target. Every other call that may change the target ends it.
 
 use super::budget::Budget;
 use super::{Answer, LockError, Quality, UpdateError};

@@ -64,7 +64,7 @@ fn statuses() -> String {
 /**
  * How a call ended. The numbers never change; later versions may add new ones.
  *
- * A call that does not return #SMR_OK changes nothing, except that #smr_init sets `*tracker` to NULL.
+ * A call that returns an error changes nothing, except that #smr_init sets `*tracker` to NULL and a read-out notes the line.
  */
 enum smr_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L

@@ -109,7 +109,7 @@ settings! {
         /// scored to its last pixel.
         pruning: bool,
     }
-    /// The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6).
+    /// The next threshold alpha as a part of the largest difference of two pixels of template and box.
     k: Fraction, 1..=65535;
     /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0
     /// is accepted.

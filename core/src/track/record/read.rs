@@ -66,11 +66,11 @@ pub struct Found<'a> {
     pub size: usize,
     /// Its number since the last beginning.
     pub number: u32,
-    /// What happened.
+    /// The event.
     pub entry: Entry<'a>,
 }
 
-/// What happened.
+/// An event of a flight.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
     /// A tracker was made.
@@ -141,7 +141,7 @@ impl Begin<'_> {
     }
 }
 
-/// What is wrong with a record, and where.
+/// The damage of a record, and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Damage {
@@ -151,7 +151,7 @@ pub struct Damage {
     pub flaw: Flaw,
 }
 
-/// What is wrong with a record.
+/// A kind of damage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

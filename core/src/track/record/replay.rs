@@ -6,7 +6,7 @@ use crate::image::{Frame, Rect};
 use crate::track::{Answer, ConfigError, LockError, RestoreError, Target, Tracker, UpdateError};
 use core::fmt;
 
-/// The number of entries that a record has of some kinds.
+/// Counts of what was replayed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Replayed {
@@ -18,7 +18,7 @@ pub struct Replayed {
     pub answers: u32,
 }
 
-/// Why a record was not replayed to its end.
+/// The reason why a replay ended early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stop {
@@ -35,7 +35,7 @@ pub enum Stop {
     },
 }
 
-/// What is not as it was recorded.
+/// A difference between the record and the replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
