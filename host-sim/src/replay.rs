@@ -19,7 +19,7 @@ const LINE: u64 = 256 << 20;
 /// What stands before the bytes in a line of a log.
 const LOGGED: &[u8] = b"smr-record [";
 
-/// What a record holds, and whether it was answered alike.
+/// The contents of a record, and the first answer that differs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
     /// One for each beginning: firmware that starts again appends to its record.
@@ -32,7 +32,7 @@ pub struct Report {
     pub difference: Option<Difference>,
 }
 
-/// What was replayed of one beginning.
+/// The part of a record after one beginning, as it was replayed.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Flight {
     /// `smr` or `robust`.
@@ -56,7 +56,7 @@ pub struct Flight {
     pub unanswered: Option<Unanswered>,
     /// The settings by their names, each a list of its values; null unless they were asked for.
     pub settings: Value,
-    /// What the entries say, one after the other, in the units of the record and without pixels; empty unless it was asked for.
+    /// The entries, one after the other, in the units of the record and without pixels; empty unless it was asked for.
     pub entries: Vec<Value>,
 }
 
@@ -69,7 +69,7 @@ pub struct Unanswered {
     pub bbox: String,
 }
 
-/// What is not as it was recorded.
+/// A difference between the record and the replay.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Difference {
     /// The flight, from 1.
@@ -256,7 +256,7 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)
     Ok((run::<Robust>(begin, rest)?, "robust"))
 }
 
-/// Those that are not the paper's, for the life of the program, as a configuration wants them.
+/// Tables other than the paper's, for the life of the program, as a configuration wants them.
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 

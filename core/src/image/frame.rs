@@ -114,7 +114,7 @@ impl<'a> Frame<'a> {
     /// [`Tracker::sweep_window`](crate::Tracker::sweep_window).
     ///
     /// # Errors
-    /// Those of [`Frame::of_window`].
+    /// As [`Frame::of_window`].
     pub fn and_window(self, pixels: &'a [u8], window: Rect) -> Result<Self, Error> {
         let (x, y) = place(window)?;
         Ok(self.and_part(Image::new(pixels, window.width, window.height)?, x, y)?)

@@ -131,7 +131,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// The configuration with these numbers of a [record](crate::record), which follow the entries of the table there.
+    /// A configuration from the numbers of a [record](crate::record), which follow the entries of the table there.
     ///
     /// # Errors
     /// [`ConfigError`] if they are not those of a valid configuration.
@@ -163,7 +163,7 @@ const PARTS: &str = "parts";
 /// The numbers of a configuration that answers depend on, in the order of the record, without the table. The backend is
 /// none of them.
 pub trait Numbers: Copy + Default {
-    /// As many as there are.
+    /// An array of all numbers.
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     /// The count of numbers.
     const COUNT: usize;

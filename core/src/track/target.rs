@@ -83,7 +83,7 @@ pub trait Target: Steps {
     /// Checks the configuration.
     ///
     /// # Errors
-    /// Those of [`Target::configure`].
+    /// As [`Target::configure`].
     #[doc(hidden)]
     fn check_config(config: &Self::Config) -> Result<(), ConfigError>;
 
@@ -160,7 +160,7 @@ pub trait Target: Steps {
     /// Checks that the bytes are whole and were saved with this configuration.
     ///
     /// # Errors
-    /// Those of [`Target::restore`].
+    /// As [`Target::restore`].
     #[doc(hidden)]
     fn check_saved(&self, bytes: &[u8]) -> Result<(), RestoreError>;
 

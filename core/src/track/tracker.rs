@@ -252,7 +252,7 @@ impl<T: Target> Tracker<T> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Tracker::update_step`].
+    /// As [`Tracker::update_step`].
     pub fn update_step_until(
         &mut self,
         frame: &Frame<'_>,

@@ -25,7 +25,7 @@ enum Call {
     Lock([u16; 2], Rect),
 }
 
-/// What a workspace stores about an update or lock under way.
+/// The state of the call under way in a workspace.
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay {
     call: Call,
@@ -55,7 +55,7 @@ pub trait Steps: Sized {
     /// Scratch memory for an update or a lock.
     type Workspace: Default;
 
-    /// What the workspace stores about an update or lock under way.
+    /// The state of the call under way in the workspace.
     #[doc(hidden)]
     fn under_way<'a>(workspace: &'a mut Self::Workspace, _: &Seal) -> &'a mut UnderWay;
 
@@ -110,7 +110,7 @@ pub mod calls {
     /// Begins an update if none is under way, and continues it for about `work` units. True if only [`commit`] is left.
     ///
     /// # Errors
-    /// Those of [`Target::update`](crate::Target::update).
+    /// As [`Target::update`](crate::Target::update).
     pub fn step<T: Steps>(
         target: &mut T,
         workspace: &mut T::Workspace,
@@ -128,7 +128,7 @@ pub mod calls {
     /// [`commit_lock`] is left.
     ///
     /// # Errors
-    /// Those of [`Target::lock`](crate::Target::lock).
+    /// As [`Target::lock`](crate::Target::lock).
     pub fn step_lock<T: Steps>(
         target: &mut T,
         workspace: &mut T::Workspace,
@@ -158,7 +158,7 @@ pub mod calls {
     /// Checks that an update with `frame` is possible. Reads no pixel.
     ///
     /// # Errors
-    /// Those of [`Target::update`](crate::Target::update).
+    /// As [`Target::update`](crate::Target::update).
     pub fn check<T: Steps>(target: &T, frame: &Frame<'_>) -> Result<(), UpdateError> {
         target.check(frame, SEAL)
     }

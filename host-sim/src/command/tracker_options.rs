@@ -205,7 +205,7 @@ impl TrackerOptions {
         self.given().is_empty()
     }
 
-    /// What is given of the options that `method` takes, as it stands in JSON.
+    /// The options that were given and that `method` takes, as JSON.
     fn options_of(&self, method: MethodKind) -> Map<String, Value> {
         let config = self.config.filter(|preset| preset.method() == method);
         let set = self.set.iter().filter(|given| taken_by(&given.name).contains(&method)).cloned().collect();
@@ -288,7 +288,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The same for its reference, which keeps its own copy of the numbers.
+    /// The numbers of its reference, which keeps its own copy of the numbers.
     pub fn robust_reference_numbers(&self) -> reference::Numbers {
         let mut numbers = reference::Numbers::refined();
         numbers.parts.refiner = self.config != Some(Preset::Robust);
@@ -310,7 +310,7 @@ impl TrackerOptions {
         numbers
     }
 
-    /// The same for the reference, which keeps its own copy of the paper's numbers.
+    /// The numbers of the reference, which keeps its own copy of the paper's numbers.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         for Given { name, values, .. } in &self.set {
