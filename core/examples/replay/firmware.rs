@@ -158,7 +158,7 @@ impl Run {
     fn replay<T: Replayed>(&mut self) -> Result<(), End> {
         let mut buffer = T::buffer();
         let buffer = buffer.as_mut();
-        let mut tracker = Tracker::<T>::new();
+        let mut tracker = Tracker::<T>::default();
         let ticks = self.timer.measure(|| spin(CALIBRATION)).1;
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
         let [room, target, workspace] = [buffer.len() as u32, size_of::<T>() as u32, size_of::<T::Workspace>() as u32];
