@@ -67,7 +67,7 @@ class Paper(Tracker):
     `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
     it. Numbers are whole; `options` shows those in use.
 
-    - `k`, a tuple of two whole numbers of 1 to 65535: The next threshold alpha as a part of the largest difference of two pixels of template and box (step 6).
+    - `k`, a tuple of two whole numbers of 1 to 65535: The next threshold alpha as a part of the largest difference of two pixels of template and box.
     - `gate_tracking`, a tuple of two whole numbers of 0 to 65535: The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted.
     - `gate_leaving`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed if the box at the peak is partly outside the frame.
     - `gate_returning`, a tuple of two whole numbers of 0 to 65535: The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
@@ -81,7 +81,7 @@ class Paper(Tracker):
     - `growth`, a whole number of 0 to 65535: The growth of the window in each frame while the target is lost, in pixels on each side.
     - `window_limit`, a tuple of two whole numbers of 0 to 65535: The largest radius while the target is lost, in pixels; at least `window`. The padded frame always bounds it.
     - `neighbourhood`, a whole number of 0 to 65535: The runner-up is the best score more than this many pixels from the peak, in x or in y.
-    - `runner_up_always`, True or False: Whether the runner-up is searched in every frame, which takes several times as long, or only where the gate's decision depends on it.
+    - `runner_up_always`, True or False: The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision depends on it.
     - `update_zone`, a tuple of four whole numbers of 0 to 65535: The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
     """
     def __new__(
@@ -112,15 +112,15 @@ class Robust(Tracker):
     `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
     whole; `options` shows those in use.
 
-    - `size`, True or False: Whether the box follows the size of the target.
-    - `sweep`, True or False: Whether a lost target is searched in the whole frame, or only around its last place.
+    - `size`, True or False: The box follows the size of the target.
+    - `sweep`, True or False: A lost target is searched in the whole frame, not only around its last place.
     - `reach`, a whole number of 4 to 8: The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an update grows with the square of 2 `reach` + 1.
     - `patience`, a whole number of 0 to 255: The part of its value that the confidence keeps in each frame, in units of 1/256. A higher one holds on to the target for longer: through short occlusions, but also through errors.
     - `lost_below`, a whole number of 0 to 65535: The target is lost while the confidence is below this, in units of 1/65535.
     - `uncertain_below`, a whole number of 0 to 65535: The target is uncertain while the confidence is below this, in units of 1/65535; at least `lost_below`.
     - `learning_rate`, a whole number of 0 to 256: The learning rate of the filter, in units of 1/256: 0 keeps the filter of the first frame, 256 takes the exact step for the present frame.
     - `early_rate`, a whole number of 0 to 1024: The learning rate of the early template, in units of 1/1024.
-    - `refiner`, True or False: Whether a small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it.
+    - `refiner`, True or False: A small learned network corrects the box. It keeps the box to a target that comes nearer, turns or changes its shape, reads more of the frame, and can make the state *uncertain* or *lost*. In firmware a build without the feature `refiner` refuses it.
     """
     def __new__(
         cls,
