@@ -99,7 +99,7 @@ const focus = (page) => page.value(`document.getElementById("stage").focus()`);
 const HEARD = `fetch("source").then((answer) => answer.json()).then(({ targets, method, options }) => {
   const line = document.getElementById("track").textContent;
   const inits = targets.flatMap(({ locks }) => locks.map(({ frame, box }) => box.join() + (frame === 1 ? "" : "@" + frame)));
-  const chosen = Object.entries(options).map(([name, value]) => "--" + name + " " + value);
+  const chosen = Object.entries(options).flatMap(([name, value]) => [value].flat().map((one) => "--" + name + " " + one));
   const all = [...inits, "--method " + method, ...chosen];
   return all.length === line.match(/--/g)?.length && all.every((one) => line.includes(one));
 })`;
