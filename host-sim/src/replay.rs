@@ -10,13 +10,13 @@ use smr_evaluation::{Paper, name_of};
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::sync::LazyLock;
 
-/// How far into a file a record begins, in MiB: what goes on longer than that is none.
+/// The most MiB of a file before its record begins.
 const MOST_BEFORE: u64 = 64;
-/// How far into a file a log's first line of a record is looked for.
+/// The bytes of a file in which a log must have its first line of a record.
 const FIRST: usize = 1 << 20;
 /// More than a line of a log has.
 const LINE: u64 = 256 << 20;
-/// What stands before the bytes in a line of a log.
+/// The words before the bytes in a line of a log.
 const LOGGED: &[u8] = b"smr-record [";
 
 /// The contents of a record, and the first answer that differs.
@@ -52,7 +52,7 @@ pub struct Flight {
     pub pixels: u64,
     /// Bytes of an incomplete entry at the end of this flight.
     pub cut_off: usize,
-    /// What the last update answers here, if the record ends before its answer.
+    /// The answer of the last update here, if the record ends before it.
     pub unanswered: Option<Unanswered>,
     /// The settings by their names, each a list of its values; null unless they were asked for.
     pub settings: Value,
@@ -221,7 +221,7 @@ fn said(entry: &Entry<'_>) -> Value {
 trait Runs<'a> {
     fn play(&mut self, entry: &Entry<'a>) -> Result<(), record::Difference>;
 
-    /// Whether an update was begun before the last entry that has no answer.
+    /// True if an update was begun before the last entry and has no answer.
     fn gave_up(&self) -> bool;
 
     fn settings(&self) -> Value;

@@ -1,4 +1,4 @@
-//! What its tests share. They need much to be built that nobody else needs.
+//! Code that its tests share. It needs much to be built that nobody else needs.
 
 /// `text` in lines of at most `width` characters, each after `before`.
 #[must_use]

@@ -1,4 +1,4 @@
-//! What holds across the crates: the tests in `tests/`, one file per subject.
+//! Tests across the crates: those in `tests/`, one file per subject.
 
 /// The example in the project's README is a test, too.
 #[cfg(doctest)]

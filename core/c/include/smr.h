@@ -962,7 +962,7 @@ typedef struct smr_recorder {
  */
 typedef struct smr_entry {
   /**
-   * What happened.
+   * The event.
    */
   smr_entry_kind kind;
   /**

@@ -33,7 +33,7 @@ pub enum smr_entry_kind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_entry {
-    /// What happened.
+    /// The event.
     pub kind: smr_entry_kind,
     /// The frame, with the windows that were read as its parts.
     pub frame: smr_frame,

@@ -44,7 +44,7 @@ impl<T> Out<T> {
         unsafe { self.0.write(value) }
     }
 
-    /// What was written.
+    /// The written value.
     pub(crate) fn read(&self) -> T
     where
         T: Copy,

@@ -63,7 +63,7 @@ macro_rules! each {
 }
 pub(crate) use each;
 
-/// What a record has entries of.
+/// An event that is recorded.
 #[derive(Clone, Copy)]
 pub(crate) enum Event<'a> {
     Begin,

@@ -32,7 +32,7 @@ pub enum ConfigError {
     WrongCount {
         /// The name of the setting.
         name: &'static str,
-        /// How many it has.
+        /// Its count of numbers.
         count: usize,
     },
 }

@@ -61,7 +61,7 @@ pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<(
     step.context("cannot write step.smr for QEMU")
 }
 
-/// What the firmware says of a record, and what it took.
+/// The result of a record on the firmware, and its cost.
 pub struct Report {
     /// Bytes of a target, of its workspace, and of the buffer for an entry.
     memory: [u32; 3],

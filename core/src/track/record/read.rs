@@ -147,7 +147,7 @@ impl Begin<'_> {
 pub struct Damage {
     /// A byte of the record.
     pub at: usize,
-    /// What is wrong there.
+    /// The kind of damage.
     pub flaw: Flaw,
 }
 
@@ -156,7 +156,7 @@ pub struct Damage {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Flaw {
-    /// So many bytes are no entry, and the record goes on behind them.
+    /// A number of bytes that are no entry; the record goes on after them.
     NoEntry(usize),
     /// The entry with this number is missing.
     Missing(u32),
