@@ -12,9 +12,9 @@ use crate::pointer::{self, Out};
 #[cfg(feature = "unstable")]
 use crate::status::SMR_ERROR_OTHER_METHOD;
 use crate::status::{SMR_ERROR_NOT_INITIALISED, SMR_UNDER_WAY, smr_status};
-use crate::tracker::{Known, Tracked, smr_tracker};
 #[cfg(feature = "unstable")]
-use crate::unstable::ResponseMap;
+use crate::tracker::ResponseMap;
+use crate::tracker::{Known, Tracked, smr_tracker};
 use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;

@@ -147,7 +147,7 @@ impl Tracked for smr_recorder {
     }
 
     #[cfg(feature = "unstable")]
-    fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status> {
+    fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::tracker::ResponseMap, smr_status> {
         self.own().response_map(frame)
     }
 }

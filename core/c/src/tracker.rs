@@ -95,8 +95,12 @@ pub(crate) trait Tracked {
     #[cfg(feature = "unstable")]
     fn work(&self) -> Result<u32, smr_status>;
     #[cfg(feature = "unstable")]
-    fn response_map(&mut self, frame: &Frame<'_>) -> Result<crate::unstable::ResponseMap, smr_status>;
+    fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status>;
 }
+
+/// Responses on both axes of the robust tracker's largest window.
+#[cfg(feature = "unstable")]
+pub(crate) type ResponseMap = [[i32; 17]; 17];
 
 /// Repeats a step until no work is left.
 pub(crate) fn whole(mut step: impl FnMut() -> Result<(), smr_status>) -> Result<(), smr_status> {

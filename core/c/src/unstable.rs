@@ -5,13 +5,8 @@ use crate::frame::smr_frame;
 use crate::pointer::Out;
 use crate::record::{smr_record, smr_recorder};
 use crate::status::{smr_status, status_of};
-use crate::tracker::{ask, smr_tracker, with_frame};
+use crate::tracker::{ResponseMap, ask, smr_tracker, with_frame};
 use core::ffi::{c_int, c_void};
-
-/// Responses on an axis of the largest window of the robust tracker.
-pub(crate) const RESPONSE_SPAN: usize = 17;
-/// See [`smr_response_map`].
-pub(crate) type ResponseMap = [[i32; RESPONSE_SPAN]; RESPONSE_SPAN];
 
 /// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
 /// Another tracker may have done it.

@@ -1,11 +1,11 @@
 //! Takes a numpy array as a frame. Rows of gray pixels are read in place. In every other layout the pixels that the
 //! tracker reads are first converted to gray rows.
 
-use crate::target::refused;
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use smr_core::{Frame, Image, Rect};
+use smr_recordings::messages;
 
 /// Borrows the array while its pixels are read.
 pub struct Borrowed<'py>(PyReadonlyArrayDyn<'py, u8>);
@@ -120,6 +120,11 @@ impl<'a> Pixels<'a> {
             }
         }
     }
+}
+
+/// A Python exception with the error text of the core or of host-sim.
+pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
+    PyValueError::new_err(messages::of(&error.into()))
 }
 
 /// Converts blue, green and red to gray with the rounding of `cv2.cvtColor`.

@@ -1,8 +1,9 @@
 //! The class `Recording`, which reads what host-sim reads, and the figures of host-sim.
 
 use crate::answer::to_python;
+use crate::frame::refused;
 use crate::options;
-use crate::target::{Target, refused};
+use crate::target::Target;
 use crate::tracker::{Tracker, bounding_box};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};

@@ -1,13 +1,12 @@
 //! Either tracker of smr-core behind one type, and the scratch memory that it needs.
 
-use crate::frame::Pixels;
+use crate::frame::{Pixels, refused};
 use crate::options;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, calls, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
-use smr_recordings::messages;
 use std::cell::RefCell;
 
 /// The paper's tracker with the same room as in host-sim.
@@ -38,11 +37,6 @@ pub fn with_scratch<T>(count: usize, call: impl FnOnce(&mut [Scratch]) -> T) -> 
         all.resize_with(count.max(all.len()), Scratch::default);
         call(&mut all[..count])
     })
-}
-
-/// A Python exception with the error text of the core or of host-sim.
-pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
-    PyValueError::new_err(messages::of(&error.into()))
 }
 
 fn not_updated(error: UpdateError) -> PyErr {

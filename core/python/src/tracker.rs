@@ -1,9 +1,9 @@
 //! The classes `Tracker`, `Paper` and `Robust`.
 
 use crate::answer;
-use crate::frame::{Borrowed, Pixels};
+use crate::frame::{Borrowed, Pixels, refused};
 use crate::options::{of_range, with};
-use crate::target::{Scratch, Target, each, refused, with_scratch};
+use crate::target::{Scratch, Target, each, with_scratch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};

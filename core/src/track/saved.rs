@@ -16,7 +16,7 @@
 //! table has 512 bytes, so only its checksum is saved.
 
 use super::checksum::Crc;
-use super::settings::Settings;
+use super::settings::{Kind, Settings};
 use crate::similarity::Table;
 use core::fmt;
 
@@ -27,14 +27,6 @@ const HEAD: usize = 14;
 /// Bytes of a saved target without the state: the head, the `numbers` of the configuration, and the checksum.
 pub(super) const fn around(numbers: usize) -> usize {
     HEAD + 2 * numbers + 4
-}
-
-/// The tracker that wrote the bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Kind {
-    Paper = b'P',
-    Robust = b'R',
 }
 
 /// A configuration as a saved target has it.

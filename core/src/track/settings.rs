@@ -2,7 +2,6 @@
 //! ranges in every language, and the order of their numbers in a saved target and in a record.
 
 use super::ConfigError;
-use super::saved::Kind;
 use crate::similarity::Table;
 
 /// A setting of a configuration. Its values are whole numbers.
@@ -155,6 +154,14 @@ pub trait Settings: Numbers {
         config.check_all()?;
         Ok(config)
     }
+}
+
+/// A tracker, as saved targets name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    Paper = b'P',
+    Robust = b'R',
 }
 
 /// Numbers of a record that are always 1.

@@ -4,8 +4,7 @@ use crate::image::Rect;
 use crate::search::Radius;
 use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
-use crate::track::saved::Kind;
-use crate::track::settings::{Numbers, Setting, Settings, Shape, names};
+use crate::track::settings::{Kind, Numbers, Setting, Settings, Shape, names};
 
 /// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
 ///

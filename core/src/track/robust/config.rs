@@ -2,8 +2,7 @@
 
 use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
-use crate::track::saved::Kind;
-use crate::track::settings::{Numbers, Setting, Settings, Shape, names};
+use crate::track::settings::{Kind, Numbers, Setting, Settings, Shape, names};
 
 settings! {
     Robust, 1;
