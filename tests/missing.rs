@@ -13,7 +13,7 @@ pub fn skipped(test: &str, why: impl Display) {
     let _ = std::io::stderr().write_all(std::format!("skipped: {test}: {why}\n").as_bytes());
 }
 
-/// Whether `program` runs with `arguments`, which ask for nothing but its version. If not, the test is skipped.
+/// True if `program` runs with `arguments`, which ask for its version. If not, the test is skipped.
 pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     let runs = runs(Command::new(program).args(arguments));
     if !runs {
@@ -22,18 +22,18 @@ pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     runs
 }
 
-/// Whether a command succeeds, whatever it prints.
+/// True if a command succeeds, whatever it prints.
 pub fn runs(command: &mut Command) -> bool {
     let command = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
 }
 
-/// Whether ffmpeg runs. If not, the test is skipped.
+/// True if ffmpeg runs. If not, the test is skipped.
 pub fn has_ffmpeg(test: &str) -> bool {
     has(test, "ffmpeg", &["-version"])
 }
 
-/// Whether `cc` compiles C: what links Rust programs need not. If not, the test is skipped.
+/// True if `cc` compiles C; a linker for Rust need not. If not, the test is skipped.
 pub fn has_c_compiler(test: &str) -> bool {
     has(test, "cc", &["-fsyntax-only", "-x", "c", "/dev/null"])
 }

@@ -21,7 +21,7 @@ const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
-/// What a script can use: `is` notes what is not as it should be.
+/// Functions for scripts: `is` notes a value that is not the expected one.
 const AFTER: [&str; 2] = [
     // A module comes after those of the page.
     r#"<script type="module">

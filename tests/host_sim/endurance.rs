@@ -225,7 +225,7 @@ fn a_closed_pipe_does_not_cost_the_video() {
     assert!(pictures(&piped) == pictures(&whole), "the whole video is there");
 }
 
-/// Whether the process has started a program of this name that still runs.
+/// Process number of a program of this name that the process has started and that still runs.
 fn started(name: &str, process: &Child) -> Option<String> {
     let found = Command::new("pgrep").args(["-P", &process.id().to_string(), name]).output().ok()?;
     String::from_utf8(found.stdout).ok()?.lines().next().map(str::to_owned)

@@ -32,7 +32,7 @@ impl Drop for Server {
     }
 }
 
-/// The same as `run` gives, as soon as somebody listens there.
+/// Repeats `run` until somebody listens there, and returns its result.
 fn when_it_listens<T>(mut run: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {

@@ -130,7 +130,7 @@ fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
     browser::act(test, &page("page-moving", &["synthetic", "--method", "smr"]), 1280, "frame=120", MOVING);
 }
 
-/// Of a recording whose frames have times, 25 a second.
+/// The recording has 25 frames a second.
 const EVENTS: &str = r##"
   const place = () => document.getElementById("place").value;
   const key = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));

@@ -123,7 +123,7 @@ fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     all
 }
 
-/// The same record with a correct checksum for the entry at `at`, as if the tracker had given this answer.
+/// Corrects the checksum of the entry at `at`, as if the tracker had given this answer.
 fn signed(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
     let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
     let sum = crc32fast::hash(&bytes[at..at + 12 + length]);

@@ -12,7 +12,7 @@ fn run(program: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Whether ffmpeg and ffprobe run.
+/// True if ffmpeg and ffprobe run.
 fn has_both(test: &str) -> bool {
     has_ffmpeg(test) && has(test, "ffprobe", &["-version"])
 }

@@ -17,7 +17,7 @@ struct Window {
     process: Child,
     place: String,
     token: String,
-    /// Where it may put temporary files.
+    /// Folder for its temporary files.
     folder: TempDir,
 }
 

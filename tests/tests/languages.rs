@@ -57,7 +57,7 @@ fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))
 }
 
-/// What the languages lack, each with its name. `read` gives the text of a file.
+/// Names that a language lacks. `read` gives the text of a file.
 fn lacking(read: impl Fn(&str) -> String) -> Vec<String> {
     let mut lacking = Vec::new();
     for (what, language, file, before, end) in PLACES {

@@ -1,4 +1,4 @@
-//! What holds across the crates. One test program, so that all of its tests run side by side.
+//! Tests across the crates, in one program, so that they run side by side.
 
 mod conformance;
 mod evidence;

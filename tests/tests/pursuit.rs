@@ -97,7 +97,7 @@ fn ray(head: Direction, right: f64, up: f64) -> Direction {
     Direction { pan: head.pan + right.atan2(forward), tilt: height.atan2(forward.hypot(right)) }
 }
 
-/// How far from the middle a camera that looks to `head` sees `point`, in pixels to the right and up.
+/// Offset of `point` from the middle of a camera that looks to `head`, in pixels to the right and up.
 fn offset_pixels(head: Direction, point: Direction) -> (f64, f64) {
     let (sin, cos) = head.tilt.sin_cos();
     let level = point.tilt.cos();

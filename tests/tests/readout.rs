@@ -216,7 +216,6 @@ fn every_format_of_a_camera_gives_the_answers_of_gray_frames() {
     }
 }
 
-/// The same with a recording of a real camera.
 #[test]
 fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
     use smr_recordings::OpenOptions;

@@ -27,7 +27,7 @@ pub struct Numbers {
     pub window: (i64, i64),
     /// Pixels by which the window grows on each side, for each frame that the target is lost.
     pub growth: i64,
-    /// Where it stops to grow, x and y; `None` is nowhere but at the end of the padded frame.
+    /// Largest search radius, x and y. With `None` it grows to the end of the padded frame.
     pub window_limit: Option<(i64, i64)>,
     /// The runner-up is more than this far from the peak.
     pub neighbourhood: i64,
@@ -90,8 +90,8 @@ impl Numbers {
         }
     }
 
-    /// The same with a bounded window, the template updated up to the edge, floors for alpha and for the score, and no more
-    /// asked of a peak inside the picture.
+    /// The numbers of `paper::Config::camera()`: a bounded window, a template that is updated up to the edge, floors for alpha
+    /// and for the score, and the least ratio for a peak inside the picture.
     pub fn camera() -> Self {
         let mut numbers = Self::paper();
         numbers.window_limit = Some((80, 70));
@@ -164,7 +164,7 @@ impl Picture {
         Self { width, height, pixels: pixels.iter().map(|&pixel| f64::from(pixel)).collect() }
     }
 
-    /// The same with `padding` rows and columns of zeroes on every side.
+    /// Adds `padding` rows and columns of zeroes on every side.
     fn padded(&self, padding: i64) -> Self {
         let (width, height) = (self.width + 2 * padding, self.height + 2 * padding);
         let mut pixels = vec![0.0; index(width * height)];
@@ -196,7 +196,7 @@ impl Picture {
         self.pixels.iter().map(|pixel| (pixel - mean).abs()).sum()
     }
 
-    /// How many pixels are black or white.
+    /// Count of pixels that are black or white.
     fn cut_off(&self) -> f64 {
         self.pixels.iter().map(|&pixel| if pixel <= 0.0 || pixel >= 255.0 { 1.0 } else { 0.0 }).sum()
     }
@@ -343,8 +343,8 @@ impl Reference {
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// Where there is a least ratio: whether the patch at a place inside the frame can show the template. It has a part of its contrast, and
-    /// not many more of its pixels are cut off than of the template's.
+    /// True if the patch at a place inside the frame can show the template: it has a part of its contrast, and not many more pixels
+    /// at 0 or 255. Asked only if there is a least ratio.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);
@@ -353,7 +353,7 @@ impl Reference {
         gate.least_ratio == 0.0 || has_contrast && more_cut_off <= seen.area() * gate.most_cut_off
     }
 
-    /// How many times as large as the runner-up the peak must be.
+    /// Ratio of the peak to the runner-up that the gate demands.
     fn needed_ratio(&self, over_border: bool) -> (f64, f64) {
         let gate = &self.numbers.gate;
         if self.decision == Decision::Lost {

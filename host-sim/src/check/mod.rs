@@ -13,7 +13,7 @@ pub trait Checked: Target {
     /// The tracker in f64, with its own copy of all numbers.
     type Reference;
     type Numbers;
-    /// What was compared, counted.
+    /// Counts of compared numbers.
     type Counts: Serialize + Default;
 
     /// The reference, started on the box `target` (left, top, width, height) in a frame of this `size`.
@@ -55,7 +55,7 @@ impl<T: Checked> Sides<T> {
     }
 }
 
-/// What was compared, and what was found.
+/// Result of a check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<C> {
     /// The recording's name.
@@ -121,14 +121,14 @@ impl<T: Checked> Check<T> {
     }
 }
 
-/// What did not hold, where.
+/// The first difference, and its frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Violation {
     /// The frame, counted from 1.
     pub frame: usize,
     pub what: String,
     pub core: String,
-    /// What the reference says, or the bound.
+    /// Value of the reference, or the bound.
     pub reference: String,
 }
 

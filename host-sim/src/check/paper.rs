@@ -26,7 +26,7 @@ pub struct Counts {
     pub runners_up: usize,
     /// The largest |core's score - exact score| of a candidate, in units of 1/65535.
     pub largest_difference: f64,
-    /// What that may be at most, for this template's number of pixels.
+    /// Upper bound of `largest_difference`, for the template's number of pixels.
     pub bound: f64,
     /// Frames where the exact sums have another arg max than core.
     pub other_peaks: Vec<OtherPeak>,
@@ -172,7 +172,7 @@ mod tests {
         check.into_report()
     }
 
-    /// What is similar enough, but has less contrast than the target, and what has more pixels that are cut off.
+    /// The second frame is similar enough, but has less contrast than the target or more pixels at 0 or 255.
     #[test]
     fn other_numbers_of_the_contrast_are_noticed() {
         type Other = (fn(&mut Numbers), [u8; 2], [u8; 2]);

@@ -85,7 +85,7 @@ fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'
     Ok(near.and_part(pixels, x, y)?)
 }
 
-/// What is known before a frame is looked at: the grid, and what is asked for.
+/// Compares the grid and the windows before a frame is read.
 fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
     let (grid, shape) = (core.grid()?, reference.shape());
     let of_core = [grid.columns, grid.rows, grid.across, grid.down].map(i64::from);
@@ -111,7 +111,7 @@ fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -
     })
 }
 
-/// What the next frame will be compared with.
+/// Compares the weights and the early template after a frame.
 fn learned(core: &Robust, reference: &Reference) -> Option<Violation> {
     let shape = reference.shape();
     let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
@@ -186,7 +186,7 @@ mod tests {
 
     type Both = (&'static str, fn(&mut Config), fn(&mut Numbers));
 
-    /// What firmware may tune, at other values, on both sides.
+    /// Settings at other values on both sides.
     #[test]
     fn other_numbers_of_the_configuration_hold() {
         let others: [Both; 8] = [

@@ -28,7 +28,7 @@ pub struct Check {
     tracker: TrackerOptions,
 }
 
-/// What was compared, with all that its tracker has counts of.
+/// Result of a check, with the counts of its tracker.
 #[derive(Debug, Serialize)]
 struct Report {
     #[serde(flatten)]

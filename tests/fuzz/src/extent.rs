@@ -13,9 +13,9 @@ pub(crate) struct Extent {
     pub(crate) calls: u32,
     /// Updates of the paper's tracker, and of the robust one.
     pub(crate) updates: [u32; 2],
-    /// Whether saved bytes are compared after each call, or only before a lock and at the end.
+    /// True if saved bytes are compared after each call, not only before a lock and at the end.
     pub(crate) each_call: bool,
-    /// Whether a tracker that is slow to lock mostly continues with a saved target.
+    /// True if a tracker that is slow to lock mostly continues with a saved target.
     pub(crate) from_saved: bool,
 }
 

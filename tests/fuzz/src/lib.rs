@@ -62,13 +62,13 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
     /// A configuration, valid or not.
     fn configuration(u: &mut Unstructured<'_>, extent: &extent::Extent) -> arbitrary::Result<Self::Config>;
 
-    /// The same numbers with another backend.
+    /// The configuration with this backend; `None` for the fastest.
     fn by(config: Self::Config, backend: Option<Backend>) -> Self::Config;
 
     /// A valid configuration.
     fn usual() -> Self::Config;
 
-    /// The same with the plain loops.
+    /// The configuration with the plain loops.
     fn plain(config: Self::Config) -> Self::Config;
 
     /// Targets to be saved, made once, with the usual configuration.
@@ -77,7 +77,7 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
     /// Saved targets to continue with if `lock` is slow; made once.
     fn starts() -> &'static [Start<Self::Config>];
 
-    /// Whether this input is compared with the plain loops.
+    /// True if this input is compared with the plain loops.
     fn beside(u: &mut Unstructured<'_>) -> arbitrary::Result<bool>;
 }
 

@@ -38,12 +38,12 @@ fn number(saved: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([saved[at], saved[at + 1]])
 }
 
-/// Targets locked in scenes of every kind.
+/// Targets locked with the usual configuration.
 pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
     locked_by::<T>(T::usual())
 }
 
-/// The same with another configuration.
+/// Targets locked with `config` in scenes of every kind.
 pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
     let mut tracker = Box::new(Tracker::<T>::with(config).expect("one that a tracker takes"));
     let saved = (0..KINDS).map(|kind| {

@@ -1,4 +1,4 @@
-//! What pictures are drawn on, with the letters, lines and outlines of embedded-graphics.
+//! A picture under way: letters, lines and outlines by embedded-graphics.
 
 use crate::colors::Color;
 use crate::encode;
@@ -24,7 +24,7 @@ pub(crate) struct Canvas {
     pub pixels: Vec<Color>,
 }
 
-/// Which parts of a line are drawn, in pixels along it.
+/// Pattern of a dashed line, in pixels along it.
 #[derive(Clone, Copy)]
 pub(crate) struct Dashes {
     pub on: f64,

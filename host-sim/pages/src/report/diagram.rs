@@ -19,7 +19,7 @@ pub enum Stroke {
     Dotted,
 }
 
-/// What is drawn, in either form.
+/// A mark of a drawing, which becomes SVG or pixels.
 #[derive(Serialize)]
 #[serde(tag = "kind")]
 pub enum Mark {

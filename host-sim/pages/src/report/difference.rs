@@ -1,15 +1,15 @@
-//! What a winner differs by from its template, pixel by pixel: |F - G|.
+//! Difference of a winner from its template, pixel by pixel: |F - G|.
 
 use smr_core::{Image, Rect};
 use smr_recordings::GrayFrame;
 
 /// The absolute difference of every pixel of a box to the template's.
 pub(super) struct Difference {
-    /// Of the template, which may have another resolution than the frame.
+    /// Width and height of the template, which may have another resolution than the frame.
     pub size: (u16, u16),
     /// Row by row.
     pub pixels: Vec<u8>,
-    /// What is compared with, row by row.
+    /// Pixels of the template, row by row.
     pub template: Vec<u8>,
 }
 

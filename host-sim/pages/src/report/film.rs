@@ -16,7 +16,7 @@ pub struct Film {
     /// The place of the target of each method.
     pub(super) of: Vec<usize>,
     pub(super) size: (u16, u16),
-    /// What is followed; at least one.
+    /// Targets that are followed; at least one.
     pub(super) targets: Vec<Locked>,
     pub(super) padding: u16,
     /// One a frame.
@@ -32,7 +32,7 @@ pub struct Film {
     pub(super) places: Vec<usize>,
     /// The number of the first frame.
     pub(super) first: usize,
-    /// What a reader must know: methods that were left out, and why.
+    /// Remarks for the reader: methods that were left out, and why.
     pub notes: Vec<String>,
 }
 
@@ -65,7 +65,7 @@ struct Pair {
     target: usize,
 }
 
-/// What is to be done with a method, other than the first, that does not start on the box.
+/// Treatment of a method, other than the first, that refuses the box to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// An error.
@@ -74,7 +74,7 @@ pub enum Refusal {
     LeftOut,
 }
 
-/// Which pictures were kept.
+/// Pictures of the film that were kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Kept {
     pub frames: usize,
@@ -82,7 +82,7 @@ pub struct Kept {
     pub longest_side: u16,
 }
 
-/// What the methods said about one frame.
+/// Answers of all methods for one frame.
 pub struct Moment {
     /// Before the first box of a target there is no answer: it is lost.
     pub reports: Vec<Report>,
@@ -95,7 +95,7 @@ pub(super) struct Still {
     /// The first is 0.
     pub index: usize,
     pub frame: GrayFrame,
-    /// What each method looked at.
+    /// Sight of each method.
     pub sights: Vec<Sight>,
 }
 
@@ -236,7 +236,7 @@ impl Film {
         Ok(())
     }
 
-    /// How well all did, by the protocol of the recordings; `None` without ground truth.
+    /// Scores of all methods by the protocol of the recordings; `None` without ground truth.
     /// Errors: The ground truth is not that of so many frames.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };

@@ -30,7 +30,7 @@ const TEMPLATES: [(&str, &str); 13] = [
     ("uplot-licence", include_str!("uplot/LICENSE")),
 ];
 
-/// What the foot of the page says.
+/// Text of the foot of the page.
 pub struct About {
     pub title: String,
     pub command_line: String,

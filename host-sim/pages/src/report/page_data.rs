@@ -1,4 +1,4 @@
-//! What the script of the page reads: boxes, figures and pictures of every frame, as JSON.
+//! Data for the script of the page, as JSON: boxes, figures and pictures of every frame.
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};

@@ -1,4 +1,4 @@
-//! How entrants are told from each other on the page: each has a color and a pattern of dashes, in boxes, curves and legends.
+//! Colors and patterns of dashes that tell entrants from each other in boxes, curves and legends.
 
 use crate::colors::{Color, TRUTH, color_of_method};
 use serde::Serialize;
@@ -32,7 +32,7 @@ const FILES: [Color; 14] = [
 /// Dashes and gaps in pixels of the screen. Shorter ones mean something else: a lost target, a runner-up.
 const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
 
-/// What curves are drawn on, in the light and in the dark: see base.css.
+/// Background of curves, in the light and in the dark: see base.css.
 const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
 /// The least contrast of a curve with what it is drawn on, as WCAG 2 asks for graphics.
 const CONTRAST: f64 = 3.0;
@@ -40,8 +40,9 @@ const CONTRAST: f64 = 3.0;
 #[derive(Serialize)]
 pub(super) struct Look {
     color: Color,
-    /// The same color as far as it must change to be seen on a page, light or dark.
+    /// The color, changed as little as a light page needs.
     on_light: Color,
+    /// The color, changed as little as a dark page needs.
     on_dark: Color,
     dashes: &'static [u8],
 }

@@ -25,7 +25,7 @@ pub struct Search {
 
 /// A tracker whose sight can be shown.
 pub trait Shown: Method {
-    /// What it looked at in the last frame, once; `None` before the first lock.
+    /// Takes the sight of the last frame; `None` before the first lock, and the second time.
     fn sight(&mut self) -> Option<Sight>;
 }
 

@@ -36,7 +36,7 @@ impl Cells {
     }
 }
 
-/// What is added up over the pixels of a cell.
+/// Sums over the pixels of a cell.
 #[derive(Clone)]
 struct Sums {
     /// In gray levels a pixel, by direction.

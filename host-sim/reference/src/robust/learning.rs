@@ -75,7 +75,7 @@ pub struct Sample<'a> {
     pub cells: &'a Cells,
     /// The filter's responses to it, row by row.
     pub responses: &'a [f64],
-    /// Where the target is, from the middle, in cells.
+    /// Place of the target from the middle, in cells.
     pub target: (f64, f64),
 }
 

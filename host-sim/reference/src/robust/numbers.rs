@@ -28,7 +28,7 @@ pub struct Numbers {
     /// Features: what is added to a norm, in gray levels; the gain of a gradient over its norm.
     pub norm_floor: f64,
     pub norm_gain: f64,
-    /// How far the filter searches and learns, in cells.
+    /// Search radius, which is also the radius of learning, in cells.
     pub reach: i64,
     /// The label's standard deviation: .0 / .1 of the root of the target's area.
     pub label_width: (f64, f64),
@@ -46,7 +46,7 @@ pub struct Numbers {
     pub first_step: f64,
     /// Steps of a lock. An update takes one.
     pub first_steps: usize,
-    /// How much less a response counts at the edge of the search, in units of 1/256.
+    /// Part that a response loses at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
     /// Motion: the fraction of the velocity that is added to the last place, and the weight of the last move in the velocity.
     pub velocity_fraction: f64,

@@ -30,8 +30,8 @@ pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
 }
 
-/// How often a whole number goes into another, rounded down. By integers: the first may be too large for f64 to tell the quotient
-/// from the next whole number.
+/// Quotient of two whole numbers, rounded down. It is computed in integers: `number` may be too large for f64 to tell the
+/// quotient from the next whole number.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // whole numbers; the quotient is below 2^53
 pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64

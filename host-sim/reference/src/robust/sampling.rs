@@ -77,7 +77,7 @@ fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     (across, down)
 }
 
-/// Where samples are taken: around (`x`, `y`), columns `step` apart, rows `step_down` apart.
+/// Places of samples around (`x`, `y`): columns are `step` apart, rows `step_down`.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice {
     pub x: f64,

@@ -107,7 +107,7 @@ fn at_truth(film: &Film, still: &Still, search: &Search, truth: &BoundingBox) ->
     Ok(Difference::new(&still.frame, at, Image::new(template, *width, *height)?))
 }
 
-/// What the shades mean.
+/// Draws the legend of the shades.
 fn scale(sheet: &mut Sheet, left: f64, top: f64, alpha: Option<u16>) {
     const SIZE: (u16, u16) = (120, 14);
     let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));

@@ -1,4 +1,4 @@
-//! What a figure is put together from: frames with boxes, patches, words and lines.
+//! Parts of a figure: frames with boxes, patches, words and lines.
 
 use crate::colors::{Color, SAD, SHADE, SMR, TRUTH, color_of_method};
 use crate::report::axes::Axes;
@@ -140,12 +140,12 @@ pub(super) fn wide(top: f64, height: f64, across: (f64, f64), up: (f64, f64)) ->
     Axes { left: GAP + 60.0, right: WIDTH - GAP, top, bottom: top + height, across, up }
 }
 
-/// What was compared with.
+/// Pixels of the template of a difference.
 pub(super) fn template(difference: &Difference) -> Pixels {
     Pixels::Patch { size: difference.size, levels: difference.template.clone() }
 }
 
-/// How many times as large it can be within: whole times where there is room, so that pixels are of one size.
+/// Scale at which a picture fits `within`. It is whole from 1 on, so that all pixels have one size.
 fn fit((width, height): (f64, f64), within: (f64, f64)) -> f64 {
     let scale = (within.0 / width.max(1.0)).min(within.1 / height.max(1.0));
     if scale >= 1.0 { scale.floor() } else { scale }

@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use smr_core::{Rect, State};
 use smr_evaluation::name_of;
 
-/// Of the time that the target is not wholly inside: the frame before, the one in which the box is farthest out, the first in
-/// which it is lost, and the frame after.
+/// Frames of a target that leaves: the one before, the one in which the box is farthest out, the first in which it is lost, and the
+/// one in which it is wholly inside again.
 pub(super) fn frames(film: &Film) -> Result<Vec<usize>> {
     let state = |index: usize| film.moments[index].reports[SMR].state;
     let leaving = (1..film.moments.len()).filter(|&index| state(index) == State::Leaving);

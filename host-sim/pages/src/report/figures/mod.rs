@@ -17,7 +17,7 @@ use std::fmt;
 
 pub use drawing::Sheet;
 
-/// Who is in them.
+/// Methods in the figures.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];
 const SMR: usize = 0;
 const SAD: usize = 1;
@@ -55,12 +55,12 @@ impl fmt::Display for Figure {
     }
 }
 
-/// What is asked for; the rest is chosen by what happens.
+/// Frames that the user names. The command chooses the others by the states.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wish {
-    /// Of the boxes and the differences; the first is 0.
+    /// Frame of the boxes and the differences; the first is 0.
     pub frame: Option<usize>,
-    /// Where the target is hidden.
+    /// Frames in which the target is hidden.
     pub hidden: Option<FrameRange>,
 }
 
@@ -116,7 +116,7 @@ fn asked(film: &Film, frame: usize) -> Result<usize> {
     Ok(frame)
 }
 
-/// How far SMR is ahead of SAD in each frame but the first: by IoU with the ground truth, else by how little they share.
+/// Lead of SMR over SAD in a frame: the difference of their IoU with the ground truth, else 1 minus the IoU of both.
 fn lead(film: &Film, index: usize) -> Option<f64> {
     let answer = |method: usize| film.moments[index].reports[method].target;
     let smr = answer(SMR)?;
@@ -154,7 +154,7 @@ mod tests {
         watch(sequence, &methods, Refusal::Fails, &frames.iter().copied().collect(), None, || ()).unwrap()
     }
 
-    /// What happens in the built-in recording, without pictures.
+    /// The film of the built-in recording, without pictures.
     fn synthetic() -> &'static Film {
         static FILM: OnceLock<Film> = OnceLock::new();
         FILM.get_or_init(|| watched(open(synthetic::NAME), &[]))
