@@ -2,8 +2,10 @@
 
 use crate::browser;
 use crate::program::{host_sim, utf8};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page").join(test);
@@ -12,15 +14,23 @@ fn folder(test: &str) -> PathBuf {
     folder
 }
 
-/// A page of its own for each test.
+/// A copy of the page for each test. Tests with the same arguments share the report, which takes seconds.
 fn page(test: &str, arguments: &[&str]) -> PathBuf {
+    static MADE: Mutex<BTreeMap<String, PathBuf>> = Mutex::new(BTreeMap::new());
+    let mut made = MADE.lock().unwrap();
+    let count = made.len();
+    let report = made.entry(arguments.join(" ")).or_insert_with(|| {
+        let report = folder(&format!("made-{count}")).join("report.html");
+        let said = host_sim(&[&["report", "--out", utf8(&report)], arguments].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        report
+    });
     let page = folder(test).join("report.html");
-    let said = host_sim(&[&["report", "--out", utf8(&page)], arguments].concat());
-    assert_eq!(said.code, Some(0), "{}", said.err);
+    fs::copy(report, &page).unwrap();
     page
 }
 
-/// The actions of a user, and what the page must then show.
+/// Actions of a user, each with the state that the page then has.
 const PLAYER: &str = r##"
   const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
   const place = () => document.getElementById("place").value;
