@@ -31,7 +31,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     (start.width, start.height) = (start.width + larger, start.height + larger);
     let corners = |target: Rect| [target.x, target.y, target.right(), target.bottom()];
     let mut tracker = Box::new(Tracker::<Paper>::with(config).expect("a configuration that can be used"));
-    let mut frames = sequence.frames.map(|frame| frame.expect("a frame"));
+    let mut frames = sequence.frames.map(|frame| frame.expect("a frame").gray);
     let first = frames.next().expect("a first frame");
     tracker.lock(&first.frame(), start).expect("a box in the picture");
     let rest = frames.map(|frame| {

@@ -223,7 +223,7 @@ fn every_format_of_a_camera_gives_the_answers_of_a_recording() {
     let Some(folder) = crate::missing::recordings(test, "tld/06_car") else { return };
     let opened = smr_recordings::open(&folder, &OpenOptions::default()).unwrap();
     let target = opened.start().unwrap();
-    let frames: Vec<_> = opened.frames.take(12).map(Result::unwrap).collect();
+    let frames: Vec<_> = opened.frames.take(12).map(|frame| frame.unwrap().gray).collect();
     let size = (frames[0].width, frames[0].height);
     let recording = Recording { size, target, frames: frames.into_iter().map(|frame| frame.pixels).collect() };
     for format in Format::ALL {

@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::{BoundingBox, ColorFrames, Colors, FFMPEG_PATIENCE, Frames, Now, OpenOptions, Sequence, messages};
+use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, OpenOptions, Sequence, messages};
 use std::mem::ManuallyDrop;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -79,7 +79,7 @@ pub struct Recording {
     truth: Option<Vec<Option<BoundingBox>>>,
     color: bool,
     /// A live source is opened once: the first iteration takes it.
-    live: Mutex<OfProcess<Option<(Frames, Colors)>>>,
+    live: Mutex<OfProcess<Option<Sequence>>>,
 }
 
 #[pymethods]
@@ -91,9 +91,10 @@ impl Recording {
             return Err(PyValueError::new_err("standard input can be read only once: expected a file or a folder"));
         }
         let is_live = smr_recordings::is_live(&path);
-        let Sequence { name, init, truth, frames, colors, .. } = py.detach(|| open(&path)).map_err(refused)?;
-        let live = Mutex::new(OfProcess::new(is_live.then_some((frames, colors))));
-        Ok(Self { path, name, is_live, start: init, truth, color, live })
+        let mut opened = py.detach(|| open(&path)).map_err(refused)?;
+        let (name, start, truth) = (opened.name.clone(), opened.init, opened.truth.take());
+        let live = Mutex::new(OfProcess::new(is_live.then_some(opened)));
+        Ok(Self { path, name, is_live, start, truth, color, live })
     }
 
     /// The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None.
@@ -115,11 +116,11 @@ impl Recording {
             Ok(mut live) if self.is_live => live.get()?.take(),
             _ => None,
         };
-        let opened = || kept.map_or_else(|| open(&self.path).map(|sequence| (sequence.frames, sequence.colors)), Ok);
-        let (gray, colors) = py.detach(opened).map_err(refused)?;
-        let now = colors.now();
-        let color = self.color.then(|| colors.open(1, FFMPEG_PATIENCE));
-        Ok(Decoded(Mutex::new(OfProcess::new(Stream { gray, color, now }))))
+        let opened = || {
+            let sequence = kept.map_or_else(|| open(&self.path), Ok)?;
+            Ok(if self.color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence })
+        };
+        Ok(Decoded(Mutex::new(OfProcess::new(py.detach(opened).map_err(refused)?))))
     }
 
     /// The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
@@ -140,27 +141,18 @@ impl Recording {
 }
 
 #[pyclass(frozen)]
-struct Decoded(Mutex<OfProcess<Stream>>);
+struct Decoded(Mutex<OfProcess<Sequence>>);
 
-struct Stream {
-    gray: Frames,
-    color: Option<ColorFrames>,
-    /// Says why a live source has ended.
-    now: Option<Now>,
-}
-
-impl Stream {
-    /// The next frame: its rows, columns and colors, and their bytes. `None` after the last one.
-    fn next(&mut self) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
-        let Some(gray) = self.gray.next().transpose()? else {
-            return self.now.as_ref().and_then(Now::ended).map_or(Ok(None), |reason| Err(anyhow::anyhow!(reason)));
-        };
-        let [rows, columns] = [gray.height, gray.width].map(usize::from);
-        let Some(color) = &mut self.color else { return Ok(Some(([rows, columns, 1], gray.pixels))) };
-        let (frame, _) = color.next(&gray);
-        let bytes = frame.pixels.into_iter().flat_map(|[red, green, blue]| [blue, green, red]).collect();
-        Ok(Some(([rows, columns, 3], bytes)))
-    }
+/// The next frame: its rows, columns and colors, and their bytes. `None` after the last one.
+fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
+    let Some(frame) = sequence.frames.next().transpose()? else {
+        let ended = sequence.source.live().and_then(|live| live.ended());
+        return ended.map_or(Ok(None), |reason| Err(anyhow::anyhow!(reason)));
+    };
+    let [rows, columns] = [frame.gray.height, frame.gray.width].map(usize::from);
+    let Some(color) = frame.color else { return Ok(Some(([rows, columns, 1], frame.gray.pixels))) };
+    let bytes = color.pixels.into_iter().flat_map(|[red, green, blue]| [blue, green, red]).collect();
+    Ok(Some(([rows, columns, 3], bytes)))
 }
 
 #[pymethods]
@@ -172,7 +164,7 @@ impl Decoded {
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<u8>>>> {
         let next = py.detach(|| {
             let Ok(mut stream) = self.0.lock() else { return Ok(None) };
-            stream.get()?.next().map_err(|error| PyOSError::new_err(messages::of(&error)))
+            next(stream.get()?).map_err(|error| PyOSError::new_err(messages::of(&error)))
         });
         let Some((shape, bytes)) = next? else { return Ok(None) };
         let shape = if shape[2] == 1 { &shape[..2] } else { &shape[..] };

@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn each_cover_goes_over_the_middle() {
-        let other = slow::sequences().remove(4).frames.next().unwrap().unwrap();
+        let other = slow::sequences().remove(4).frames.next().unwrap().unwrap().gray;
         let runs = measure(slow::sequences().remove(2), &other, &variants()).unwrap();
         assert_eq!(runs.len(), variants().len() * Cover::ALL.len());
         for run in runs {

@@ -39,7 +39,7 @@ pub use tables::{TableName, Tables};
 pub use vot::Vot;
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
-use smr_recordings::{GrayFrame, Sequence, cleanup, misfit};
+use smr_recordings::{Frame, Sequence, cleanup, misfit};
 use std::path::PathBuf;
 
 /// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
@@ -136,7 +136,7 @@ impl Evaluation {
 
 /// The record of each run. One that fails is not asked again; the others go on.
 fn follow(
-    frames: impl Iterator<Item = Result<GrayFrame>>,
+    frames: impl Iterator<Item = Result<Frame>>,
     followers: Vec<Follower>,
     progress: impl Fn(),
 ) -> Result<Vec<Result<Run>>> {
@@ -146,7 +146,7 @@ fn follow(
         ensure!(!cleanup::is_stopped(), "it was stopped");
         for (follower, run) in &mut runs {
             if let Ok(record) = run
-                && let Err(error) = record.add(follower, place, &frame)
+                && let Err(error) = record.add(follower, place, &frame.gray)
             {
                 *run = Err(error);
             }
@@ -161,7 +161,7 @@ pub(crate) mod tests {
     use super::*;
     use anyhow::bail;
     use smr_core::paper::Config;
-    use smr_recordings::BoundingBox;
+    use smr_recordings::{BoundingBox, GrayFrame};
     use std::cell::Cell;
     use std::fs;
 
@@ -176,18 +176,9 @@ pub(crate) mod tests {
             let pixels = (0..20).flat_map(|y| (0..24).map(move |x| pixel(x, y))).collect();
             GrayFrame { width: 24, height: 20, pixels }
         };
-        let frames = [4, 6, 8, 10].map(|left| Ok(frame(left)));
         let at = |x: f64| BoundingBox { x, y: 6.0, width: 5.0, height: 4.0 };
-        Sequence {
-            name: "moving".to_owned(),
-            frames: Box::new(frames.into_iter()),
-            length: Some(4),
-            first: 1,
-            init: Some(at(4.0)),
-            truth: Some([4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec()),
-            colors: smr_recordings::Colors::None,
-            notes: Vec::new(),
-        }
+        let truth = [4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec();
+        Sequence::made("moving", [4, 6, 8, 10].map(frame).into_iter(), truth)
     }
 
     fn variants() -> [Variant; 2] {
@@ -236,7 +227,7 @@ pub(crate) mod tests {
         assert!(format!("{:#}", evaluation.failures[0]).contains("bad.txt: line 1"));
 
         let mut frames: Vec<_> = sequence().frames.collect();
-        frames[2] = Ok(GrayFrame { width: 24, height: 19, pixels: vec![0; 24 * 19] });
+        frames[2].as_mut().unwrap().gray = GrayFrame { width: 24, height: 19, pixels: vec![0; 24 * 19] };
         let evaluation = evaluated(Sequence { frames: Box::new(frames.into_iter()), ..sequence() }, &[]).unwrap();
         let failures: Vec<String> = evaluation.failures.iter().map(|error| format!("{error:#}")).collect();
         let reason = smr_core::UpdateError::FrameSizeChanged;

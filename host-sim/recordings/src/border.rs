@@ -70,7 +70,7 @@ mod tests {
     use smr_core::unstable::{Found, found};
     use smr_core::{Answer, State, Tracker};
 
-    /// In the frames that the script is about it decides what it is said to decide.
+    /// Each rule decides in the frame that the script has for it.
     #[test]
     fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
         let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();

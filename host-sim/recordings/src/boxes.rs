@@ -34,8 +34,8 @@ impl BoundingBox {
         (!rect.is_empty()).then_some(rect)
     }
 
-    /// As [`BoundingBox::to_rect`].
-    /// Errors: What is wrong with the box: the words that follow after "the box".
+    /// The same box in whole pixels.
+    /// Errors: There is none. The words follow after "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {
             let least = self.width.min(self.height).round();
@@ -53,19 +53,15 @@ impl BoundingBox {
         Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
     }
 
-    /// From here the box goes as far to the left as to the right, and as far up as down.
     pub fn centre(&self) -> (f64, f64) {
         (self.x + self.width / 2.0, self.y + self.height / 2.0)
     }
 
     /// The smallest box that holds all points; `None` of none.
     fn around(points: &[[f64; 2]]) -> Option<Self> {
-        let bounds = |axis: usize| {
-            let values = points.iter().map(|point| point[axis]);
-            (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
-        };
-        let ((x1, x2), (y1, y2)) = (bounds(0), bounds(1));
-        (!points.is_empty()).then(|| Self::from_corners([x1, y1, x2, y2]))
+        let bound = |axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|point| point[axis]).reduce(of);
+        let (x1, y1, x2, y2) = (bound(0, f64::min)?, bound(1, f64::min)?, bound(0, f64::max)?, bound(1, f64::max)?);
+        Some(Self::from_corners([x1, y1, x2, y2]))
     }
 
     fn from_corners([x1, y1, x2, y2]: [f64; 4]) -> Self {
@@ -74,6 +70,17 @@ impl BoundingBox {
 
     pub fn has_area(&self) -> bool {
         self.width > 0.0 && self.height > 0.0
+    }
+
+    /// Intersection over union, 0 to 1: the area that both cover over the area that at least one covers. 0 if neither has an area.
+    pub fn iou(&self, other: &Self) -> f64 {
+        let overlap = |a: f64, a_size: f64, b: f64, b_size: f64| ((a + a_size).min(b + b_size) - a.max(b)).max(0.0);
+        let area = |of: &Self| of.width.max(0.0) * of.height.max(0.0);
+        let shared =
+            overlap(self.x, self.width, other.x, other.width) * overlap(self.y, self.height, other.y, other.height);
+        let union = area(self) + area(other) - shared;
+        // Far from the origin what is shared can be rounded to more than there is.
+        if union > 0.0 { (shared / union).min(1.0) } else { 0.0 }
     }
 }
 
@@ -416,6 +423,16 @@ mod tests {
     }
 
     #[test]
+    fn intersection_over_union() {
+        let (one, none) = (boxed(0.0, 0.0, 10.0, 10.0), boxed(2.0, 2.0, 0.0, 0.0));
+        assert_eq!(one.iou(&boxed(5.0, 0.0, 10.0, 10.0)), 1.0 / 3.0);
+        assert_eq!(one.iou(&boxed(10.0, 0.0, 10.0, 10.0)), 0.0);
+        assert_eq!([one.iou(&one), one.iou(&none), none.iou(&none)], [1.0, 0.0, 0.0]);
+        let far = boxed(-1.0, 8223.0, 1.0, 0.2);
+        assert!(far.iou(&far) <= 1.0, "{}", far.iou(&far));
+    }
+
+    #[test]
     fn whole_pixels() {
         assert_eq!(boxed(-3.4, 1.5, 9.6, 2.4).to_rect(), Some(Rect::new(-3, 2, 10, 2)));
         for [x, width] in [[0.0, 0.4], [0.0, 65536.0], [0.0, -1.0], [1e12, 1.0], [f64::NAN, 1.0]] {
@@ -459,6 +476,14 @@ mod tests {
         #[test]
         fn to_rect_never_panics(x: f64, y: f64, width: f64, height: f64) {
             let _ = boxed(x, y, width, height).to_rect();
+        }
+
+        #[test]
+        fn iou_is_symmetric_and_bounded(numbers in proptest::array::uniform8(0.0..6e4)) {
+            let [x1, y1, w1, h1, x2, y2, w2, h2] = numbers;
+            let (a, b) = (boxed(x1 - 3e4, y1 - 3e4, w1, h1), boxed(x2 - 3e4, y2 - 3e4, w2, h2));
+            prop_assert_eq!(a.iou(&b), b.iou(&a));
+            prop_assert!((0.0..=1.0).contains(&a.iou(&b)));
         }
     }
 }

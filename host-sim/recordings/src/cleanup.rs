@@ -1,5 +1,4 @@
-//! What must not outlive this program: unfinished files and folders, and the programs that it started. A signal that ends this program
-//! removes and ends them first.
+//! Clean-up on a signal: unfinished files and folders are removed, and programs that were started are ended, before this program ends.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -16,7 +15,7 @@ enum Thing {
     Process(Arc<Mutex<Child>>),
 }
 
-/// All there is at present, by the number of its [`Kept`].
+/// All registered things, by the number of their [`Kept`].
 static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 
 /// A signal has come: this program removes what is left, and ends.
@@ -26,7 +25,7 @@ static ENDING: AtomicBool = AtomicBool::new(false);
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicI32 = AtomicI32::new(0);
 
-/// From here on the first signal only asks to stop: [`is_stopped`]. The second one ends this program.
+/// Makes the first signal from here on only ask to stop: [`is_stopped`]. The second one ends this program.
 pub fn stop_first() {
     STOPS_FIRST.store(true, Ordering::SeqCst);
 }
@@ -41,17 +40,17 @@ pub fn stopped_by() -> Option<i32> {
     Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
-/// A signal has come. True if it only asks to stop.
+/// True if the signal that has come only asks to stop.
 fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
-/// Whatever a thread that panicked held is still to be removed.
+/// Locks also what a thread that panicked held: it is still to be removed.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Something that a signal removes or ends. Dropped, it is no longer: it has its name, or is gone.
+/// Registers a file, folder or child for clean-up on a signal. Dropping it unregisters.
 pub struct Kept(u64);
 
 impl Drop for Kept {
@@ -60,7 +59,7 @@ impl Drop for Kept {
     }
 }
 
-/// Makes something that a signal shall remove. No signal comes in between.
+/// Makes and registers a thing. No signal comes in between.
 fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
     let mut things = locked(&THINGS);
     let made = make()?;
@@ -69,12 +68,12 @@ fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing
     Ok((made, Kept(number)))
 }
 
-/// Makes a file or a folder that a signal removes until it has its name.
+/// Makes and registers a file or a folder.
 pub fn keep_path<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Kept)> {
     keep(make, |made| Thing::Path(made.as_ref().to_owned()))
 }
 
-/// Does something that a signal must not interrupt: one that comes meanwhile ends this program afterwards.
+/// Acts without interruption: a signal that comes meanwhile ends this program afterwards.
 pub fn undisturbed<T>(act: impl FnOnce() -> T) -> T {
     let _things = locked(&THINGS);
     act()
@@ -96,22 +95,22 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    /// What it reads, if that is piped and was not taken before.
+    /// Its standard input, if that is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
     }
 
-    /// What it writes, if that is piped and was not taken before.
+    /// Its standard output, if that is piped and was not taken before.
     pub fn output(&self) -> Option<ChildStdout> {
         locked(&self.child).stdout.take()
     }
 
-    /// What it complains about, if that is piped and was not taken before.
+    /// Its standard error, if that is piped and was not taken before.
     pub fn complaints(&self) -> Option<ChildStderr> {
         locked(&self.child).stderr.take()
     }
 
-    /// All that it complains about, when standard error is closed: a child of its own may keep that open.
+    /// All that it says on standard error, when that is closed: a child of its own may keep it open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {
@@ -125,7 +124,7 @@ impl Process {
         said
     }
 
-    /// `None` while it runs.
+    /// Its exit status; `None` while it runs.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
     }
@@ -158,8 +157,8 @@ fn end(child: &Mutex<Child>) {
     let _ = child.wait();
 }
 
-/// From here on SIGINT, SIGTERM and SIGHUP remove what is left before they end this program, with exit code 128 and their number. A SIGHUP that
-/// is ignored, as by `nohup`, stays so.
+/// Makes SIGINT, SIGTERM and SIGHUP clean up before they end this program, with exit code 128 and their number. A SIGHUP that is ignored,
+/// as by `nohup`, stays so.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -173,7 +172,7 @@ pub fn heed_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// The same where there is no other signal than Ctrl-C and its like.
+/// Makes Ctrl-C and its like clean up: this system has no other signal.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     let heed = || {
@@ -184,7 +183,7 @@ pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
-/// As Linux tells; elsewhere nobody says so without unsafe code.
+/// True if the signal is ignored. Only Linux tells it without unsafe code.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -195,7 +194,7 @@ fn is_ignored(signal: i32) -> bool {
 
 fn end_by(signal: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
-    // Held to the end: nothing new is begun.
+    // Locked to the end: nothing new is begun.
     let things = locked(&THINGS);
     // First the programs, which write into the files.
     for thing in things.values() {
@@ -221,7 +220,7 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// To be called before an error is told: once a signal has come, errors are those of what it removed, and it ends this program.
+/// Waits for the end of this program once a signal has come; errors are then those of what it removed. To be called before an error is told.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();

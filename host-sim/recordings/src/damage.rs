@@ -1,7 +1,7 @@
 //! The rules for the frames of every source: at least one, all of one size, and nothing after an error.
 
-use super::{Frames, GrayFrame};
-use anyhow::{Context, Result, anyhow, ensure};
+use super::{Frame, Frames};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 
 /// The error of a recording that is damaged from some frame on: a picture that is cut, a dump that ends within a frame, anything that
@@ -14,10 +14,6 @@ pub struct Damaged {
 }
 
 impl Damaged {
-    pub(super) fn new(why: String) -> Self {
-        Self { why, before: 0 }
-    }
-
     /// The frames before the damage as `--frames` takes them; `None` if there is none.
     pub fn whole_part(&self) -> Option<String> {
         (self.before > 0).then(|| format!("..{}", self.before))
@@ -32,8 +28,13 @@ impl fmt::Display for Damaged {
 
 impl std::error::Error for Damaged {}
 
+/// The error of a source or a picture that is damaged.
+pub(super) fn damaged(why: String) -> Error {
+    Damaged { why, before: 0 }.into()
+}
+
 /// The frames of `source`, checked; `at` is what they are called in errors.
-pub(super) fn frames(mut source: impl Iterator<Item = Result<GrayFrame>> + Send + 'static, at: String) -> Frames {
+pub(super) fn frames(mut source: impl Iterator<Item = Result<Frame>> + Send + 'static, at: String) -> Frames {
     let (mut number, mut first, mut over) = (0, None, false);
     Box::new(std::iter::from_fn(move || {
         if over {
@@ -56,8 +57,8 @@ pub(super) fn frames(mut source: impl Iterator<Item = Result<GrayFrame>> + Send 
     }))
 }
 
-fn same_size(frame: GrayFrame, first: &mut Option<(u16, u16)>) -> Result<GrayFrame> {
-    let GrayFrame { width, height, .. } = frame;
+fn same_size(frame: Frame, first: &mut Option<(u16, u16)>) -> Result<Frame> {
+    let (width, height) = (frame.gray.width, frame.gray.height);
     ensure!(width > 0 && height > 0, "it is {width}x{height}: expected at least one pixel");
     let (first_width, first_height) = *first.get_or_insert((width, height));
     let same = (width, height) == (first_width, first_height);
@@ -68,17 +69,19 @@ fn same_size(frame: GrayFrame, first: &mut Option<(u16, u16)>) -> Result<GrayFra
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::GrayFrame;
     use proptest::prelude::*;
 
     proptest! {
-        /// Whatever a source gives, as long as its frames have the pixels that they say.
+        /// Frames of any sizes come without a panic, and none is empty.
         #[test]
         fn frames_of_any_sizes(sizes in proptest::collection::vec((0..3_u16, 0..3_u16), 0..4)) {
             let frame = |(width, height): (u16, u16)| {
-                Ok(GrayFrame { width, height, pixels: vec![0; usize::from(width) * usize::from(height)] })
+                let pixels = vec![0; usize::from(width) * usize::from(height)];
+                Ok(Frame::new(1, None, GrayFrame { width, height, pixels }))
             };
             for frame in frames(sizes.into_iter().map(frame), "any".to_owned()).flatten() {
-                prop_assert!(frame.frame().bounds().area() > 0);
+                prop_assert!(frame.gray.frame().bounds().area() > 0);
             }
         }
     }

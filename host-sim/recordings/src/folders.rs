@@ -1,4 +1,4 @@
-//! What a path on the command line stands for: a recording, or a folder with several.
+//! Recordings that a path on the command line stands for: itself, or those in a folder.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
@@ -26,7 +26,8 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// What is a recording is not looked into. Folders are `seen` by their real names: a link to a folder above would be followed for ever.
+/// Finds the recordings in folders; a recording is not looked into. Folders are `seen` by their real names: a link to a folder above would be
+/// followed for ever.
 fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
     for folder in entries {
         let cannot_list = || format!("cannot list the folder {}", folder.display());
@@ -50,7 +51,7 @@ fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// What is in a folder. Hidden files and folders are not meant: systems leave thumbnails and such there.
+/// The entries of a folder but for hidden ones: systems leave thumbnails and such there.
 pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
     let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));

@@ -1,6 +1,6 @@
 //! A part of a recording: some of its frames, with their boxes.
 
-use super::{Frames, GrayFrame, Sequence};
+use super::Sequence;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
@@ -14,7 +14,7 @@ pub struct FrameRange {
 }
 
 impl FrameRange {
-    /// All from the frame of this number on; the first is 1.
+    /// All frames from the one with the number `first` on.
     pub const fn from(first: usize) -> Self {
         Self { first, last: None }
     }
@@ -25,12 +25,11 @@ impl FrameRange {
         Self { first: shifted(self.first), last: self.last.map(shifted) }
     }
 
-    /// These frames from the one of this number on, if they began with the first.
+    /// The range from frame `first` on, if it began with frame 1.
     pub fn begun_at(self, first: usize) -> Self {
         Self { first: if self.first == 1 { first } else { self.first }, ..self }
     }
 
-    /// The first is 1.
     pub const fn first(&self) -> usize {
         self.first
     }
@@ -81,18 +80,35 @@ impl Sequence {
         self
     }
 
-    /// Only these frames, and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
+    /// Cuts the recording to these frames and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
     /// the ground truth, if there is any. `option`: the words that asked for them, for errors.
-    pub fn part(self, range: FrameRange, option: &str) -> Self {
+    pub fn part(mut self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
         let length = self.length.map(|length| range.length_of(length));
-        let part = part([self.name.clone(), option.to_owned()], self.frames, range);
-        Self { frames: Box::new(part), length, first: range.first, truth, init, ..self }
+        let (first, last, mut number) = (range.first, range.last.unwrap_or(usize::MAX), 0);
+        let place = format!("{}: there is no frame {first} ({option})", self.name);
+        let frames = std::iter::from_fn(move || {
+            while number < last {
+                number += 1;
+                match self.frames.next() {
+                    Some(Ok(_)) if number < first => {}
+                    None if number <= first => {
+                        let length = number - 1;
+                        // Nothing follows an error.
+                        number = usize::MAX;
+                        return Some(Err(anyhow!("{place}: expected 1 to {length}")));
+                    }
+                    next => return next,
+                }
+            }
+            None
+        });
+        Self { frames: Box::new(frames), length, first, truth, init, ..self }
     }
 }
 
-/// Says that ground truth of so many boxes is not that of so many frames; `None` if it is.
+/// The words for ground truth whose number of boxes is not that of the frames; `None` if it is.
 pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
     let mend = if boxes < frames {
         "say which frame the first box is of (--truth-from N), or read only the frames that have boxes (--frames A..B)"
@@ -101,32 +117,6 @@ pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
     };
     (boxes != frames)
         .then(|| format!("there are {frames} frames, but the ground truth has {boxes} boxes for them: {mend}"))
-}
-
-/// The frames of `range`; an error if they end before it.
-fn part(
-    [name, option]: [String; 2],
-    mut frames: Frames,
-    range: FrameRange,
-) -> impl Iterator<Item = Result<GrayFrame>> + Send {
-    let (first, last) = (range.first, range.last.unwrap_or(usize::MAX));
-    let mut number = 0;
-    std::iter::from_fn(move || {
-        while number < last {
-            number += 1;
-            match frames.next() {
-                Some(Ok(_)) if number < first => {}
-                None if number <= first => {
-                    let length = number - 1;
-                    // What follows an error is the end.
-                    number = usize::MAX;
-                    return Some(Err(anyhow!("{name}: there is no frame {first} ({option}): expected 1 to {length}")));
-                }
-                next => return next,
-            }
-        }
-        None
-    })
 }
 
 #[cfg(test)]
@@ -159,7 +149,8 @@ mod tests {
         let part = synthetic_part("11..15");
         let truth: Vec<_> = (10..15).map(synthetic::truth).collect();
         assert_eq!((part.length, part.init, part.truth), (Some(5), truth[0], Some(truth)));
-        assert!(part.frames.map(Result::unwrap).eq(synthetic::frames().skip(10).take(5)));
+        let numbered = (11..).zip(synthetic::frames().skip(10).take(5));
+        assert!(part.frames.map(Result::unwrap).map(|frame| (frame.number, frame.gray)).eq(numbered));
 
         let whole = synthetic_part("..");
         assert_eq!((whole.length, whole.init), (Some(synthetic::LENGTH), synthetic::truth(0)));

@@ -4,11 +4,11 @@
 //! becomes gray by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Pictures are turned as their
 //! Exif data say.
 
-use super::levels::Levels;
-use super::samples::{CONVERT, EXPECTED, Samples, check_size, damaged, several, unread};
-use super::{ColorFrame, GrayFrame, MOST_PIXELS, exif, has_extension, jpeg, pnm};
+use super::damage::damaged;
+use super::samples::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
+use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension, jpeg, pnm};
 use crate::input;
-use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use png::{DecodingError, Transformations};
 use std::fs::File;
 use std::io::{Cursor, ErrorKind, Read, Seek, SeekFrom};
@@ -106,11 +106,13 @@ impl Picture {
     }
 }
 
-/// The pictures as frames, the first of them with the number `first`.
-pub(super) fn frames(pictures: Vec<Picture>, first: usize) -> impl Iterator<Item = Result<GrayFrame>> + Send + 'static {
-    (first..).zip(pictures).map(|(number, picture)| {
-        let frame = picture.samples().and_then(|samples| samples.gray(picture.levels));
-        frame.with_context(|| format!("cannot read {} (frame {number})", picture.file.display()))
+/// The frames from the one with the number `first` on, each from one of all `pictures` of a recording.
+pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
+    let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
+    (first..).zip(rest).map(|(number, picture)| {
+        let gray = picture.samples().and_then(|samples| samples.gray(picture.levels));
+        let gray = gray.with_context(|| format!("cannot read {} (frame {number})", picture.file.display()));
+        Ok(Frame::new(number, None, gray?))
     })
 }
 
@@ -119,9 +121,46 @@ pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)
 }
 
-/// The same in its own colors.
+/// One picture as the bytes of its file, in its own colors.
 pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
+}
+
+/// The number of levels (of 256) below which a note is given: 14 bits leave as many in 16.
+const FEW: usize = 64;
+
+/// The number of pixels of which one may be dead.
+const DEAD: u64 = 10_000;
+
+/// A note on the levels that the first, the middle and the last of `pictures` use, if they have 16 bits and use few. One pixel in 10,000 at each end
+/// is not counted: sensors have dead ones.
+pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
+    let mut counts = vec![0_u64; 1 << 16];
+    let mut all = 0;
+    for at in [0, pictures.len() / 2, pictures.len().saturating_sub(1)] {
+        let samples = pictures.get(at).filter(|picture| picture.is_file())?.samples().ok()?;
+        for value in samples.values()? {
+            counts[usize::from(value)] += 1;
+            all += 1;
+        }
+    }
+    let mut below = 0;
+    let mut used = (0..=u16::MAX).zip(counts).filter_map(|(value, count)| {
+        below += count;
+        (below > all / DEAD && below - count < all - all / DEAD).then_some(value)
+    });
+    let first = used.next()?;
+    let last = used.last().unwrap_or(first);
+    let levels = pictures.first()?.levels;
+    let [low, high] = [first, last].map(|value| levels.map_or(value.to_be_bytes()[0], |levels| levels.of(value)));
+    if usize::from(high - low) >= FEW {
+        return None;
+    }
+    let margin = ((last - first) / 4).max(8);
+    let wanted = Levels { black: first.saturating_sub(margin), white: last.saturating_add(margin) };
+    Some(format!(
+        "of its 16-bit values only {first} to {last} occur: trackers see levels {low} to {high} of 256; --levels {wanted} stretches them"
+    ))
 }
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -151,31 +190,23 @@ fn next(bytes: &[u8]) -> Option<usize> {
 
 /// The kind of a picture that is not read, whatever its name.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let is = |(at, magic, _): &&(usize, &[u8], _)| bytes.get(*at..).is_some_and(|bytes| bytes.starts_with(magic));
-    FOREIGN_MAGIC.iter().find(is).map(|(_, _, kind)| *kind)
+    let is =
+        |at: usize, magic: &[&[u8]]| bytes.get(at..).is_some_and(|rest| magic.iter().any(|one| rest.starts_with(one)));
+    FOREIGN_MAGIC.iter().find(|(at, magic, _)| is(*at, magic)).map(|(_, _, kind)| *kind)
 }
 
-/// Bytes at a place, and the kind that has them.
-const FOREIGN_MAGIC: [(usize, &[u8], &str); 19] = [
-    (0, b"BM", "a BMP picture"),
-    (0, b"II*\0", "a TIFF picture"),
-    (0, b"MM\0*", "a TIFF picture"),
-    (0, b"GIF8", "a GIF picture"),
-    (8, b"WEBP", "a WebP picture"),
-    (4, b"ftypheic", "a HEIC picture"),
-    (4, b"ftypheix", "a HEIC picture"),
-    (4, b"ftyphevc", "a HEIC picture"),
-    (4, b"ftypmif1", "a HEIC picture"),
-    (4, b"ftypmsf1", "a HEIC picture"),
-    (4, b"ftypavif", "an AVIF picture"),
-    (4, b"ftypavis", "an AVIF picture"),
-    (0, b"\0\0\0\x0CJXL ", "a JPEG XL picture"),
-    (0, b"\xFF\x0A", "a JPEG XL picture"),
-    (0, b"\0\0\0\x0CjP  ", "a JPEG 2000 picture"),
-    (0, b"\xFF\x4F\xFF\x51", "a JPEG 2000 picture"),
-    (0, b"\x76\x2F\x31\x01", "an OpenEXR picture"),
-    (0, b"Pf", "a picture of floating-point numbers (PFM)"),
-    (0, b"PF", "a picture of floating-point numbers (PFM)"),
+/// The kinds of pictures that are not read: the place of their magic bytes, these, and the name of the kind.
+const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
+    (0, &[b"BM"], "a BMP picture"),
+    (0, &[b"II*\0", b"MM\0*"], "a TIFF picture"),
+    (0, &[b"GIF8"], "a GIF picture"),
+    (8, &[b"WEBP"], "a WebP picture"),
+    (4, &[b"ftypheic", b"ftypheix", b"ftyphevc", b"ftypmif1", b"ftypmsf1"], "a HEIC picture"),
+    (4, &[b"ftypavif", b"ftypavis"], "an AVIF picture"),
+    (0, &[b"\0\0\0\x0CJXL ", b"\xFF\x0A"], "a JPEG XL picture"),
+    (0, &[b"\0\0\0\x0CjP  ", b"\xFF\x4F\xFF\x51"], "a JPEG 2000 picture"),
+    (0, &[b"\x76\x2F\x31\x01"], "an OpenEXR picture"),
+    (0, &[b"Pf", b"PF"], "a picture of floating-point numbers (PFM)"),
 ];
 
 /// Facts of a PNG's chunks besides pixels.
@@ -204,7 +235,7 @@ impl Chunks {
             let data = rest.get(..length)?;
             at += length + 12;
             match kind {
-                b"eXIf" => self.orientation = exif::orientation(data),
+                b"eXIf" => self.orientation = orientation(data),
                 b"acTL" => self.count = data.first_chunk().map_or(1, |&count| u32::from_be_bytes(count)),
                 b"CgBI" => self.is_of_apple = true,
                 b"IEND" => return Some(at.min(bytes.len())),
@@ -220,12 +251,11 @@ impl Chunks {
 
 fn png(bytes: &[u8]) -> Result<Samples> {
     let chunks = Chunks::of(bytes);
-    if chunks.count > 1 {
-        bail!(
-            "it is an animated PNG of {} pictures: expected one; make a film of it with ffmpeg -f apng -i",
-            chunks.count
-        );
-    }
+    let count = chunks.count;
+    ensure!(
+        count <= 1,
+        "it is an animated PNG of {count} pictures: expected one; make a film of it with ffmpeg -f apng -i"
+    );
     ensure!(!chunks.is_of_apple, unread("a PNG in Apple's own form"));
     ensure!(chunks.next(bytes).is_none(), several());
     // The limit is for chunks besides pixels. The number of pixels is checked below.
@@ -240,10 +270,10 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     let decoded = reader.next_frame(&mut samples).map_err(undecodable)?;
     samples.truncate(decoded.buffer_size());
     let samples = Samples::new(width, height, decoded.color_type.samples(), samples)?;
-    Ok(samples.wide(decoded.bit_depth == png::BitDepth::Sixteen).oriented(chunks.orientation))
+    Ok(Samples { is_wide: decoded.bit_depth == png::BitDepth::Sixteen, orientation: chunks.orientation, ..samples })
 }
 
-/// What a decoder says is for who wrote it.
+/// The decoder's error in plain words.
 fn undecodable(error: DecodingError) -> Error {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {

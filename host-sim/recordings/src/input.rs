@@ -3,22 +3,23 @@
 use crate::messages;
 use anyhow::{Result, anyhow, ensure};
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, BufRead, ErrorKind, Read};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
+/// A kind of files, for errors and limits.
 pub struct Kind {
     /// The words behind "expected".
     pub expected: &'static str,
-    /// In MiB.
+    /// Size limit in MiB.
     pub most: u32,
 }
 
 /// A million frames of boxes, and of most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
-/// Any of 16384x16384 pixels, except in colour without compression.
+/// A picture of up to 16384x16384 pixels, except in colour without compression.
 pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
 pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
 
@@ -32,65 +33,99 @@ pub fn text(file: &Path, kind: &Kind) -> Result<String> {
 }
 
 /// The file's bytes.
-/// Errors: What is wrong with the file, without its name: it is not there, it cannot be read, it is too long, or it is
-/// a pipe that says nothing.
+/// Errors: The fault of the file, without its name: it is not there, it cannot be read, it is too long, or it is a pipe that says nothing.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
-    let unreadable = |error: &io::Error| anyhow!("{}: expected {}", messages::of_io(error), kind.expected);
-    let data = fs::metadata(file).map_err(|error| unreadable(&error))?;
-    ensure!(!data.is_dir(), "it is a folder: expected {}", kind.expected);
-    let most = u64::from(kind.most) << 20;
+    let Kind { expected, most } = kind;
+    let unreadable = |error: io::Error| match error.kind() {
+        ErrorKind::TimedOut => {
+            let seconds = PATIENCE.as_secs();
+            anyhow!("nothing comes out of it for {seconds} s: expected {expected} of at most {most} MiB")
+        }
+        _ => anyhow!("{}: expected {expected}", messages::of_io(&error)),
+    };
+    let data = fs::metadata(file).map_err(unreadable)?;
+    ensure!(!data.is_dir(), "it is a folder: expected {expected}");
+    let limit = u64::from(*most) << 20;
     let fits = |length: u64| {
-        ensure!(length <= most, "it has more than {} MiB: expected {} of at most that", kind.most, kind.expected);
+        ensure!(length <= limit, "it has more than {most} MiB: expected {expected} of at most that");
         Ok(())
     };
-    if data.is_file() {
+    let (mut bytes, name) = (Vec::new(), file.to_owned());
+    let stream: Box<dyn Read> = if data.is_file() {
         fits(data.len())?;
-        let mut bytes = Vec::new();
-        // It may grow meanwhile.
-        let read = File::open(file).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
-        read.map_err(|error| unreadable(&error))?;
-        fits(bytes.len() as u64)?;
-        return Ok(bytes);
-    }
-    let name = file.to_owned();
-    let (chunks, mut bytes) = (chunks(|| File::open(name)), Vec::new());
-    loop {
-        match chunks.recv_timeout(PATIENCE) {
-            Ok(chunk) => bytes.extend(chunk.map_err(|error| unreadable(&error))?),
-            Err(RecvTimeoutError::Disconnected) => return Ok(bytes),
-            Err(RecvTimeoutError::Timeout) => {
-                let (seconds, Kind { expected, most }) = (PATIENCE.as_secs(), kind);
-                return Err(anyhow!(
-                    "nothing comes out of it for {seconds} s: expected {expected} of at most {most} MiB"
-                ));
+        Box::new(File::open(name).map_err(unreadable)?)
+    } else {
+        Box::new(Patient::new(|| File::open(name), PATIENCE, |_| ErrorKind::TimedOut.into()))
+    };
+    // A file may grow meanwhile.
+    stream.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    fits(bytes.len() as u64)?;
+    Ok(bytes)
+}
+
+/// A pipe or a device, read as long as it is silent for no longer than `patience`. Opening a pipe waits for its writer: a thread does it, and
+/// nobody waits for that.
+pub struct Patient {
+    /// An empty chunk is the end.
+    chunks: Receiver<io::Result<Vec<u8>>>,
+    chunk: Vec<u8>,
+    read: usize,
+    patience: Duration,
+    /// The error of too long a silence.
+    silent: fn(Duration) -> io::Error,
+}
+
+impl Patient {
+    pub fn new<R: Read>(
+        open: impl FnOnce() -> io::Result<R> + Send + 'static,
+        patience: Duration,
+        silent: fn(Duration) -> io::Error,
+    ) -> Self {
+        let (sender, chunks) = sync_channel(4);
+        thread::spawn(move || {
+            let mut stream = match open() {
+                Ok(stream) => stream,
+                Err(error) => return drop(sender.send(Err(error))),
+            };
+            loop {
+                let mut chunk = vec![0; 1 << 16];
+                let read = stream.read(&mut chunk).map(|length| {
+                    chunk.truncate(length);
+                    chunk
+                });
+                let over = read.as_ref().map_or(true, Vec::is_empty);
+                if sender.send(read).is_err() || over {
+                    return;
+                }
             }
-        }
-        fits(bytes.len() as u64)?;
+        });
+        Self { chunks, chunk: Vec::new(), read: 0, patience, silent }
     }
 }
 
-/// Chunks from a pipe or a device; an empty one is the end. Opening a pipe waits for its writer: a thread does it, and nobody waits for
-/// that.
-pub fn chunks<R: Read>(open: impl FnOnce() -> io::Result<R> + Send + 'static) -> Receiver<io::Result<Vec<u8>>> {
-    let (sender, receiver) = sync_channel(4);
-    thread::spawn(move || {
-        let mut stream = match open() {
-            Ok(stream) => stream,
-            Err(error) => return drop(sender.send(Err(error))),
-        };
-        loop {
-            let mut chunk = vec![0; 1 << 16];
-            let read = stream.read(&mut chunk).map(|length| {
-                chunk.truncate(length);
-                chunk
-            });
-            let over = read.as_ref().map_or(true, Vec::is_empty);
-            if sender.send(read).is_err() || over {
-                return;
-            }
+impl BufRead for Patient {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.read == self.chunk.len() {
+            (self.chunk, self.read) = match self.chunks.recv_timeout(self.patience) {
+                Ok(chunk) => (chunk?, 0),
+                Err(RecvTimeoutError::Disconnected) => (Vec::new(), 0),
+                Err(RecvTimeoutError::Timeout) => return Err((self.silent)(self.patience)),
+            };
         }
-    });
-    receiver
+        Ok(&self.chunk[self.read..])
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.read += amount;
+    }
+}
+
+impl Read for Patient {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.fill_buf()?.read(buffer)?;
+        self.consume(length);
+        Ok(length)
+    }
 }
 
 #[cfg(test)]

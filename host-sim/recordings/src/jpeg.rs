@@ -1,8 +1,8 @@
 //! JPEG pictures. Their segments are walked here up to the true end, behind which there may be anything (a film, a second
 //! picture, noise); zune-jpeg decodes the pixels.
 
-use super::exif;
-use super::samples::{EXPECTED, Samples, check_size, damaged, several, unread};
+use super::damage::damaged;
+use super::samples::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
 use anyhow::{Context, Result, anyhow, ensure};
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -25,7 +25,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     ensure!(layout.next(bytes).is_none(), several());
     let samples = pixels(&[&bytes[..2], STANDARD_TABLES, &bytes[2..end]].concat());
     let samples = samples.map_err(|error| damaged(format!("{EXPECTED}: {error}")))?;
-    Ok(samples.oriented(layout.orientation))
+    Ok(Samples { orientation: layout.orientation, ..samples })
 }
 
 /// The place of the picture that follows in the same file, as in a stream of JPEGs.
@@ -62,7 +62,7 @@ impl Layout {
         layout
     }
 
-    /// From one marker to the next. Between them are lengths and their segments, and pixels, in which 0xFF is followed by 0 or is the
+    /// Walks from one marker to the next. Between them are lengths and their segments, and pixels, in which 0xFF is followed by 0 or is the
     /// marker of a restart.
     fn walk(&mut self, bytes: &[u8]) -> Option<usize> {
         let mut at = 2;
@@ -90,7 +90,7 @@ impl Layout {
                 }
                 0xDA if self.scanned == 0 => self.scanned = *segment.first()?,
                 0xE1 if self.orientation == 1 => {
-                    self.orientation = segment.strip_prefix(exif::HEAD).map_or(1, exif::orientation);
+                    self.orientation = segment.strip_prefix(EXIF).map_or(1, orientation);
                 }
                 0xE2 => self.has_views |= segment.starts_with(b"MPF\0"),
                 _ => {}

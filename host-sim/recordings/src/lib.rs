@@ -1,27 +1,23 @@
-//! Recordings come from here: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes, by one call ([`open`]).
+//! Recordings: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes, by one call ([`open`]).
 //!
-//! A [`Sequence`] is a stream of gray frames and the boxes known about them; it is never in memory as a whole. Faults of a camera and
-//! covers can be put between ([`fault`], [`cover`]). Whoever reads and writes files shares how it is done: read up to a limit ([`input`]),
-//! written whole or not at all ([`output`]), removed if a signal comes ([`cleanup`]), with errors as people read them ([`messages`]).
-//! No tracker is run here.
+//! A [`Sequence`] is a stream of frames and the boxes known about them; it is never in memory as a whole. Faults of a camera and
+//! covers can be put between ([`fault`], [`cover`]). All files are read up to a limit ([`input`]), written whole or not at all ([`output`])
+//! and removed if a signal comes ([`cleanup`]), with errors as people read them ([`messages`]). No tracker is run here.
 
 mod border;
 pub mod boxes;
 pub mod cleanup;
-mod color;
 pub mod cover;
 mod damage;
-mod exif;
 pub mod fault;
+mod ffmpeg;
 mod folders;
 mod frame_range;
-mod frame_times;
 mod hdr;
 mod images;
+mod index;
 pub mod input;
-mod iou;
 mod jpeg;
-mod levels;
 mod live;
 pub mod messages;
 #[cfg(test)]
@@ -37,8 +33,8 @@ mod raw;
 mod rays;
 mod resize;
 mod samples;
-mod seekable;
 pub mod slow;
+mod source;
 mod start;
 pub mod street;
 pub mod synthetic;
@@ -47,18 +43,16 @@ mod video;
 mod y4m;
 
 pub use boxes::BoundingBox;
-pub use color::{Clock, ColorFrames, Colors, Now, Time};
 pub use damage::Damaged;
+pub use ffmpeg::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use folders::recordings;
 pub use frame_range::{FrameRange, misfit};
 pub use images::{Picture, decode_colors, decode_picture};
-pub use levels::Levels;
-pub use live::{Live, LiveFrame, is_live};
+pub use live::{Arrivals, Live, is_live};
 pub use resize::{Resize, Scalable, resized};
-pub use samples::luma;
-pub use seekable::{Seekable, is_seekable};
+pub use samples::{Levels, luma};
+pub use source::{Seekable, Source, is_seekable};
 pub use start::{Start, Target, checked_name};
-pub use video::{Moment, PATIENCE as FFMPEG_PATIENCE, input as ffmpeg_input, silent};
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -66,6 +60,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufReader, stdin};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A frame, rows without gaps.
@@ -76,11 +71,33 @@ pub struct Raster<P> {
     pub pixels: Vec<P>,
 }
 
-/// One frame in 8-bit gray: what trackers see.
+/// One frame in 8-bit gray, as trackers see it.
 pub type GrayFrame = Raster<u8>;
 
-/// One frame in red, green and blue: what boxes are drawn on.
+/// One frame in red, green and blue, on which boxes are drawn.
 pub type ColorFrame = Raster<[u8; 3]>;
+
+/// A frame of a recording.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Counts the frames of the recording from 1, of a live source also those that were dropped.
+    pub number: usize,
+    /// Time in seconds, if it is known.
+    pub seconds: Option<f64>,
+    pub gray: GrayFrame,
+    /// The frame in its own colors, if [they were asked for](Sequence::in_color).
+    pub color: Option<ColorFrame>,
+    /// Time at which a film shows the frame in color.
+    pub moment: Option<Moment>,
+    /// Gray and color as a live source gives them: it cannot be read again.
+    pub planes: Option<Planes>,
+}
+
+impl Frame {
+    pub fn new(number: usize, seconds: Option<f64>, gray: GrayFrame) -> Self {
+        Self { number, seconds, gray, color: None, moment: None, planes: None }
+    }
+}
 
 /// The most pixels of a frame: 16384x16384. Memory is taken for no more.
 const MOST_PIXELS: u64 = 1 << 28;
@@ -110,7 +127,7 @@ impl GrayFrame {
     }
 }
 
-pub type Frames = Box<dyn Iterator<Item = Result<GrayFrame>> + Send>;
+pub type Frames = Box<dyn Iterator<Item = Result<Frame>> + Send>;
 
 impl From<smr_core::Image<'_>> for GrayFrame {
     fn from(image: smr_core::Image<'_>) -> Self {
@@ -118,9 +135,9 @@ impl From<smr_core::Image<'_>> for GrayFrame {
     }
 }
 
-/// A recording: its frames, one after the other, and the boxes known about it.
+/// A recording: its frames in order, and the boxes known about it.
 pub struct Sequence {
-    /// The name in tables: the folder's, or the file's without its extension.
+    /// The name of the folder, or of the file without its extension.
     pub name: String,
     /// The frames in order. All are of the size of the first; one that is not is an error. Nothing follows an error.
     pub frames: Frames,
@@ -132,8 +149,8 @@ pub struct Sequence {
     pub init: Option<BoundingBox>,
     /// Ground truth, one entry a frame; `None` where the target is not visible.
     pub truth: Option<Vec<Option<BoundingBox>>>,
-    /// The same frames in color, for videos with boxes.
-    pub colors: Colors,
+    /// The source of the frames in color.
+    pub source: Source,
     /// Remarks for the user, a line each.
     pub notes: Vec<String>,
 }
@@ -146,18 +163,22 @@ impl Sequence {
         truth: Vec<Option<BoundingBox>>,
     ) -> Self {
         let (length, init) = (Some(frames.len()), truth.first().copied().flatten());
-        let frames = Self::streamed(name.to_owned(), frames.map(Ok), Colors::None);
-        Self { length, init, truth: Some(truth), ..frames }
+        Self { length, init, truth: Some(truth), ..Self::endless(name.to_owned(), frames) }
+    }
+
+    /// Frames that are made, of which the number is not known.
+    fn endless(name: String, frames: impl Iterator<Item = GrayFrame> + Send + 'static) -> Self {
+        let frames = (1..).zip(frames).map(|(number, gray)| Ok(Frame::new(number, None, gray)));
+        Self::streamed(name, frames, Source::Once)
     }
 
     /// Frames as they come, without boxes.
-    fn streamed(
-        name: String,
-        frames: impl Iterator<Item = Result<GrayFrame>> + Send + 'static,
-        colors: Colors,
-    ) -> Self {
-        let frames = damage::frames(frames, name.clone());
-        Self { name, frames, length: None, first: 1, init: None, truth: None, colors, notes: Vec::new() }
+    fn streamed(name: String, frames: impl Iterator<Item = Result<Frame>> + Send + 'static, source: Source) -> Self {
+        // The header of a pipe states a rate, which is not the time at which frames come.
+        let has_times = !matches!(source, Source::Once);
+        let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
+        let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());
+        Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
     /// The box to start from in whole pixels, as every tracker takes it.
@@ -171,7 +192,7 @@ impl Sequence {
     }
 }
 
-/// What a path alone does not tell.
+/// Facts of a recording that its path does not tell.
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
     /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump, unless its extension is that of something else.
@@ -180,9 +201,9 @@ pub struct OpenOptions {
     pub levels: Option<Levels>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
-    /// How long ffmpeg may be silent; a minute if it is `None`.
+    /// Time that ffmpeg may be silent; a minute if it is `None`.
     pub ffmpeg_patience: Option<Duration>,
-    /// A live source is taken, too.
+    /// Opens a live source, too.
     pub takes_live: bool,
 }
 
@@ -192,7 +213,7 @@ impl OpenOptions {
     }
 }
 
-/// The folder beside a recording with what other trackers answered on it.
+/// The folder beside a recording with the answers of other trackers.
 pub const RESULTS: &str = "trackers";
 
 /// The folders with the pictures of a recording in the layouts of OTB and VOT.
@@ -209,15 +230,17 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
         let name = "standard input".to_owned();
         let frames = y4m::Frames::new(BufReader::new(stdin()), name.clone())?;
-        Sequence::streamed(name, frames, Colors::None)
+        Sequence::streamed(name, frames, Source::Once)
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
         ensure!(
             options.takes_live,
             "{} is a live source, for `track` and `view` alone: expected a recording",
-            live::name(path)
+            live::without_secrets(path).0
         );
-        Live::open(path, options.patience())?.sequence()
+        let live = Live::open(path, options.patience())?;
+        let (name, source) = (live.name.clone(), Source::Live(Arc::clone(&live.arrivals)));
+        Sequence::streamed(name, live.map(Ok), source)
     } else if let Some(built_in) = built_in(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: {} is a built-in recording", path.display());
         built_in
@@ -227,9 +250,20 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
             let known = BUILT_IN.join(", ");
             format!("cannot open {}: expected a folder, a file, or one of {known}", path.display())
         })?;
-        if kind.is_dir() { open_folder(path, options)? } else { open_file(path, options)? }
+        let (name, folder, sequence) = if kind.is_dir() {
+            (folder_name(path), path, source_in(path, options)?)
+        } else {
+            let is_picture = images::is_picture(path) && options.size.is_none();
+            let sequence =
+                if is_picture { pictures(Picture::all_in(path), path, options) } else { source_of(path, options)? };
+            let name =
+                path.file_stem().map_or_else(|| path.as_os_str().to_string_lossy(), |stem| stem.to_string_lossy());
+            (name.into_owned(), path.parent().unwrap_or(Path::new("")), sequence)
+        };
+        let (truth, init) = boxes_in(folder)?;
+        Sequence { name, init, truth, ..sequence }
     };
-    let has_levels = matches!(sequence.colors, Colors::Pictures(_));
+    let has_levels = matches!(sequence.source, Source::Pictures(_));
     ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
     sequence.init = options.init.or(sequence.init);
     // It stands in tables, a line for each recording.
@@ -237,16 +271,16 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(sequence)
 }
 
-/// What to do with frames that neither lie in a file nor come from a camera of Linux.
+/// Advice for frames that neither lie in a file nor come from a camera of Linux.
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
 /// Y4M as it comes, for example from a camera: no boxes lie beside it.
 const STANDARD_INPUT: &str = "-";
 
-/// The recordings that need no file.
+/// The built-in recordings, which need no file.
 pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
-/// Those of them to check smr-core with. In noise there is nothing to follow; it is there to be timed.
+/// The built-in recordings to check smr-core with. In noise there is nothing to follow; it is there to be timed.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
@@ -281,31 +315,8 @@ fn check_pictures(folder: &Path) -> Result<()> {
     pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
 
-fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
-    let source = source_in(folder, options)?;
-    with_boxes(folder_name(folder), source, folder)
-}
-
-fn open_file(file: &Path, options: &OpenOptions) -> Result<Sequence> {
-    let source = if images::is_picture(file) && options.size.is_none() {
-        pictures(Picture::all_in(file), file, options)
-    } else {
-        source_of(file, options)?
-    };
-    let name = file.file_stem().map_or_else(|| file.display().to_string(), |stem| stem.to_string_lossy().into_owned());
-    with_boxes(name, source, file.parent().unwrap_or(Path::new("")))
-}
-
-fn with_boxes(name: String, sequence: Sequence, folder: &Path) -> Result<Sequence> {
-    let (truth, init) = boxes_in(folder)?;
-    Ok(Sequence { name, init, truth, ..sequence })
-}
-
-/// The box of each frame.
-type Truth = Vec<Option<BoundingBox>>;
-
-/// The ground truth that lies in a folder, and the box to start from.
-fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
+/// The ground truth that lies in a folder, an entry a frame, and the box to start from.
+fn boxes_in(folder: &Path) -> Result<(Option<Vec<Option<BoundingBox>>>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
@@ -317,7 +328,7 @@ pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
 
-/// `.` and `..` have names too.
+/// The name of a folder; `.` and `..` have names too.
 fn folder_name(folder: &Path) -> String {
     let absolute = fs::canonicalize(folder).unwrap_or_default();
     let name = folder.file_name().or(absolute.file_name());
@@ -328,9 +339,9 @@ fn folder_name(folder: &Path) -> String {
 fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
     let length = Some(pictures.len());
     pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
-    let notes = levels::note(&pictures).into_iter().collect();
-    let colors = Colors::Pictures(pictures.clone());
-    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), images::frames(pictures, 1), colors) }
+    let notes = images::levels_note(&pictures).into_iter().collect();
+    let frames = images::frames(&pictures, 1);
+    Sequence { length, notes, ..Sequence::streamed(at.display().to_string(), frames, Source::Pictures(pictures)) }
 }
 
 fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
@@ -432,22 +443,22 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
             .size
             .with_context(|| format!("{name} is a raw dump: the size of its frames is needed (--size WIDTHxHEIGHT)"))?;
         let (frames, length) = raw::open(file, size)?;
-        return Ok(Sequence { length, ..Sequence::streamed(name, frames, Colors::None) });
+        return Ok(Sequence { length, ..Sequence::streamed(name, frames, Source::Once) });
     }
     #[cfg(unix)]
     if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
         bail!("{name} is a device, and host-sim reads files: {LIVE}");
     }
     // A pipe is read once.
-    let time = Time::default();
-    let colors = if data.is_file() { Colors::Video(file.to_owned(), time.clone()) } else { Colors::None };
+    let source = if data.is_file() { Source::Video(file.to_owned()) } else { Source::Once };
     if y4m::is_y4m(file) {
-        return Ok(Sequence::streamed(name, time.told_by(y4m::open(file)?.from(1)), colors));
+        return Ok(Sequence::streamed(name, y4m::open(file)?, source));
     }
     // ffmpeg would draw text as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
-    let frames = video::open("ffmpeg", file, options.patience())?;
-    Ok(Sequence::streamed(name, time.told_by(frames), colors))
+    let pictures = video::open("ffmpeg", file, video::Use::Gray, options.patience())?;
+    let frames = (1..).zip(pictures).map(|(number, picture)| Ok(picture?.gray(number)));
+    Ok(Sequence::streamed(name, frames, source))
 }
 
 /// True if a file of this name holds frames of the recording that its folder is.
@@ -455,12 +466,12 @@ pub fn is_of_frames(file: &Path) -> bool {
     images::is_picture(file) || is_recording(file)
 }
 
-/// True if a file of this name holds boxes of the recording beside it, or what another tracker answered on it.
+/// True if a file of this name holds boxes of the recording beside it, or another tracker's answers.
 pub fn is_of_boxes(file: &Path) -> bool {
     boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
 
-/// What is in a folder but for folders: files, links to nothing, pipes and devices.
+/// All entries of a folder except folders: files, links to nothing, pipes and devices.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = folders::entries(folder).with_context(|| format!("cannot list the folder {}", folder.display()))?;
     files.retain(|path| !path.is_dir());

@@ -1,5 +1,4 @@
-//! What people read: errors in words of their own, not in those of the system or of a library, text without control characters, and the names
-//! of choices.
+//! Text for people: errors in plain words, not in those of the system or of a library, without control characters, and the names of choices.
 
 use clap::ValueEnum;
 use std::error::Error;
@@ -19,7 +18,7 @@ fn of_cause(cause: &(dyn Error + 'static)) -> String {
     cause.downcast_ref().map_or_else(|| cause.to_string(), of_io)
 }
 
-/// What the system says, without the number of its error.
+/// The system's error in plain words, without its number.
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",

@@ -1,4 +1,4 @@
-//! What this program writes: a file is written whole or not at all, and an error names it.
+//! Files, folders and text that this program writes: a file is written whole or not at all, and an error names it.
 
 use crate::cleanup::{self, Kept};
 use crate::messages;
@@ -10,7 +10,7 @@ use tempfile::{TempDir, TempPath};
 
 /// A file under way. Until [`Output::finish`] nothing has its name: dropped before, it leaves what was there as it was.
 pub struct Output {
-    /// As it was asked for.
+    /// The name that was asked for.
     name: PathBuf,
     file: BufWriter<fs::File>,
     /// `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
@@ -35,12 +35,12 @@ impl Output {
         Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
-    /// Where another program writes what will have the name; `None` of a device or a pipe.
+    /// The place where another program writes the file that will have the name; `None` of a device or a pipe.
     pub fn path(&self) -> Option<&Path> {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
 
-    /// Writes all that is left to write, and gives the file its name.
+    /// Writes the last bytes, and gives the file its name.
     pub fn end(mut self, bytes: &[u8]) -> Result<()> {
         self.write(bytes)?;
         self.finish()
@@ -104,17 +104,24 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         }
         _ => {}
     }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".smr-").suffix(".part");
     // Not for the eyes of the user alone, as temporary files are, but as any new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let (made, _kept) = cleanup::keep_path(|| builder.tempfile_in(folder_of(&target)))?;
+    let make = || temporary(".smr-", 0o666).suffix(".part").tempfile_in(folder_of(&target));
+    let (made, _kept) = cleanup::keep_path(make)?;
     if let Ok(data) = there {
         fs::set_permissions(made.path(), data.permissions())?;
     }
     let (file, path) = made.into_parts();
     Ok((file, Some(Whole { path, target, _kept })))
+}
+
+/// A maker of files and folders with such a name and, on Unix, such permissions.
+#[cfg_attr(not(unix), allow(unused_variables))]
+fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    builder
 }
 
 pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
@@ -142,11 +149,8 @@ impl Folder {
         }
         let place = if is_there { &target } else { folder_of(&target) };
         fs::create_dir_all(place).with_context(|| cannot_make(name))?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".smr-");
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-        let (made, _kept) = cleanup::keep_path(|| builder.tempdir_in(place)).with_context(|| cannot_make(name))?;
+        let make = || temporary(".smr-", 0o777).tempdir_in(place);
+        let (made, _kept) = cleanup::keep_path(make).with_context(|| cannot_make(name))?;
         Ok(Self { name: name.to_owned(), target, made, _kept })
     }
 
@@ -185,7 +189,7 @@ impl Folder {
     }
 }
 
-/// A folder of this user alone for what this program and another one exchange. Dropped, it is removed.
+/// A folder of this user alone for files that this program and another one exchange. Dropped, it is removed.
 pub struct Exchange {
     made: TempDir,
     _kept: Kept,
@@ -194,11 +198,7 @@ pub struct Exchange {
 impl Exchange {
     /// Errors: The system has no place for it.
     pub fn create() -> Result<Self> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix("smr-");
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
-        let make = || builder.tempdir();
+        let make = || temporary("smr-", 0o700).tempdir();
         let (made, _kept) = cleanup::keep_path(make).context("cannot make a temporary folder")?;
         Ok(Self { made, _kept })
     }
@@ -230,7 +230,7 @@ pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     out.write_all(plain.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }
 
-/// Says something on standard error, in one line.
+/// Writes a line to standard error.
 #[allow(clippy::print_stderr)] // the one place
 pub fn complain(text: &str) {
     eprintln!("{}{}", if has_cursor() { ERASE } else { "" }, messages::line(text));

@@ -1,6 +1,7 @@
 //! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
 
-use super::samples::{EXPECTED, Samples, check_size, damaged, several};
+use super::damage::damaged;
+use super::samples::{EXPECTED, Samples, check_size, several};
 use anyhow::{Error, Result, ensure};
 
 /// One picture as the bytes of its file.
@@ -66,7 +67,7 @@ impl Reader<'_> {
             self.0 = rest;
             samples.to_vec()
         };
-        Ok(Samples::new(width, height, channels as usize, samples)?.wide(is_wide))
+        Ok(Samples { is_wide, ..Samples::new(width, height, channels as usize, samples)? })
     }
 
     fn header(&mut self) -> Result<Header> {

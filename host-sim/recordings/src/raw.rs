@@ -1,7 +1,7 @@
 //! A raw dump as a recording: 8-bit gray pixels, row after row, frame after frame, as cameras and scripts write them.
 
-use super::damage::Damaged;
-use super::{GrayFrame, MOST_PIXELS, has_extension};
+use super::damage::damaged;
+use super::{Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, ensure};
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -15,7 +15,7 @@ pub(super) fn is_raw(file: &Path) -> bool {
 pub(super) fn open(
     file: &Path,
     size: (u16, u16),
-) -> Result<(impl Iterator<Item = Result<GrayFrame>> + Send + use<>, Option<usize>)> {
+) -> Result<(impl Iterator<Item = Result<Frame>> + Send + use<>, Option<usize>)> {
     let (width, height) = size;
     ensure!(width > 0 && height > 0, "--size {width}x{height}: expected at least 1x1");
     let cannot_open = || format!("cannot open {}", file.display());
@@ -24,10 +24,10 @@ pub(super) fn open(
     let dump = File::open(file).with_context(cannot_open)?;
     let data = dump.metadata().with_context(cannot_open)?;
     let length = data.is_file().then(|| usize::try_from(data.len() / frame).ok()).flatten();
-    let (mut dump, name, mut number) = (BufReader::new(dump), file.display().to_string(), 0_u64);
-    let frames = std::iter::from_fn(move || {
-        number += 1;
-        read(&mut dump, size).with_context(|| format!("{name}, frame {number}")).transpose()
+    let (mut dump, name) = (BufReader::new(dump), file.display().to_string());
+    let frames = (1..).map_while(move |number| {
+        let read = read(&mut dump, size).with_context(|| format!("{name}, frame {number}")).transpose()?;
+        Some(read.map(|gray| Frame::new(number, None, gray)))
     });
     Ok((frames, length))
 }
@@ -38,10 +38,8 @@ fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<Gray
     let mut pixels = Vec::new();
     let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
     if found != 0 && found != expected {
-        let why = format!(
-            "it is cut short, or its frames are not {width}x{height}: expected {expected} bytes, found {found}"
-        );
-        return Err(Damaged::new(why).into());
+        let why = format!("or its frames are not {width}x{height}: expected {expected} bytes, found {found}");
+        return Err(damaged(format!("it is cut short, {why}")));
     }
     Ok((found > 0).then_some(GrayFrame { width, height, pixels }))
 }

@@ -5,7 +5,7 @@
 /// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
 pub type Triple = [f64; 3];
 
-/// Where it is seen.
+/// The direction of the sun.
 pub const SUN: Triple = [-0.48, 0.77, -0.42];
 const HAZE: Triple = [0.78, 0.84, 0.90];
 
@@ -80,7 +80,7 @@ impl Solid {
         [x * c + z * s, y, z * c - x * s]
     }
 
-    /// How far it is, its color there and its normal.
+    /// The distance of the first hit, its color and its normal.
     fn hit(&self, from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
         let from = minus(from, self.origin);
         let (middle, apart) = (-dot(from, along), dot(from, from) - self.reach * self.reach);

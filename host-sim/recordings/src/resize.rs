@@ -1,6 +1,6 @@
 //! A recording in another size, with its boxes.
 
-use super::{GrayFrame, MOST_PIXELS, Raster, Sequence};
+use super::{Frame, MOST_PIXELS, Raster, Sequence};
 use anyhow::{Context, Result, bail, ensure};
 use rgb::FromSlice as _;
 use std::fmt;
@@ -30,7 +30,6 @@ impl FromStr for Resize {
     }
 }
 
-/// As it is typed.
 impl fmt::Display for Resize {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -46,10 +45,8 @@ impl Resize {
             Self::To(width, height) => return Ok((width, height)),
             Self::By(numerator, denominator) => (u64::from(numerator), u64::from(denominator)),
         };
-        let side = |side: u16| {
-            // To the nearest.
-            u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok()
-        };
+        // To the nearest.
+        let side = |side: u16| u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok();
         let (new_width, new_height) = side(width).zip(side(height)).with_context(|| {
             format!("--resize {self} of {width}x{height}: expected at most 65535 pixels on each side")
         })?;
@@ -65,17 +62,19 @@ impl Sequence {
     pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
-        let (width, height) = resize.size(first.width, first.height)?;
+        let (old_width, old_height) = (first.gray.width, first.gray.height);
+        let (width, height) = resize.size(old_width, old_height)?;
         ensure!(
             u64::from(width) * u64::from(height) <= MOST_PIXELS,
             "--resize to {width}x{height}: expected at most {MOST_PIXELS} pixels"
         );
-        let scale = (f64::from(width) / f64::from(first.width), f64::from(height) / f64::from(first.height));
-        let frames = std::iter::once(Ok(first)).chain(frames);
-        let frames = frames.map(move |frame: Result<GrayFrame>| Ok(resized(frame?, width, height)));
+        let scale = (f64::from(width) / f64::from(old_width), f64::from(height) / f64::from(old_height));
+        let frames = std::iter::once(Ok(first)).chain(frames).map(move |frame: Result<Frame>| {
+            let frame = frame?;
+            Ok(Frame { gray: resized(frame.gray, width, height), ..frame })
+        });
         let scaled = |entry: Option<super::BoundingBox>| entry.map(|entry| entry.scaled(scale));
-        let init = scaled(self.init);
-        let truth = self.truth.map(|truth| truth.into_iter().map(scaled).collect());
+        let (init, truth) = (scaled(self.init), self.truth.map(|truth| truth.into_iter().map(scaled).collect()));
         Ok((Self { frames: Box::new(frames), init, truth, ..self }, scale))
     }
 }
@@ -122,7 +121,7 @@ fn scale<F: resize::PixelFormat>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{BoundingBox, OpenOptions, open, synthetic};
+    use super::super::{BoundingBox, GrayFrame, OpenOptions, open, synthetic};
     use super::*;
     use std::path::Path;
 
@@ -150,7 +149,7 @@ mod tests {
         let BoundingBox { x, y, width: wide, height: high } = synthetic::truth(7).unwrap();
         let expected = BoundingBox { x: x / 2.0, y: y / 2.0, width: wide / 2.0, height: high / 2.0 };
         assert_eq!(half.truth.unwrap()[7], Some(expected));
-        let frames: Vec<_> = half.frames.map(Result::unwrap).collect();
+        let frames: Vec<_> = half.frames.map(|frame| frame.unwrap().gray).collect();
         assert_eq!((frames.len(), frames[3].width, frames[3].height), (synthetic::LENGTH, width / 2, height / 2));
 
         let wider = synthetic_as(&format!("{}x{height}", width * 2));
@@ -161,12 +160,12 @@ mod tests {
     #[test]
     fn means_stay_and_the_same_size_is_the_same() {
         let same = synthetic_as("1/1");
-        assert!(same.frames.map(Result::unwrap).eq(synthetic::frames()));
+        assert!(same.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames()));
         let mean = |frame: &GrayFrame| {
             frame.pixels.iter().map(|&pixel| f64::from(pixel)).sum::<f64>() / frame.pixels.len() as f64
         };
         let whole = synthetic::frames().next().unwrap();
-        let small = synthetic_as("1/3").frames.next().unwrap().unwrap();
+        let small = synthetic_as("1/3").frames.next().unwrap().unwrap().gray;
         assert!((mean(&whole) - mean(&small)).abs() < 1.0);
     }
 }

@@ -1,9 +1,9 @@
-//! Decoded samples as a frame in gray or in color, and what may be wrong with a picture.
+//! Decoded samples as an upright frame in gray or in color, and the errors of pictures.
 
-use super::damage::Damaged;
-use super::levels::Levels;
 use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
-use anyhow::{Error, Result, anyhow, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
+use std::fmt;
+use std::str::FromStr;
 
 pub(super) const EXPECTED: &str = "expected a PNG, JPEG, PGM, PPM or PAM picture";
 
@@ -12,11 +12,6 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     ensure!(pixels > 0, "it is {width}x{height}: expected at least 1 pixel on each side");
     ensure!(pixels <= MOST_PIXELS, "it is {width}x{height}: expected at most {MOST_PIXELS} pixels");
     Ok(())
-}
-
-/// The error for a picture of which nothing can be decoded.
-pub(super) fn damaged(why: String) -> Error {
-    Damaged::new(why).into()
 }
 
 /// The error for a picture that may well be whole, but of a kind that is not read.
@@ -31,17 +26,49 @@ pub(super) fn several() -> Error {
     anyhow!("it holds several pictures: expected one in a file; a file with several is a recording of its own")
 }
 
+/// A range of values of 16 bits that is stretched over 0 to 255; what lies outside becomes black or white. As text `7600..8366`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Levels {
+    pub(super) black: u16,
+    pub(super) white: u16,
+}
+
+impl Levels {
+    pub(super) fn of(self, value: u16) -> u8 {
+        let (above, span) = (u32::from(value.saturating_sub(self.black)), u32::from(self.white - self.black));
+        u8::try_from((255 * above + span / 2) / span).unwrap_or(255)
+    }
+}
+
+impl FromStr for Levels {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let ends = text.split_once("..").and_then(|(black, white)| Some((black.parse().ok()?, white.parse().ok()?)));
+        let expected = "expected two values from 0 to 65535, black..white, like 7600..8366";
+        let (black, white) = ends.context(expected)?;
+        ensure!(black < white, "{expected}: the smaller one first");
+        Ok(Self { black, white })
+    }
+}
+
+impl fmt::Display for Levels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.black, self.white)
+    }
+}
+
 /// A decoded picture: gray or RGB, each with or without alpha.
 pub(super) struct Samples {
-    width: u16,
-    height: u16,
+    pub width: u16,
+    pub height: u16,
     /// Samples a pixel, 1 to 4.
-    channels: usize,
+    pub channels: usize,
     /// Samples of 8 bits, or of 16 with the high byte first.
-    samples: Vec<u8>,
-    is_wide: bool,
+    pub samples: Vec<u8>,
+    pub is_wide: bool,
     /// As Exif counts, 1 to 8.
-    orientation: u8,
+    pub orientation: u8,
 }
 
 impl Samples {
@@ -53,15 +80,6 @@ impl Samples {
         };
         let (width, height) = (side(width)?, side(height)?);
         Ok(Self { width, height, channels, samples, is_wide: false, orientation: 1 })
-    }
-
-    /// Sets whether samples have two bytes.
-    pub fn wide(self, is_wide: bool) -> Self {
-        Self { is_wide, ..self }
-    }
-
-    pub fn oriented(self, orientation: u8) -> Self {
-        Self { orientation, ..self }
     }
 
     /// 16-bit values without those of alpha; `None` for 8-bit samples.
@@ -132,4 +150,73 @@ impl<P: Copy> Raster<P> {
 pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     let sum = 19595 * u32::from(r) + 38470 * u32::from(g) + 7471 * u32::from(b) + 32768;
     sum.to_be_bytes()[1]
+}
+
+/// The orientation that Exif data state, 1 (upright) to 8; 1 if they do not. They are a TIFF header, and tag 0x112 in the first directory.
+pub(super) fn orientation(exif: &[u8]) -> u8 {
+    let stated = stated(exif).and_then(|stated| u8::try_from(stated).ok());
+    stated.filter(|stated| (1..=8).contains(stated)).unwrap_or(1)
+}
+
+fn stated(exif: &[u8]) -> Option<u32> {
+    // In PNG some writers put the head of JPEG's segment before them.
+    let exif = exif.strip_prefix(EXIF).unwrap_or(exif);
+    let is_little_endian = match exif.get(..2)? {
+        b"II" => true,
+        b"MM" => false,
+        _ => return None,
+    };
+    let number = |at: usize, length: usize| {
+        let join = |number: u32, &byte: &u8| number << 8 | u32::from(byte);
+        let field = exif.get(at..)?.get(..length)?.iter();
+        Some(if is_little_endian { field.rev().fold(0, join) } else { field.fold(0, join) })
+    };
+    let directory = usize::try_from(number(4, 4)?).ok()?;
+    let entries = (0..number(directory, 2)? as usize).map(|entry| directory.saturating_add(2 + 12 * entry));
+    let entry = entries.into_iter().find(|&entry| number(entry, 2) == Some(0x112))?;
+    // A SHORT fills half of the four bytes of a value, a LONG all of them.
+    number(entry + 8, if number(entry + 2, 2)? == 4 { 4 } else { 2 })
+}
+
+/// The first bytes of Exif data in JPEG.
+pub(super) const EXIF: &[u8] = b"Exif\0\0";
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_stretched_and_clamped() {
+        let levels: Levels = "7600..8365".parse().unwrap();
+        let values = [0, 7600, 7601, 7602, 7982, 8365, 8366, 65535].map(|value| levels.of(value));
+        assert_eq!((values, levels.to_string().as_str()), ([0, 0, 0, 1, 127, 255, 255, 255], "7600..8365"));
+        assert_eq!("0..65535".parse::<Levels>().unwrap().of(257 * 99), 99);
+        for text in ["", "5", "5..", "..5", "5..5", "6..5", "0..65536", "-1..5", "a..b", "1...5"] {
+            let error = text.parse::<Levels>().unwrap_err().to_string();
+            assert!(error.starts_with("expected two values"), "{text}");
+            assert_eq!(error.ends_with("the smaller one first"), ["5..5", "6..5"].contains(&text), "{text}");
+        }
+    }
+
+    /// Exif data with another tag before the orientation.
+    pub fn exif(is_little_endian: bool, orientation: u16) -> Vec<u8> {
+        let short = |number: u16| if is_little_endian { number.to_le_bytes() } else { number.to_be_bytes() };
+        let long = |number: u32| if is_little_endian { number.to_le_bytes() } else { number.to_be_bytes() };
+        let entry = |tag, value| [&short(tag)[..], &short(3), &long(1), &short(value), &[0; 2]].concat();
+        let head = [if is_little_endian { b"II" } else { b"MM" }, &short(42)[..], &long(8), &short(2)].concat();
+        [head, entry(0x100, 7), entry(0x112, orientation), vec![0; 4]].concat()
+    }
+
+    #[test]
+    fn both_orders_of_bytes_and_data_that_end_anywhere() {
+        for is_little_endian in [true, false] {
+            for (stated, expected) in [(1, 1), (6, 6), (8, 8), (0, 1), (9, 1), (262, 1)] {
+                let whole = exif(is_little_endian, stated);
+                assert_eq!(orientation(&whole), expected);
+                assert_eq!(orientation(&[EXIF, &whole].concat()), expected);
+                (0..whole.len()).for_each(|length| assert!((1..=8).contains(&orientation(&whole[..length]))));
+            }
+        }
+        assert_eq!(orientation(b"MM\0*\xFF\xFF\xFF\xFF"), 1);
+    }
 }

@@ -93,7 +93,7 @@ mod tests {
             .into_iter()
             .map(|sequence| {
                 let mut frames = sequence.frames;
-                let frame = frames.next().unwrap().unwrap();
+                let frame = frames.next().unwrap().unwrap().gray;
                 let (left, top) = (28, 52);
                 let rows = frame.pixels.chunks(WIDTH.into()).skip(top).take(36);
                 rows.flat_map(|row| &row[left..left + 36]).map(|&pixel| u32::from(pixel)).sum::<u32>() / (36 * 36)

@@ -67,7 +67,7 @@ impl Target {
         bail!("there is no frame {frame}{of} (--init): expected {first} to {last}")
     }
 
-    /// The same boxes in whole pixels, as every tracker takes them.
+    /// The boxes in whole pixels, as every tracker takes them, each with its frame.
     pub fn rects(&self) -> Result<Vec<(usize, smr_core::Rect)>> {
         let rect = |(frame, bbox): &(usize, BoundingBox)| {
             bbox.pixels().map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
@@ -93,7 +93,7 @@ impl FromStr for Start {
     }
 }
 
-/// What stands before `@FRAME`, and the frame.
+/// Splits text from the `@FRAME` behind it.
 fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
     let number = frame.parse().ok().filter(|&number: &usize| number > 0);
@@ -108,7 +108,6 @@ pub fn checked_name(name: &str) -> Result<String> {
     Ok(name.to_owned())
 }
 
-/// As it is typed.
 impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(name) = &self.name {

@@ -14,7 +14,7 @@
 use super::random::Random;
 use super::rays::{Paint, SUN, Solid, Triple, is_met, levels, minus, mixed, nearest, onward, shown, unit};
 use super::synthetic::{PIXEL, Texture};
-use super::{BoundingBox, ColorFrame, Colors, GrayFrame, Sequence, luma};
+use super::{BoundingBox, ColorFrame, GrayFrame, Sequence, Source, luma};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 pub const NAME: &str = "street";
@@ -36,8 +36,8 @@ pub(super) fn sequence() -> Sequence {
         let ColorFrame { width, height, pixels } = frame(index);
         GrayFrame { width, height, pixels: pixels.into_iter().map(luma).collect() }
     };
-    let colors = Colors::Made(frame, LENGTH);
-    Sequence { colors, ..Sequence::made(NAME, (0..LENGTH).map(gray), (0..LENGTH).map(truth).collect()) }
+    let source = Source::Made(frame, LENGTH);
+    Sequence { source, ..Sequence::made(NAME, (0..LENGTH).map(gray), (0..LENGTH).map(truth).collect()) }
 }
 
 /// The frame that was drawn last: it is asked for in gray, then in color.
@@ -69,7 +69,7 @@ fn drawn(index: usize) -> ColorFrame {
     ColorFrame { width: WIDTH, height: HEIGHT, pixels }
 }
 
-/// Where the car is in frame `index`; `None` where more than half of it is hidden.
+/// The box of the car in frame `index`; `None` where more than half of it is hidden.
 pub fn truth(index: usize) -> Option<BoundingBox> {
     let cars = cars(index);
     let (mut all, mut seen) = (0, 0);
@@ -97,7 +97,7 @@ fn place(x: u16, y: u16) -> usize {
     usize::from(y) * usize::from(WIDTH) + usize::from(x)
 }
 
-/// Where a ray of a pixel goes.
+/// The direction of a ray of a pixel.
 fn direction(x: u16, y: u16, ray: usize) -> Triple {
     let within = |place: usize| (place as f64 + 0.5) / f64::from(FINE);
     let right = f64::from(x) + within(ray % usize::from(FINE)) - f64::from(WIDTH) / 2.0;
@@ -129,10 +129,10 @@ fn mean(color: impl Fn(usize) -> [u8; 3]) -> [u8; 3] {
     sum.map(|sum| u8::try_from(sum / RAYS).unwrap_or(u8::MAX))
 }
 
-/// What a ray meets of what stands still.
+/// The first still thing that a ray meets.
 struct Ray {
     far: f64,
-    /// In the sun, if no other thing is between.
+    /// Its color in the sun, if no other thing is between.
     lit: [u8; 3],
     shaded: [u8; 3],
 }
@@ -268,7 +268,7 @@ impl Road {
     }
 }
 
-/// From 0 to 1.
+/// The brightness of a texture at a place, from 0 to 1.
 fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation)] // it saturates
     let sixteenths = |side: f64| (side * f64::from(PIXEL)) as i32;

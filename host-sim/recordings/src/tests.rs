@@ -1,4 +1,4 @@
-//! What every source has in common, and each source read from files.
+//! Every source, read from files.
 
 use super::*;
 use png::{BitDepth, ColorType};
@@ -39,7 +39,7 @@ fn read(path: &Path, options: &OpenOptions) -> (Vec<GrayFrame>, String) {
     for frame in opened.unwrap_or_else(|error| Box::new(std::iter::once(Err(error)))) {
         assert!(error.is_empty(), "nothing follows an error");
         match frame {
-            Ok(frame) => good.push(frame),
+            Ok(frame) => good.push(frame.gray),
             Err(found) => error = format!("{found:#}"),
         }
     }
@@ -65,13 +65,10 @@ fn reads(name: &str, size: Option<(u16, u16)>, bytes: &[u8], expected: &[u8], er
 #[track_caller]
 fn fits(found: &str, expected: &str, of: &str) {
     let parts: Vec<&str> = expected.split("...").collect();
-    let (begin, end) = (parts[0], parts[parts.len() - 1]);
     let is_whole = parts.len() > 1 || found == expected;
-    let holds = parts.iter().all(|part| found.contains(part));
-    assert!(
-        is_whole && holds && found.starts_with(begin) && found.ends_with(end),
-        "{of}: {found}, expected {expected}"
-    );
+    let holds = found.starts_with(parts[0]) && found.ends_with(parts[parts.len() - 1]);
+    let fits = is_whole && holds && parts.iter().all(|part| found.contains(part));
+    assert!(fits, "{of}: {found}, expected {expected}");
 }
 
 #[test]
@@ -106,20 +103,14 @@ fn folders_of_pictures_in_every_layout() {
 fn folders_that_are_refused() {
     let several = "...expected one kind in one folder; move the others away";
     let unread = "...is a picture of a kind that is not read: convert it to PNG first";
+    let bad = "cannot read @/2.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ...";
+    let both = "@ holds @/a.mp4 and 1 pictures, @/1.png first: expected one or the other; name the file meant";
     let twins = "...two pictures of one number: expected one a frame; move the others away";
     for (files, good, expected) in [
         ("", 0, "@ holds no recording: expected pictures (PNG, JPEG, PGM, PPM, PAM) or one video"),
         ("1.png 2.png=P2|1|1|255|9 3.png", 1, "@, frame 2: it is 1x1: expected 4x3, the size of the first"),
-        (
-            "1.png 2.png=bad 3.png",
-            1,
-            "cannot read @/2.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ...",
-        ),
-        (
-            "1.png a.mp4",
-            0,
-            "@ holds @/a.mp4 and 1 pictures, @/1.png first: expected one or the other; name the file meant",
-        ),
+        ("1.png 2.png=bad 3.png", 1, bad),
+        ("1.png a.mp4", 0, both),
         ("a.mp4 cover.webp", 0, "...expected one or the other; name the file meant"),
         ("1.jpg 1.png", 0, several),
         ("1.pgm 1.ppm", 0, several),
@@ -153,10 +144,8 @@ fn folders_that_are_refused() {
         }
     }
     assert!(!is_sequence(folder("").path()));
-    assert!(
-        message(open_plain(&folder("").path().join("missing")))
-            .contains("/missing: expected a folder, a file, or one of street, ")
-    );
+    let missing = message(open_plain(&folder("").path().join("missing")));
+    assert!(missing.contains("/missing: expected a folder, a file, or one of street, "), "{missing}");
 }
 
 #[test]
@@ -329,13 +318,8 @@ mod pictures {
             refused(bytes, "expected a PNG, JPEG, PGM, PPM or PAM picture: its header has no ...", true);
         }
         reads("pages.tif", None, b"II*\0", &[], "...is a picture of a kind that is not read: convert it to PNG first");
-        reads(
-            "notes.txt",
-            None,
-            b"no",
-            &[],
-            "@/notes.txt is a text file: expected a recording (a video, Y4M or pictures)",
-        );
+        let text = "@/notes.txt is a text file: expected a recording (a video, Y4M or pictures)";
+        reads("notes.txt", None, b"no", &[], text);
     }
 
     #[cfg(unix)]
@@ -366,7 +350,7 @@ mod pictures {
         ] {
             let mut bytes = Vec::new();
             let mut info = png::Info::with_size(width, height);
-            info.exif_metadata = Some(exif::tests::exif(true, orientation).into());
+            info.exif_metadata = Some(samples::tests::exif(true, orientation).into());
             let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
             encoder.write_header().unwrap().write_image_data(&stored).unwrap();
             let gray = decode_picture(&bytes).unwrap();
@@ -374,7 +358,8 @@ mod pictures {
             assert_eq!(decode_colors(&bytes).unwrap().pixels, upright.map(|value| [value; 3]));
         }
         let plain = decode_picture(&jpeg()).unwrap();
-        let turned = decode_picture(&jpeg_with(0xE1, &[exif::HEAD, &exif::tests::exif(false, 6)].concat())).unwrap();
+        let turned =
+            decode_picture(&jpeg_with(0xE1, &[samples::EXIF, &samples::tests::exif(false, 6)].concat())).unwrap();
         assert!((0..96).all(|at| turned.level(95 - at, 7) == plain.level(7, at)), "from the left to the top");
     }
 
@@ -390,7 +375,7 @@ mod pictures {
         }
     }
 
-    /// As webcams and frames cut out of AVI have them: without any, or without some.
+    /// Pictures of webcams and frames cut out of AVI lack all tables, or some.
     #[test]
     fn huffman_tables_that_are_missing_are_the_standard_ones() {
         let whole = jpeg();
@@ -428,9 +413,13 @@ mod pictures {
             let (file, all) = (folder.path().join(name), pictures.concat());
             fs::write(&file, &all).unwrap();
             let (recording, sequence) = Seekable::open(&file, &OpenOptions::default()).unwrap();
-            assert_eq!((sequence.length, sequence.colors.picture_names()), (Some(3), vec![]), "{name}");
-            assert_eq!(sequence.frames.map(|frame| frame.unwrap().pixels[0]).collect::<Vec<_>>(), [7, 8, 9], "{name}");
-            assert_eq!(recording.gray_from(3).unwrap().map(|frame| frame.unwrap().0.pixels[0]).next(), Some(9));
+            assert_eq!((sequence.length, sequence.source.picture_names()), (Some(3), vec![]), "{name}");
+            assert_eq!(
+                sequence.frames.map(|frame| frame.unwrap().gray.pixels[0]).collect::<Vec<_>>(),
+                [7, 8, 9],
+                "{name}"
+            );
+            assert_eq!(recording.gray_from(3).unwrap().map(|frame| frame.unwrap().gray.pixels[0]).next(), Some(9));
             assert_eq!(recording.color_from(2, 9).unwrap().next().unwrap().pixels[0], [8; 3]);
             assert!(message(decode_picture(&all)).starts_with("it holds several pictures"), "{name}");
             reads(name, None, &all[..all.len() - pictures[2].len() / 2], &[7, 8], "...(frame 3)...");
@@ -457,11 +446,10 @@ mod pictures {
         assert_eq!(opened(None).notes, [note]);
         let stretched = opened(Some("7600..8365"));
         assert_eq!(stretched.notes, Vec::<String>::new());
-        let mut colors = stretched.colors.open(1, Duration::ZERO);
-        for (number, frame) in (1..).zip(stretched.frames) {
-            let frame = frame.unwrap();
-            assert!((0..1024_u16).zip(&frame.pixels).all(|(at, &pixel)| u16::from(pixel) == (at + number) % 256));
-            assert_eq!(colors.next(&frame).0.pixels[5], [frame.pixels[5]; 3]);
+        for (number, frame) in (1..).zip(stretched.in_color(Duration::ZERO).frames) {
+            let (gray, color) = frame.map(|frame| (frame.gray.pixels, frame.color.unwrap().pixels)).unwrap();
+            assert!((0..1024_u16).zip(&gray).all(|(at, &pixel)| u16::from(pixel) == (at + number) % 256));
+            assert_eq!(color[5], [gray[5]; 3]);
         }
         assert_eq!(opened(Some("0..100")).notes.len(), 1, "all is white");
         let error = message(open(Path::new("synthetic"), &options(Some("0..9"))));
@@ -486,13 +474,12 @@ mod y4m_files {
             let header = format!("YUV4MPEG2 W3 H2 F25:1{colour}\n");
             reads("a.y4m", None, &[header.as_bytes(), frames].concat(), &[1, 7], "");
         }
+        let line_ends =
+            "...: its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too";
         for (text, error) in [
             ("W3 H2 Cmono\n", "@/a.y4m holds no frame: expected at least one"),
             ("W3 H2 Cmono\nRUBBISH\n", "@/a.y4m, frame 1: it does not begin as a frame of YUV4MPEG2 does..."),
-            (
-                "W3 H2\r\n",
-                "...: its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too",
-            ),
+            ("W3 H2\r\n", line_ends),
             ("W3 H2 F25:1 C420p10\n", "@/a.y4m: its pixels have 10 bits (C420p10): expected 8"),
             ("W3 H2 F25:1 Cmono16\n", "@/a.y4m: its pixels have 16 bits (Cmono16): expected 8"),
             ("W3 H2 C411\n", "@/a.y4m: its colour space is C411: expected mono, 420, 422 or 444 with 8 bits"),
@@ -570,7 +557,7 @@ mod videos {
         let part = damage.downcast_ref::<Damaged>().and_then(Damaged::whole_part).unwrap();
         assert_eq!(part, format!("..{}", frames.len()));
         let part = open_plain(&video).unwrap().part(part.parse().unwrap(), "--frames").frames;
-        assert!(part.map(Result::unwrap).eq(frames), "the frames before it can be read alone");
+        assert!(part.map(|frame| frame.unwrap().gray).eq(frames), "the frames before it can be read alone");
     }
 
     #[test]

@@ -1,15 +1,15 @@
 //! YUV4MPEG2 (`.y4m`) as a recording: the luma plane is the gray picture, byte for byte.
 //!
-//! What ffmpeg decodes comes through here as well, see [`super::video`].
+//! A live source comes through here as well, see [`super::live`].
 
-use super::damage::Damaged;
-use super::{ColorFrame, GrayFrame, MOST_PIXELS, has_extension};
+use super::damage::damaged;
+use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// More than a line can have: the header of the stream, or that of a frame.
+/// Limit of a line, the header of the stream or that of a frame, in bytes.
 const LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {
@@ -35,7 +35,7 @@ pub(super) struct Frames<R> {
     stream: R,
     header: Header,
     name: String,
-    number: u64,
+    number: usize,
 }
 
 impl<R: BufRead> Frames<R> {
@@ -74,24 +74,22 @@ impl<R: BufRead> Frames<R> {
         if read < frame_bytes {
             let (expected, found) = ("FRAME\n".len() as u64 + frame_bytes, line.len() as u64 + read);
             let why = format!("it is cut short: expected {expected} bytes with its header, found {found}");
-            return Err(Damaged::new(why).into());
+            return Err(damaged(why));
         }
         Ok(Some(pixels))
     }
 }
 
 impl Frames<BufReader<File>> {
-    /// The frames from the one with the number `first` on, each with its time.
-    pub(super) fn from(mut self, first: u64) -> impl Iterator<Item = Result<(GrayFrame, Option<f64>)>> {
+    /// The frames from the one with the number `first` on.
+    pub(super) fn from(mut self, first: usize) -> impl Iterator<Item = Result<Frame>> {
         while self.number + 1 < first && self.skip_frame().is_some() {
             self.number += 1;
         }
-        let rate = self.header.rate;
-        let time = move |frame: u64| rate.map(|(number, seconds)| (frame - 1) as f64 * seconds / number);
-        std::iter::from_fn(move || Some(self.next()?.map(|frame| (frame, time(self.number)))))
+        self
     }
 
-    /// Where the next frame begins; `None` if none begins here.
+    /// Skips a frame. Returns the place of the next one; `None` if none begins here.
     fn skip_frame(&mut self) -> Option<u64> {
         line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;
         self.stream.seek_relative(self.header.frame_bytes.try_into().ok()?).ok()?;
@@ -106,10 +104,12 @@ fn line(stream: &mut impl BufRead) -> io::Result<Vec<u8>> {
 }
 
 impl<R: BufRead> Iterator for Frames<R> {
-    type Item = Result<GrayFrame>;
+    type Item = Result<Frame>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.next_planes().map(|planes| planes.map(|planes| planes.gray())).transpose()
+        let planes = self.next_planes().transpose()?;
+        let time = |(frames, seconds)| (self.number - 1) as f64 * seconds / frames;
+        Some(planes.map(|planes| Frame::new(self.number, self.header.rate.map(time), planes.gray())))
     }
 }
 
@@ -123,7 +123,7 @@ pub struct Planes {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Chroma {
-    /// So many pixels, across and down, have one color; 0 of gray frames.
+    /// Pixels across and down that have one color; 0 of gray frames.
     across: usize,
     down: usize,
     /// Levels from 0 to 255, not from 16 on; gray frames are shown as they are.
@@ -137,7 +137,7 @@ impl Planes {
         GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
     }
 
-    /// In red, green and blue, by the matrix of BT.601: the stream does not say which.
+    /// The frame in red, green and blue, by the matrix of BT.601: the stream does not say which.
     pub fn color(&self) -> ColorFrame {
         let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
         let Chroma { across, down, is_full } = self.chroma;
@@ -165,7 +165,7 @@ struct Header {
     /// Bytes of all planes of a frame.
     frame_bytes: u64,
     chroma: Chroma,
-    /// So many frames in so many seconds.
+    /// A number of frames, and the seconds that they take.
     rate: Option<(f64, f64)>,
 }
 
@@ -211,7 +211,7 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-/// How many pixels, across and down, have one color.
+/// Pixels across and down that have one color.
 fn chroma(colour: &str) -> Result<(usize, usize)> {
     Ok(match colour {
         "mono" => (0, 0),

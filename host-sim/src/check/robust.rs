@@ -170,11 +170,12 @@ mod tests {
     }
 
     /// The check of the first frames of a built-in recording.
-    fn checked(name: &str, config: Config, numbers: Numbers, frames: usize) -> Report {
-        let mut sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
+    fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Report {
+        let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
-        let first = sequence.frames.next().unwrap().unwrap();
-        through(lock(name, numbers, config, &first, target), sequence.frames.take(frames).map(Result::unwrap))
+        let mut frames = sequence.frames.map(|frame| frame.unwrap().gray);
+        let first = frames.next().unwrap();
+        through(lock(name, numbers, config, &first, target), frames.take(length))
     }
 
     type Change<T> = (&'static str, fn(&mut T));

@@ -91,7 +91,7 @@ impl Check {
         let sequence = self.recording.open(path)?;
         let target = sequence.start()?;
         let (name, mut frames) = (sequence.name, sequence.frames);
-        let first = frames.next().with_context(|| format!("{name}: no frames"))??;
+        let first = frames.next().with_context(|| format!("{name}: no frames"))??.gray;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
         // A box that the tracker refuses is told in the same words everywhere.
         let variant = self.tracker.variant(self.method.into())?;
@@ -101,7 +101,7 @@ impl Check {
             if !run.holds() {
                 break;
             }
-            run.update(&frame?)?;
+            run.update(&frame?.gray)?;
             progress.inc();
         }
         progress.clear();

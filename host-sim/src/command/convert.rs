@@ -71,7 +71,7 @@ impl Convert {
         let mut writer = Writer::create(&self.out, format, &title, init)?;
         let bar = progress::bar(&name, length);
         for frame in frames {
-            writer.frame(&frame?)?;
+            writer.frame(&frame?.gray)?;
             bar.inc();
         }
         bar.clear();

@@ -294,11 +294,12 @@ impl Eval {
     fn cover(&self, mut sequence: Sequence, other: &Path, variants: &[Variant]) -> Result<Vec<covered::Counts>> {
         let name = &sequence.name;
         let first = sequence.frames.next().with_context(|| format!("{name} holds no frame"))??;
-        let mut other =
-            smr_recordings::open(other, &OpenOptions::default())?.resized(Resize::To(first.width, first.height))?.0;
+        let mut other = smr_recordings::open(other, &OpenOptions::default())?
+            .resized(Resize::To(first.gray.width, first.gray.height))?
+            .0;
         let other = other.frames.next().with_context(|| format!("{} holds no frame", other.name))??;
         sequence.frames = Box::new(std::iter::once(Ok(first)).chain(sequence.frames));
-        covered::measure(sequence, &other, variants)
+        covered::measure(sequence, &other.gray, variants)
     }
 
     /// Recordings run in parallel, each on one thread; the results come in the order of `paths`.

@@ -163,9 +163,9 @@ impl RecordingOptions {
 
     /// The number of frames; those of a video are counted by packets, else decoded.
     fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
-        let packets = || sequence.colors.length(self.ffmpeg_patience());
+        let packets = || sequence.source.length(self.ffmpeg_patience());
         let decoded =
-            || Some(smr_recordings::open(sequence.colors.video().map(|_| path)?, options).ok()?.frames.count());
+            || Some(smr_recordings::open(sequence.source.video().map(|_| path)?, options).ok()?.frames.count());
         sequence.length.or_else(packets).or_else(decoded)
     }
 

@@ -10,7 +10,7 @@ use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
 use smr_pages::report::figures::{self, Figure, Plan, Wish};
 use smr_pages::report::{self, About, Film, Refusal};
 use smr_recordings::output::{self, Output, complain, print};
-use smr_recordings::{BUILT_IN, Colors, FrameRange, Sequence, Target, misfit};
+use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
@@ -139,7 +139,7 @@ impl Report {
         let methods = self.tracker.variants(&figures::METHODS)?;
         let watch = |stills: &BTreeSet<usize>| {
             // Figures are gray.
-            let sequence = Sequence { colors: Colors::None, ..self.recording.open(path)? };
+            let sequence = Sequence { source: Source::Once, ..self.recording.open(path)? };
             let bar = progress::bar(&sequence.name, sequence.length);
             let film = report::watch(sequence, &methods, Refusal::Fails, stills, None, || bar.inc());
             bar.clear();

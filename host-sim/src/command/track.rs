@@ -14,9 +14,10 @@ use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::export::{FILM_ENDINGS, Plan};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Output, complain, print};
-use smr_recordings::{GrayFrame, Now, Sequence, cleanup, misfit};
+use smr_recordings::{Arrivals, Frame, Sequence, cleanup, misfit};
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
@@ -92,7 +93,7 @@ impl Track {
             name: sequence.name.clone(),
             origin: variant.origin(),
             targets: targets.iter().map(|target| target.name.clone()).collect(),
-            pictures: sequence.colors.picture_names(),
+            pictures: sequence.source.picture_names(),
         };
         let printer = Printer::new(format, about);
         let (boxes, films) = self.outputs();
@@ -105,8 +106,7 @@ impl Track {
             (None, None) => Lines::Printed { goes_on: film.is_some() },
             (None, Some(file)) => Lines::File(Output::create(file)?),
         };
-        let mut clock = sequence.colors.clock(sequence.first);
-        let live = sequence.colors.now();
+        let live = sequence.source.live();
         if live.is_some() {
             // Ctrl-C is how it ends.
             cleanup::stop_first();
@@ -118,13 +118,15 @@ impl Track {
             complain(&format!("warning: {}: {misfit}", sequence.name));
         }
         let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence)?))).transpose()?;
+        if film.is_some() {
+            sequence = sequence.in_color(self.recording.ffmpeg_patience());
+        }
         lines.write(&printer.head())?;
         let last = sequence.first - 1;
         let mut pass =
             Pass { name: sequence.name, targets, printer, lines, events, film, bar, live, drops: false, last };
         for frame in sequence.frames {
-            let (number, time) = clock.tick();
-            pass.frame(number, time, &frame?)?;
+            pass.frame(frame?)?;
         }
         if let Some(misfit) = misfit(pass.last + 1 - sequence.first).filter(|_| length.is_none()) {
             pass.warn(&misfit);
@@ -156,7 +158,7 @@ impl Track {
         if !is_shown || !stderr().is_terminal() {
             return Bar::hidden();
         }
-        let whole = || sequence.colors.length(self.recording.ffmpeg_patience());
+        let whole = || sequence.source.length(self.recording.ffmpeg_patience());
         let part = |length| self.recording.frames().map_or(length, |part| part.length_of(length));
         let name = film.map_or_else(|| sequence.name.clone(), |film| film.display().to_string());
         progress::bar(&name, sequence.length.or_else(|| whole().map(part)))
@@ -164,10 +166,8 @@ impl Track {
 
     fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
         let (patience, first) = (self.recording.ffmpeg_patience(), sequence.first);
-        let colors = std::mem::take(&mut sequence.colors);
-        let plan = Plan { sound: colors.video().map(Path::to_owned), first, patience };
-        let truth = sequence.truth.take().unwrap_or_default();
-        Film::create(out, plan, colors.open(first, patience), truth)
+        let plan = Plan { sound: sequence.source.video().map(Path::to_owned), first, patience };
+        Film::create(out, plan, sequence.truth.take().unwrap_or_default())
     }
 }
 
@@ -183,7 +183,7 @@ struct Pass {
     /// And its name.
     film: Option<(PathBuf, Film)>,
     bar: Bar,
-    live: Option<Now>,
+    live: Option<Arc<Arrivals>>,
     /// Whether frames have been dropped.
     drops: bool,
     /// The number of the last frame.
@@ -191,7 +191,8 @@ struct Pass {
 }
 
 impl Pass {
-    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame) -> Result<()> {
+    fn frame(&mut self, frame: Frame) -> Result<()> {
+        let (number, time, gray) = (frame.number, frame.seconds, &frame.gray);
         if self.live.as_ref().is_some_and(|live| live.dropped() > 0) && !self.drops {
             self.drops = true;
             self.warn("frames are dropped: they come faster than the target is followed (--resize 1/2 helps)");
@@ -199,13 +200,13 @@ impl Pass {
         let (mut shown, mut poor, mut happened) = (Vec::new(), Vec::new(), Vec::new());
         for (at, target) in self.targets.iter_mut().enumerate() {
             let locks = target.next_start().is_some_and(|start| start <= number);
-            let report = target.step(number, frame).with_context(|| self.name.clone())?;
+            let report = target.step(number, gray).with_context(|| self.name.clone())?;
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
                 poor.push(target.name.as_deref());
             }
             let name = target.name.as_deref();
-            let size = (frame.width, frame.height);
+            let size = (gray.width, gray.height);
             let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
             self.lines.write(&self.printer.line(&answer)?)?;
             let told = self.events.as_mut().zip(report.as_ref());
@@ -214,7 +215,7 @@ impl Pass {
             }
             shown.push(Shown { name, report });
         }
-        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, number, &shown))?;
+        self.film.as_mut().map_or(Ok(()), |(_, film)| film.frame(frame, &shown))?;
         for line in happened {
             self.bar.suspend(|| print(|out| writeln!(out, "{line}")))?;
         }
@@ -231,7 +232,7 @@ impl Pass {
     }
 
     /// What was not followed is never hidden.
-    fn say_end(&self, live: &Now) {
+    fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
         }

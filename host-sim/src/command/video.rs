@@ -5,12 +5,11 @@ use smr_core::State;
 use smr_evaluation::{Report, name_of};
 use smr_pages::colors::{AMBER, GREEN, RED, TARGETS, WHITE};
 use smr_pages::export::{self, Overlay, Plan};
-use smr_recordings::{BoundingBox, ColorFrames, GrayFrame};
+use smr_recordings::{BoundingBox, Frame};
 use std::path::Path;
 
 pub struct Film {
     film: export::Film,
-    colors: ColorFrames,
     truth: Vec<Option<BoundingBox>>,
     frames: usize,
     /// Where each target was seen last.
@@ -24,17 +23,17 @@ pub struct Shown<'a> {
 }
 
 impl Film {
-    /// Frames are drawn in `colors`, one for each that is followed; `truth` has the boxes of ground truth, if there are any.
-    pub fn create(out: &Path, plan: Plan, colors: ColorFrames, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
-        Ok(Self { film: export::Film::create(out, plan)?, colors, truth, frames: 0, lasts: Vec::new() })
+    /// Begins a film. `truth` has the boxes of ground truth, if there are any.
+    pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
+        Ok(Self { film: export::Film::create(out, plan)?, truth, frames: 0, lasts: Vec::new() })
     }
 
-    /// Draws what is known of each target in the frame with this number. Ground truth is white. The box of an only target is green while it
+    /// Draws the report of each target into the frame. Ground truth is white. The box of an only target is green while it
     /// is tracked, amber where that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color,
     /// and its name at the box; it is in dashes while the target is not tracked.
-    pub fn frame(&mut self, frame: &GrayFrame, number: usize, targets: &[Shown<'_>]) -> Result<()> {
-        let (picture, moment) = self.colors.next(frame);
-        let mut overlay = Overlay::new(picture);
+    pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
+        let (number, moment) = (frame.number, frame.moment);
+        let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));
         if let Some(truth) = self.truth.get(self.frames).copied().flatten() {
             overlay.outline(&truth, WHITE);
         }

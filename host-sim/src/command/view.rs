@@ -134,7 +134,7 @@ impl View {
             complain(&format!("note: {}: {note}", sequence.name));
         }
         let beside = sequence.init.is_some().then(|| sequence.start()).transpose()?;
-        let (pictures, length) = (sequence.colors.picture_names(), sequence.length);
+        let (pictures, length) = (sequence.source.picture_names(), sequence.length);
         Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
     }
 

@@ -34,7 +34,7 @@ fn of<T: Recorded>(config: T::Config, sequence: Sequence, method: CoreKind) -> R
     });
     let mut saved = vec![0; T::SAVED_SIZE];
     for frame in sequence.frames {
-        let frame = frame?;
+        let frame = frame?.gray;
         let frame = frame.frame();
         frames += 1;
         if frames == 1 {

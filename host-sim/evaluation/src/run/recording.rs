@@ -34,7 +34,7 @@ impl Recording {
         let mut kept = Vec::with_capacity(boxes);
         let mut count = 0;
         for frame in frames {
-            let frame = frame?;
+            let frame = frame?.gray;
             if count == 0 {
                 let bytes = boxes as u64 * frame.pixels.len() as u64;
                 ensure!(
@@ -123,16 +123,7 @@ mod tests {
     fn sequence() -> Sequence {
         let frame = GrayFrame { width: 1024, height: 512, pixels: vec![0; 1 << 19] };
         let at: BoundingBox = "3,4,5,6".parse().unwrap();
-        Sequence {
-            name: "mine".to_owned(),
-            frames: Box::new(vec![frame; 3].into_iter().map(Ok)),
-            length: Some(3),
-            first: 1,
-            init: Some(at),
-            truth: Some(vec![Some(at), None, Some(at)]),
-            colors: smr_recordings::Colors::None,
-            notes: Vec::new(),
-        }
+        Sequence::made("mine", vec![frame; 3].into_iter(), vec![Some(at), None, Some(at)])
     }
 
     #[test]

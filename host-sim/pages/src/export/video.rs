@@ -141,7 +141,8 @@ mod tests {
             let out = above.path().join(&name);
             filmed(&out);
             let sequence = smr_recordings::open(&out, &smr_recordings::OpenOptions::default()).unwrap();
-            let sizes: Vec<_> = sequence.frames.map(Result::unwrap).map(|frame| (frame.width, frame.height)).collect();
+            let sizes: Vec<_> =
+                sequence.frames.map(|frame| frame.unwrap().gray).map(|gray| (gray.width, gray.height)).collect();
             assert_eq!(sizes, [(62, 44); 3], "{name}");
         }
     }

@@ -217,7 +217,7 @@ mod tests {
             let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
             let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
             assert_eq!((read.init, read.truth), (truth()[0], Some(truth())), "{format:?}");
-            assert!(read.frames.map(Result::unwrap).eq(synthetic::frames().take(FRAMES)), "{format:?}");
+            assert!(read.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames().take(FRAMES)), "{format:?}");
         }
     }
 
@@ -248,7 +248,7 @@ mod tests {
             assert_eq!(written.list.is_some(), format != Format::Otb);
             let read = smr_recordings::open(&out, &OpenOptions::default()).unwrap();
             assert_eq!((read.init, read.truth), (hidden()[0], Some(hidden())), "{format:?}");
-            let frames: Vec<GrayFrame> = read.frames.map(Result::unwrap).collect();
+            let frames: Vec<GrayFrame> = read.frames.map(|frame| frame.unwrap().gray).collect();
             assert_eq!(frames.len(), FRAMES);
             for (read, frame) in frames.iter().zip(synthetic::frames()) {
                 let differences = read.pixels.iter().zip(&frame.pixels).map(|(read, pixel)| read.abs_diff(*pixel));
@@ -308,7 +308,7 @@ mod tests {
             assert_eq!((written.bytes, written.boxes.len()), (fs::metadata(&out).unwrap().len(), 0));
             let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
             let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
-            assert!(read.frames.map(Result::unwrap).eq(synthetic::frames().take(FRAMES)), "{format:?}");
+            assert!(read.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames().take(FRAMES)), "{format:?}");
         }
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 2, "nothing else is written");
     }

@@ -5,7 +5,7 @@ use super::search::{self, Shown, Sight};
 use anyhow::{Context, Result, ensure};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
-use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, FrameRange, GrayFrame, Sequence, Target};
+use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, FrameRange, GrayFrame, Sequence, Target};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -129,8 +129,7 @@ pub fn watch_all(
     progress: impl Fn(),
 ) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
-    let Sequence { name, frames, truth, first, colors, .. } = sequence;
-    let mut colors = colors.open(first, FFMPEG_PATIENCE);
+    let Sequence { name, frames, truth, first, .. } = sequence.in_color(FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
     let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
     let boxes = targets.iter().flat_map(|target| &target.starts).map(|(index, _)| *index);
@@ -141,7 +140,7 @@ pub fn watch_all(
     let mut times = Vec::new();
     let mut pictures = budget.map(Pictures::new);
     for (index, frame) in frames.enumerate() {
-        let frame = frame?;
+        let Frame { gray: frame, color, moment, .. } = frame?;
         if index == 0 && refusal == Refusal::LeftOut {
             notes = leave_out(&mut pairs, &frame, &targets, methods[0].kind);
         }
@@ -155,10 +154,9 @@ pub fn watch_all(
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
         size = (frame.width, frame.height);
         moments.push(Moment { reports, lasts: sights.iter().map(|sight| sight.bbox).collect() });
-        let (colors, time) = colors.next(&frame);
-        times.push(time.map(|time| time.seconds()));
-        if let Some(pictures) = &mut pictures {
-            pictures.offer(index, &colors, &sights)?;
+        times.push(moment.map(|moment| moment.seconds()));
+        if let Some((pictures, color)) = pictures.as_mut().zip(color) {
+            pictures.offer(index, &color, &sights)?;
         }
         if stills.contains(&index) {
             kept.push(Still { index, frame, sights });
@@ -397,9 +395,9 @@ mod tests {
     #[test]
     fn a_method_that_refuses_the_box_is_left_out_if_it_may_be_and_is_not_the_first() {
         let large = || {
-            let frames = (0..3).map(|_| Ok(GrayFrame { width: 400, height: 300, pixels: vec![90; 120_000] }));
+            let frames = (0..3).map(|_| GrayFrame { width: 400, height: 300, pixels: vec![90; 120_000] });
             let init = Some(BoundingBox { x: 10.0, y: 10.0, width: 380.0, height: 280.0 });
-            Sequence { frames: Box::new(frames), init, truth: None, ..open() }
+            Sequence { init, truth: None, ..Sequence::made("large", frames, vec![]) }
         };
         let watch = |methods: &[MethodKind], refusal| {
             watch(large(), &variants(methods), refusal, &BTreeSet::new(), None, || ())

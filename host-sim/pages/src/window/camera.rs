@@ -7,7 +7,7 @@
 use super::{Known, LiveState, Numbered, Source};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
-use smr_recordings::{ColorFrame, GrayFrame, Live, LiveFrame, messages};
+use smr_recordings::{ColorFrame, Frame, GrayFrame, Live, messages};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -34,14 +34,15 @@ type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
 
 type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
 
-/// The frames of `live`, and why it has ended.
-fn seen(mut live: Live) -> impl Iterator<Item = Result<Seen>> {
-    std::iter::from_fn(move || {
-        let Some(LiveFrame { number, seconds, planes, .. }) = live.next() else {
-            return live.ended.take().map(|said| Err(anyhow!(said)));
-        };
-        Some(Ok(Seen { number, gray: planes.gray(), seconds, color: Box::new(move || planes.color()) }))
-    })
+/// The frames of `live`, then the reason for its end.
+fn seen(live: Live) -> impl Iterator<Item = Result<Seen>> {
+    let arrivals = Arc::clone(&live.arrivals);
+    let of = |Frame { number, seconds, gray, planes, .. }: Frame| {
+        let (seconds, planes) = seconds.zip(planes)?;
+        Some(Ok(Seen { number, gray, seconds, color: Box::new(move || planes.color()) }))
+    };
+    let end = std::iter::once_with(move || arrivals.ended().map(|said| Err(anyhow!(said))));
+    live.map(of).chain(end).flatten()
 }
 
 /// A camera, read by a thread of its own.

@@ -45,7 +45,7 @@ impl Source for Recorded {
 
     fn gray_from(&self, number: usize) -> Result<Numbered> {
         let frames = self.recording.gray_from(number)?;
-        Ok(Box::new((number..).zip(frames).map(|(number, frame)| frame.map(|(frame, time)| (number, time, frame)))))
+        Ok(Box::new(frames.map(|frame| frame.map(|frame| (frame.number, frame.seconds, frame.gray)))))
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {

@@ -1,17 +1,18 @@
-//! Times of a video's frames in seconds, and whether a frame can be sought.
+//! An index of a video: the time of each frame in seconds, and the frames that can be sought.
 //!
-//! They come from packets if each is one frame and times grow; else the file is decoded whole, and read from its beginning.
+//! Times come from packets if each is one frame and times grow; else the file is decoded whole, and read from its beginning.
 
-use super::video::{self, FROM_ZERO, Patient, Use};
+use super::ffmpeg::{Ffmpeg, command, fraction, input};
+use super::video::{self, FROM_ZERO, Use};
 use super::y4m;
-use crate::cleanup::{Process, locked};
+use crate::cleanup::locked;
 use std::io::BufRead;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The frames of a recording by their numbers, which a thread finds.
+/// The times of a recording's frames by their numbers. A thread finds them.
 #[derive(Default)]
 pub(super) struct Index {
     found: Mutex<Found>,
@@ -21,7 +22,7 @@ pub(super) struct Index {
 #[derive(Default)]
 struct Found {
     times: Vec<f64>,
-    /// A frame that is sought by its time is the one of that time. `None` until this is known.
+    /// True if seeking by time finds the frame of that time; `None` until this is known.
     can_seek: Option<bool>,
     /// All times are there, or there will be none.
     is_whole: bool,
@@ -35,6 +36,7 @@ impl Index {
         index
     }
 
+    /// The index of a video, found from now on.
     pub fn of(file: &Path, patience: Duration) -> Arc<Self> {
         let (index, file) = (Arc::<Self>::default(), file.to_owned());
         let found = Arc::clone(&index);
@@ -81,7 +83,7 @@ impl Index {
         found.times.get(number - 1).copied().filter(|_| found.can_seek == Some(true))
     }
 
-    /// True if the frame is shown then.
+    /// True if the frame is shown at this time.
     pub fn has(&self, number: usize, time: Option<f64>) -> bool {
         self.sought(number).zip(time).is_some_and(|(expected, time)| (expected - time).abs() < SAME)
     }
@@ -93,7 +95,7 @@ impl Index {
     }
 }
 
-/// Two times that are less apart are the same, in seconds.
+/// Seconds below which two times are the same.
 const SAME: f64 = 1e-6;
 
 /// The number of frames of a file, if it says so without being decoded.
@@ -103,7 +105,7 @@ pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
 
 /// The times of the frames that are decoded.
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
-    video::good(file, &[], Use::Times, patience).map_while(|picture| picture.seconds())
+    video::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
 /// Frames, as far as packets tell.
@@ -147,16 +149,16 @@ const DISCARDED: u32 = 4;
 
 /// Reads what ffmpeg says of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if its times do not tell frames apart.
 fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
-    let mut command = video::command("ffmpeg", "quiet", &video::input(file), &FROM_ZERO);
+    let mut command = command("ffmpeg", "quiet", &input(file), &FROM_ZERO);
     command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
-    let process = Process::start(&mut command).ok()?;
-    let mut lines = Patient::new(process.output()?, patience);
+    let mut ffmpeg = Ffmpeg::run(&mut command, "", patience).ok()?;
+    let mut lines = ffmpeg.output();
     let mut read = Read { codec: String::new(), base: (0.0, 1.0), times: Vec::new(), has_empty: false };
     let (mut line, mut last) = (String::new(), i64::MIN);
     while lines.read_line(&mut line).ok()? > 0 {
         if let Some(head) = line.strip_prefix('#') {
             let value = |name: &str| head.strip_prefix(name).map(str::trim);
-            read.base = value("tb 0:").and_then(video::fraction).map_or(read.base, |(n, d)| (n.into(), d.into()));
+            read.base = value("tb 0:").and_then(fraction).map_or(read.base, |(n, d)| (n.into(), d.into()));
             read.codec = value("codec_id 0:").map_or(read.codec, str::to_owned);
         } else {
             let fields: Vec<&str> = line.split(',').map(str::trim).collect();

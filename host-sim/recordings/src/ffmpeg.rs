@@ -1,0 +1,326 @@
+//! An `ffmpeg` on the PATH (5.1 or later): its process, what it writes, and what it says on standard error.
+//!
+//! All that reads videos starts it by [`command`], so that it reads one stream: the one that ffmpeg itself takes if nobody says which, which is
+//! that of the most pixels.
+
+use super::damage::damaged;
+use super::hdr::Transfer;
+use crate::cleanup::Process;
+use crate::input::Patient;
+use anyhow::{Context, Result, bail, ensure};
+use std::ffi::{OsStr, OsString};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+/// Time that ffmpeg may be silent, unless said otherwise.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Time at which a film shows a frame, and the shape of its pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moment {
+    /// In units of `base`.
+    pub time: i64,
+    /// In seconds, as a fraction.
+    pub base: (u32, u32),
+    /// The width of a pixel over its height.
+    pub aspect: (u32, u32),
+}
+
+impl Moment {
+    pub fn seconds(&self) -> f64 {
+        self.time as f64 * f64::from(self.base.0) / f64::from(self.base.1)
+    }
+}
+
+/// The file as ffmpeg takes it: without the protocol, a colon in its name is taken for the end of one.
+pub fn input(file: &Path) -> OsString {
+    let mut input = OsString::from("file:");
+    input.push(file);
+    input
+}
+
+/// An ffmpeg that reads one stream of pictures and nothing else. All that it writes and says is piped.
+pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str]) -> Command {
+    let mut command = Command::new(program);
+    command.args(["-nostdin", "-nostats", "-hide_banner", "-v", level]).args(options).arg("-i").arg(input);
+    command.args(["-an", "-sn", "-dn"]);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// The error of an ffmpeg that does nothing.
+pub fn silent(patience: Duration) -> io::Error {
+    let seconds = patience.as_secs_f64();
+    io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
+}
+
+/// A running ffmpeg. Dropped, it is ended.
+pub(super) struct Ffmpeg {
+    process: Process,
+    shown: Receiver<Shown>,
+    said: Receiver<Said>,
+    file: String,
+    patience: Duration,
+}
+
+impl Ffmpeg {
+    /// Starts it. `file` is what errors call its input.
+    pub fn run(command: &mut Command, file: &str, patience: Duration) -> Result<Self> {
+        let process = match Process::start(command) {
+            Err(error) if error.kind() == ErrorKind::NotFound => bail!(
+                "{file} needs ffmpeg to be decoded, and there is none on the PATH: install the package `ffmpeg` (5.1 or later)"
+            ),
+            other => other.context("cannot start ffmpeg")?,
+        };
+        let complaints = process.complaints().expect("standard error is piped");
+        let ((sender, said), (pictures, shown)) = (channel(), channel());
+        let name = file.to_owned();
+        thread::spawn(move || {
+            // Everything is read, or ffmpeg would wait; nobody may want it.
+            let said = Said::read(complaints, &name, |one| drop(pictures.send(one)));
+            // The reader learns why no pictures come.
+            let _ = sender.send(said);
+        });
+        Ok(Self { process, shown, said, file: file.to_owned(), patience })
+    }
+
+    /// Standard output, read as long as ffmpeg writes.
+    pub fn output(&mut self) -> Patient {
+        let stream = self.process.output().expect("standard output is piped");
+        Patient::new(|| Ok(stream), self.patience, silent)
+    }
+
+    /// Facts of the next picture, which are said before its pixels are written; `None` at the end.
+    pub fn shown(&self) -> Result<Option<Shown>> {
+        match self.shown.recv_timeout(self.patience) {
+            Err(RecvTimeoutError::Timeout) => Err(silent(self.patience).into()),
+            shown => Ok(shown.ok()),
+        }
+    }
+
+    fn end(&mut self) -> Result<(ExitStatus, Said)> {
+        let status = self.process.wait_while(|waited| waited <= self.patience).context("cannot wait for ffmpeg")?;
+        let Some(status) = status else {
+            return Err(silent(self.patience)).with_context(|| format!("cannot read {}", self.file));
+        };
+        Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
+    }
+
+    /// Its last words and its exit status.
+    pub fn last_words(&mut self) -> Result<String> {
+        self.end().map(|(status, said)| said.or(status))
+    }
+
+    /// Its last words, if it has ended and not as it should.
+    pub fn failure(&mut self) -> Option<String> {
+        let is_ended = self.process.ended().is_ok_and(|status| status.is_some_and(|status| !status.success()));
+        is_ended.then(|| self.last_words().ok())?
+    }
+
+    /// The error of a file in which ffmpeg finds no frame.
+    pub fn no_frame(&mut self) -> Result<()> {
+        let ((status, said), name) = (self.end()?, &self.file);
+        ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
+        ensure!(
+            said.last.is_empty() && status.success(),
+            "ffmpeg cannot decode {name}: {}: expected a whole video, or else pictures, Y4M or a raw dump (--size)",
+            said.or(status)
+        );
+        bail!("{name} holds no frame that ffmpeg decodes");
+    }
+
+    /// Errors: ffmpeg conceals what is damaged or missing, goes on, and ends without an error code. What it has complained about is
+    /// damage, because such pixels are not those of the recording. A packet looks damaged also where pieces were joined: then no frame is missing.
+    pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
+        let (status, mut said) = self.end()?;
+        if has_gap && said.last.is_empty() {
+            said.last = std::mem::take(&mut said.packet);
+        }
+        let file = &self.file;
+        ensure!(
+            !said.changed,
+            "{file}: the size of its frames or the format of their pixels changes on the way: expected one"
+        );
+        if said.last.is_empty() && status.success() {
+            return Ok(());
+        }
+        Err(damaged(format!("{file} is damaged, says ffmpeg: {}", said.or(status))))
+    }
+}
+
+/// Facts of a picture, as the filter `showinfo` says them on standard error.
+#[derive(Debug, PartialEq)]
+pub(super) struct Shown {
+    pub size: (u32, u32),
+    pub moment: Option<Moment>,
+    /// ffmpeg has complained before.
+    pub is_doubtful: bool,
+    /// The transfer function of the chosen stream; `None` for ordinary light.
+    pub transfer: Option<Transfer>,
+}
+
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Said {
+    /// The last complaint.
+    last: String,
+    /// Words about the last packet that looks damaged.
+    packet: String,
+    /// Frames of another size came, or with pixels of another format.
+    changed: bool,
+    /// True after ffmpeg's first message with a level; from then on a line without one continues a message.
+    has_begun: bool,
+    /// The unit of times, in seconds.
+    base: Option<(u32, u32)>,
+    /// The streams whose light is coded so, as `#0:1`.
+    transfers: Vec<(String, Transfer)>,
+    /// The one of the chosen stream.
+    transfer: Option<Transfer>,
+}
+
+impl Said {
+    /// Reads everything that is said; `show` gets each picture.
+    fn read(stream: impl Read, file: &str, mut show: impl FnMut(Shown)) -> Self {
+        let mut said = Self::default();
+        for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
+            if let Some(shown) = said.add(String::from_utf8_lossy(&line).trim(), file) {
+                show(shown);
+            }
+        }
+        said
+    }
+
+    /// Takes in a line such as `[h264 @ 0x55f520328f40] [error] missing picture`: speaker (the address is another one in every run), level, words.
+    fn add(&mut self, mut line: &str, file: &str) -> Option<Shown> {
+        // Some say twice who they are.
+        while let Some((speaker, words)) = line.split_once("] ")
+            && speaker.starts_with('[')
+            && speaker.contains(" @ 0x")
+        {
+            if let Some(words) = words.strip_prefix("[info] ")
+                && speaker.starts_with("[Parsed_showinfo")
+            {
+                return self.picture(words);
+            }
+            line = words;
+        }
+        if let Some(words) = line.strip_prefix("[info] ") {
+            self.has_begun = true;
+            self.stream(words.trim_start());
+            return None;
+        }
+        let (is_warning, words) = match line.strip_prefix("[warning] ") {
+            Some(words) => (true, words),
+            None => match ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| line.strip_prefix(level)) {
+                Some(words) => (false, words),
+                // A further line of a message: a title in the file, for example.
+                None if self.has_begun => return None,
+                None => (false, line),
+            },
+        };
+        self.changed |= words.contains("Changing video frame properties");
+        let of_frame = words.contains("corrupt decoded frame");
+        let words = words.trim_start_matches(&format!("file:{file}: "));
+        // Of the warnings only these are about damage.
+        if words.contains("corrupt input packet") {
+            words.clone_into(&mut self.packet);
+        } else if !words.is_empty() && (!is_warning || of_frame) {
+            words.clone_into(&mut self.last);
+        }
+        None
+    }
+
+    /// Parses ` n:   1 pts:    512 pts_time:0.0333333 pos: 5000 fmt:yuv420p sar:1/1 s:640x480 i:P iskey:0 ...`
+    fn picture(&mut self, line: &str) -> Option<Shown> {
+        self.base = line.split_once("time_base: ").and_then(|(_, base)| fraction(base)).or(self.base);
+        let field = |name: &str| line.split_once(name)?.1.split_whitespace().next();
+        let (width, height) = field(" s:")?.split_once('x')?;
+        let time = field(" pts:").and_then(|time| time.parse().ok());
+        let aspect = field(" sar:").and_then(fraction).unwrap_or((1, 1));
+        let moment = time.zip(self.base).map(|(time, base)| Moment { time, base, aspect });
+        let size = (width.parse().ok()?, height.parse().ok()?);
+        let is_doubtful = self.changed || !self.packet.is_empty() || !self.last.is_empty();
+        Some(Shown { size, moment, is_doubtful, transfer: self.transfer })
+    }
+
+    /// Parses `Stream #0:1[0x1e0]: Video: hevc (Main 10), yuv420p10le(tv, bt2020nc/bt2020/smpte2084), ...`, and for the stream that is taken
+    /// `Stream #0:1 -> #0:0 (hevc (native) -> rawvideo (native))`.
+    fn stream(&mut self, line: &str) -> Option<()> {
+        let line = line.strip_prefix("Stream ")?;
+        if let Some((stream, _)) = line.split_once(" -> #0:0") {
+            self.transfer = self.transfers.iter().find(|(of, _)| of == stream).map(|(_, transfer)| *transfer);
+            return None;
+        }
+        let (file, rest) = line.split_once(':')?;
+        let number = rest.split(|letter: char| !letter.is_ascii_digit()).next()?;
+        let coded = [("smpte2084", Transfer::Pq), ("arib-std-b67", Transfer::Hlg)];
+        let (_, transfer) = coded.iter().find(|(name, _)| rest.contains(name))?;
+        self.transfers.push((format!("{file}:{number}"), *transfer));
+        None
+    }
+
+    /// The last complaint; without one, the exit status of the process.
+    fn or(&self, status: ExitStatus) -> String {
+        if self.last.is_empty() { status.to_string() } else { self.last.clone() }
+    }
+}
+
+/// Parses `1/15360` at the beginning of `text`; `None` if a number is 0.
+pub(super) fn fraction(text: &str) -> Option<(u32, u32)> {
+    let (numerator, rest) = text.split_once('/')?;
+    let denominator = rest.split(|letter: char| !letter.is_ascii_digit()).next()?;
+    let number = |text: &str| text.parse().ok().filter(|&number: &u32| number > 0);
+    number(numerator).zip(number(denominator))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_what_ffmpeg_says_the_last_complaint_is_kept() {
+        let said = |text: &str| Said::read(text.as_bytes(), "a.mp4", |_| ());
+        for (text, last) in [
+            ("[NULL @ 0x55f5] [error] Invalid NAL\n[mov,mp4 @ 0x7f] [error] partial file\r\n\n", "partial file"),
+            ("[error] file:a.mp4: Invalid [data] found", "Invalid [data] found"),
+            ("[swscaler @ 0x55] [swscaler @ 0x55] [warning] deprecated pixel format used", ""),
+            ("", ""),
+            ("[warning] a.mp4: corrupt decoded frame in stream 0\n", "a.mp4: corrupt decoded frame in stream 0"),
+            ("cannot load a library", "cannot load a library"),
+            ("[info] title: a\n   : b", ""),
+        ] {
+            assert_eq!(said(text).last, last, "{text}");
+        }
+        let changed = "[graph 0 input @ 0x5] [warning] Changing video frame properties on the fly is not supported";
+        assert_eq!(said(changed), Said { changed: true, ..Said::default() });
+    }
+
+    #[test]
+    fn what_showinfo_says() {
+        let config = "[Parsed_showinfo_1 @ 0x55d] [info] config in time_base: 1/15360, frame_rate: 30/1\n";
+        let line = "[Parsed_showinfo_1 @ 0x55d] [info] n:   1 pts:    512 pts_time:0.0333333 pos:     5000 fmt:yuv420p sar:12/11 s:720x576 i:P iskey:0";
+        let streams = "[info]   Stream #0:0[0x1]: Video: h264 (High), yuv420p(tv, bt709), 8x8\n\
+            [info]   Stream #0:1[0x2](und): Video: hevc (Main 10), yuv420p10le(tv, bt2020nc/bt2020/smpte2084), 8x8\n[info] Stream mapping:\n";
+        let mapped = |number: usize| {
+            let mapping = format!("[info]   Stream #0:{number} -> #0:0 (hevc (native) -> rawvideo (native))");
+            format!("{streams}{mapping}\n{config}{line}")
+        };
+        let moment = Some(Moment { time: 512, base: (1, 15360), aspect: (12, 11) });
+        for (text, moment, is_doubtful, transfer) in [
+            (format!("{config}{line}"), moment, false, None),
+            (format!("{config}[h264 @ 0x5] [error] lost\n{line}"), moment, true, None),
+            (line.replace("    512", " NOPTS"), None, false, None),
+            (mapped(0), moment, false, None),
+            (mapped(1), moment, false, Some(Transfer::Pq)),
+        ] {
+            let mut shown = Vec::new();
+            Said::read(text.as_bytes(), "a.mp4", |one| shown.push(one));
+            assert_eq!(shown, [Shown { size: (720, 576), moment, is_doubtful, transfer }], "{text}");
+        }
+        assert_eq!(fraction("1001/30000, frame_rate: 30/1"), Some((1001, 30000)));
+        assert_eq!((fraction("0/1"), fraction("1/"), fraction("x")), (None, None, None));
+    }
+}

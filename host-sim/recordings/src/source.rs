@@ -1,0 +1,344 @@
+//! The source of a recording: its frames in color, and from any of them on.
+
+use super::ffmpeg::Moment;
+use super::index::{self, Index};
+use super::live::Arrivals;
+use super::resize::resized;
+use super::video::{self, Picture, Pictures, Use};
+use super::{BUILT_IN, ColorFrame, Frame, Frames, GrayFrame, OpenOptions, Sequence, images, open, y4m};
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The source that a recording can be read from again.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// Gray frames, or a pipe.
+    #[default]
+    Once,
+    /// One picture a frame.
+    Pictures(Vec<images::Picture>),
+    /// A video or Y4M.
+    Video(PathBuf),
+    /// A live source, whose frames have their colors with them.
+    Live(Arc<Arrivals>),
+    /// A function that draws a frame from its index, and the number of frames.
+    Made(fn(usize) -> ColorFrame, usize),
+}
+
+/// Frames in color, and the time at which a film shows each.
+type Colors = Box<dyn Iterator<Item = (ColorFrame, Option<Moment>)> + Send>;
+
+impl Source {
+    /// The file that may have sound.
+    pub fn video(&self) -> Option<&Path> {
+        if let Self::Video(file) = self { Some(file) } else { None }
+    }
+
+    /// The file names of pictures.
+    pub fn picture_names(&self) -> Vec<String> {
+        let Self::Pictures(pictures) = self else { return Vec::new() };
+        pictures.iter().filter_map(images::Picture::name).collect()
+    }
+
+    /// The number of frames of a video, as far as it says so itself.
+    pub fn length(&self, patience: Duration) -> Option<usize> {
+        index::count(self.video()?, patience)
+    }
+
+    /// The counts of a live source.
+    pub fn live(&self) -> Option<Arc<Arrivals>> {
+        if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
+    }
+
+    /// The frames from the one with the number `first` on, as long as they can be read. No side of a frame of a video is longer than `side`:
+    /// ffmpeg makes them smaller, which is quick.
+    fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
+        match self {
+            Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
+            Self::Pictures(pictures) => {
+                let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
+                Box::new(rest.into_iter().map_while(|picture| Some((picture.colors().ok()?, None))))
+            }
+            Self::Made(frame, length) => {
+                let frame = *frame;
+                Box::new((first - 1..*length).map(move |index| (frame(index), None)))
+            }
+            Self::Video(file) => {
+                Box::new(video::good(file, Use::Color(side), patience).skip(first - 1).map(Picture::color))
+            }
+        }
+    }
+}
+
+impl From<&GrayFrame> for ColorFrame {
+    fn from(GrayFrame { width, height, pixels }: &GrayFrame) -> Self {
+        Self { width: *width, height: *height, pixels: pixels.iter().map(|&gray| [gray; 3]).collect() }
+    }
+}
+
+impl Sequence {
+    /// Gives each frame its colors, in the size of the gray one, and the time at which a film shows it. Where there is no color, it is gray:
+    /// errors are those of the gray frames.
+    pub fn in_color(self, patience: Duration) -> Self {
+        let mut colors = self.source.color_from(self.first, u16::MAX, patience);
+        let frames = self.frames.map(move |frame| Ok(colored(frame?, &mut colors)));
+        Self { frames: Box::new(frames), ..self }
+    }
+}
+
+fn colored(frame: Frame, colors: &mut Colors) -> Frame {
+    let (width, height) = (frame.gray.width, frame.gray.height);
+    #[allow(clippy::cast_possible_truncation)] // it saturates
+    let micros = (frame.seconds.unwrap_or(0.0) * 1e6) as i64;
+    let of_live = Moment { time: micros, base: (1, 1_000_000), aspect: (1, 1) };
+    let own = frame.planes.as_ref().map(|planes| (planes.color(), Some(of_live)));
+    let Some((color, moment)) = own.or_else(|| colors.next()) else {
+        return Frame { color: Some((&frame.gray).into()), ..frame };
+    };
+    let stretch = (f64::from(color.width) / f64::from(width)) / (f64::from(color.height) / f64::from(height));
+    let moment = moment.map(|moment| Moment { aspect: stretched(moment.aspect, stretch), ..moment });
+    Frame { color: Some(resized(color, width, height)), moment, ..frame }
+}
+
+/// The shape of a pixel that is `by` times as wide, so that the picture keeps its shape.
+fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
+    if (by - 1.0).abs() < 0.01 {
+        // Half of an odd side is rounded.
+        return (width, height);
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and it saturates
+    let thousandths = (f64::from(width) / f64::from(height) * by * 1000.0).round() as u32;
+    (thousandths.max(1), 1000)
+}
+
+/// A recording that is read from any of its frames on.
+///
+/// Pictures and Y4M are read by their numbers, videos from the nearest place where ffmpeg can begin, if each frame that comes from there is
+/// at its time in the index. If it is not, or ffmpeg complains, the video is read from its beginning, as raw dumps are.
+pub struct Seekable {
+    path: PathBuf,
+    options: OpenOptions,
+    source: Source,
+    length: Option<usize>,
+    index: Arc<Index>,
+}
+
+impl Seekable {
+    /// Opens the recording at `path`, and also gives it as it is read in order.
+    /// Errors: Those of [`open`].
+    pub fn open(path: &Path, options: &OpenOptions) -> Result<(Self, Sequence)> {
+        let sequence = open(path, options)?;
+        let index = sequence.source.video().map_or_else(Index::unknown, |file| Index::of(file, options.patience()));
+        let (source, length) = (sequence.source.clone(), sequence.length);
+        Ok((Self { path: path.to_owned(), options: options.clone(), source, length, index }, sequence))
+    }
+
+    /// The number of frames, and the time of each in seconds, once both are known. A recording may know no times.
+    pub fn known(&self) -> (Option<usize>, Vec<f64>) {
+        self.index.times().map_or_else(|| (self.length, Vec::new()), |times| (Some(times.len()), times))
+    }
+
+    /// The gray frames from `number` on.
+    /// Errors: The recording cannot be read.
+    pub fn gray_from(&self, number: usize) -> Result<Frames> {
+        Ok(match &self.source {
+            Source::Pictures(files) => Box::new(images::frames(files, number)),
+            Source::Video(file) if number > 1 && y4m::is_y4m(file) => Box::new(y4m::open(file)?.from(number)),
+            Source::Video(file) if number > 1 => {
+                let pictures = self.pictures_from(file, number, Use::Gray);
+                Box::new((number..).zip(pictures).map(|(number, picture)| Ok(picture?.gray(number))))
+            }
+            _ => Box::new(open(&self.path, &self.options)?.frames.skip(number - 1)),
+        })
+    }
+
+    /// The frames from `number` on in their colors, no side of a frame of a video longer than `side`. They end where nothing more can be read.
+    /// Errors: The recording cannot be read.
+    pub fn color_from(&self, number: usize, side: u16) -> Result<Box<dyn Iterator<Item = ColorFrame> + Send>> {
+        Ok(match &self.source {
+            Source::Video(file) if number > 1 => {
+                let pictures = self.pictures_from(file, number, Use::Color(side));
+                Box::new(pictures.map_while(Result::ok).map(|picture| picture.color().0))
+            }
+            Source::Once | Source::Live(_) => {
+                Box::new(self.gray_from(number)?.map_while(Result::ok).map(|frame| (&frame.gray).into()))
+            }
+            source => Box::new(source.color_from(number, side, self.options.patience()).map(|(frame, _)| frame)),
+        })
+    }
+
+    /// The pictures of a video from `number` on: sought, as long as each is at its time and nothing is wrong with it, then read from the
+    /// beginning.
+    fn pictures_from(
+        &self,
+        file: &Path,
+        mut number: usize,
+        wanted: Use,
+    ) -> impl Iterator<Item = Result<Picture>> + use<> {
+        let (index, file, patience) = (Arc::clone(&self.index), file.to_owned(), self.options.patience());
+        let found = index.sought(number).and_then(|time| Pictures::at(&file, time, wanted, patience));
+        let (mut first, mut pictures) = found.unzip();
+        let mut rest: Option<Box<dyn Iterator<Item = Result<Picture>> + Send>> = None;
+        std::iter::from_fn(move || {
+            if let Some(sought) = &mut pictures {
+                let picture = first.take().or_else(|| sought.next().ok()?);
+                let is_end = picture.is_none();
+                match picture.filter(|picture| !picture.is_doubtful && index.has(number, picture.seconds())) {
+                    Some(picture) => {
+                        number += 1;
+                        return Some(Ok(picture));
+                    }
+                    None if is_end && index.ends_before(number) && sought.verdict().is_ok() => return None,
+                    None => pictures = None,
+                }
+            }
+            let begin = || -> Box<dyn Iterator<Item = _> + Send> {
+                match video::open("ffmpeg", &file, wanted, patience) {
+                    Ok(all) => Box::new(all.skip(number - 1)),
+                    Err(error) => Box::new(std::iter::once(Err(error))),
+                }
+            };
+            rest.get_or_insert_with(begin).next()
+        })
+    }
+}
+
+/// True if frames of `path` can be read again and again: not standard input, a pipe or a device.
+pub fn is_seekable(path: &Path) -> bool {
+    BUILT_IN.iter().any(|name| path == Path::new(name)) || path.is_file() || path.is_dir()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{missing, synthetic};
+    use std::process::Command;
+
+    fn gray(recording: &Seekable, number: usize) -> GrayFrame {
+        recording.gray_from(number).unwrap().next().unwrap().unwrap().gray
+    }
+
+    #[test]
+    fn pictures_keep_their_colors_and_get_the_size_of_the_gray_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |number: u8| {
+            let file = folder.path().join(format!("{number}.ppm"));
+            std::fs::write(&file, [b"P6 4 2 255\n".as_slice(), &[number, 200, 3].repeat(8)].concat()).unwrap();
+            file
+        };
+        let source = Source::Pictures([file(1), file(2)].map(images::Picture::from).to_vec());
+        let mut colors = source.color_from(2, u16::MAX, Duration::ZERO);
+        let gray = GrayFrame { width: 2, height: 1, pixels: vec![0; 2] };
+        let mut next = || colored(Frame::new(1, None, gray.clone()), &mut colors).color.unwrap();
+        assert_eq!(next(), ColorFrame { width: 2, height: 1, pixels: vec![[2, 200, 3]; 2] });
+        assert_eq!(next().pixels, [[0; 3]; 2]);
+        for (aspect, by, expected) in [((1, 1), 1.0, (1, 1)), ((12, 11), 1.005, (12, 11)), ((1, 1), 2.0, (2000, 1000))]
+        {
+            assert_eq!(stretched(aspect, by), expected);
+        }
+    }
+
+    #[test]
+    fn pictures_and_made_frames_are_read_from_any_place_on() {
+        let names: Vec<String> = (1..=12).map(|number| format!("{number}.png")).collect();
+        let folder = crate::tests::folder(&names.join(" "));
+        let (recording, sequence) = Seekable::open(folder.path(), &OpenOptions::default()).unwrap();
+        assert_eq!((recording.known(), sequence.frames.count()), ((Some(12), vec![]), 12));
+        assert_eq!((gray(&recording, 1).pixels[0], gray(&recording, 11).pixels[0]), (1, 11));
+        assert_eq!(recording.color_from(12, 100).unwrap().map(|frame| frame.pixels[0]).collect::<Vec<_>>(), [[12; 3]]);
+        assert_eq!(recording.color_from(13, 100).unwrap().count() + recording.gray_from(13).unwrap().count(), 0);
+        std::fs::write(folder.path().join("9.png"), "P6 4 2 255\n").unwrap();
+        let error = format!("{:#}", recording.gray_from(8).unwrap().nth(1).unwrap().unwrap_err());
+        assert!(error.contains("9.png (frame 9)"), "{error}");
+        let (recording, _) = Seekable::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
+        assert_eq!(gray(&recording, 100), synthetic::frame(99));
+    }
+
+    /// A file of this name in the folder, of 30 frames made with such options; twice in a row if the name says so. `None` if this ffmpeg cannot
+    /// write it.
+    fn made(folder: &Path, name: &str, options: &str) -> Option<PathBuf> {
+        let (file, mut ffmpeg) = (folder.join(name), Command::new("ffmpeg"));
+        ffmpeg.args(["-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=64x48:rate=10:duration=3"]);
+        ffmpeg.args(["-f", "lavfi", "-i", "testsrc=size=96x64:rate=5:duration=3"]);
+        ffmpeg.args(if options.contains("-map") { &[][..] } else { &["-map", "0:v"] });
+        missing::runs(ffmpeg.args(options.split_whitespace()).arg(&file)).then_some(())?;
+        if name.starts_with("joined") {
+            std::fs::write(&file, std::fs::read(&file).unwrap().repeat(2)).unwrap();
+        }
+        Some(file)
+    }
+
+    const H264: &str = "-c:v libx264 -g 10 -bf 3 -flags +cgop -preset ultrafast";
+
+    /// Each kind of file, with options, the number of frames, the time of the 12th, and true if its frames are sought.
+    #[test]
+    fn a_video_is_read_from_any_place_on() {
+        let test = "a_video_is_read_from_any_place_on";
+        if !missing::has_ffmpeg(test) {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let h264 = |options: &str| format!("{H264} {options}");
+        for (name, options, count, time, is_sought) in [
+            ("a.mp4", h264(""), 30, 1.1, true),
+            ("varying.mkv", h264("-vf select=not(mod(n\\,3))+not(mod(n\\,7)) -fps_mode vfr"), 13, 2.7, true),
+            ("from-1.4.ts", h264(""), 30, 1.1, true),
+            ("open.mkv", h264("-x264-params open-gop=1"), 30, 1.1, true),
+            ("a.mpg", "-c:v mpeg2video -bf 2 -g 6 -r 25".to_owned(), 75, 0.44, false),
+            ("vp8.webm", "-c:v libvpx -deadline realtime -auto-alt-ref 1 -lag-in-frames 16".to_owned(), 30, 1.1, true),
+            ("a.webm", "-c:v libvpx-vp9 -deadline realtime -cpu-used 8 -lag-in-frames 16".to_owned(), 30, 1.1, true),
+            ("a.y4m", String::new(), 30, 1.1, true),
+            ("large-second.ts", h264("-map 0:v -map 1:v"), 15, 2.2, true),
+            ("sent.avi", h264(""), 30, 1.3, false),
+            ("some.avi", "-c:v mpeg4 -bf 2 -g 10".to_owned(), 30, 1.2, false),
+            ("raw.h264", h264(""), 30, 1.1, false),
+            ("a.gif", String::new(), 30, 1.1, false),
+            ("same.mkv", h264("-vf setpts='floor(N/2)/5/TB' -fps_mode passthrough -enc_time_base -1"), 30, 1.0, false),
+            ("joined.mpg", "-c:v mpeg2video -bf 2 -g 6 -r 25 -t 1".to_owned(), 50, 0.44, false),
+            ("joined.ts", h264("-t 1"), 20, 1.1, false),
+        ] {
+            let Some(file) = made(folder.path(), name, &options) else {
+                missing::skipped(test, format_args!("this ffmpeg does not write {name}"));
+                continue;
+            };
+            let (recording, sequence) = Seekable::open(&file, &OpenOptions::default()).unwrap();
+            let in_order = |frames: Frames| -> Vec<_> {
+                frames.map(Result::unwrap).map(|frame| (frame.number, frame.seconds.unwrap(), frame.gray)).collect()
+            };
+            let read = |number| in_order(recording.gray_from(number).unwrap());
+            let all = read(1);
+            let times: Vec<f64> = all.iter().map(|(_, time, _)| *time).collect();
+            assert!(all.iter().map(|(number, ..)| *number).eq(1..=count), "{name}");
+            assert!(times.len() == count && (times[11] - time).abs() < 2e-3, "{name}: {times:?}");
+            assert!(times.is_sorted_by(|a, b| a < b || name == "same.mkv"), "{name}: {times:?}");
+            assert_eq!(recording.index.sought(count).is_some(), is_sought, "{name}");
+            assert!(in_order(sequence.frames) == all, "{name}");
+            let numbers = [count / 3, count / 3 + 1, count - 1, count + 1];
+            for &number in if is_sought { &numbers[..] } else { &numbers[..1] } {
+                assert!(read(number) == all[number - 1..], "{name}, {number}");
+            }
+            let colors = sequence.source.color_from(count / 3, 32, crate::FFMPEG_PATIENCE).map(|(frame, _)| frame);
+            assert!(recording.color_from(count / 3, 32).unwrap().eq(colors), "{name} in color");
+            let (known, expected) = (recording.known().1, &times);
+            let apart = known.iter().zip(expected).map(|(known, time)| (known - time).abs()).fold(0.0, f64::max);
+            assert!(known.len() == count && apart < 1e-6, "{name}: {known:?}, expected {times:?}");
+        }
+    }
+
+    #[test]
+    fn what_an_edit_list_cuts_is_no_frame() {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(whole) = made(folder.path(), "whole.mp4", H264) else {
+            return missing::skipped("what_an_edit_list_cuts_is_no_frame", "no ffmpeg with libx264");
+        };
+        let cut = folder.path().join("cut.mp4");
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-nostdin", "-v", "error", "-ss", "0.7", "-i"]).arg(whole).args(["-c", "copy"]).arg(&cut);
+        assert!(missing::runs(&mut ffmpeg));
+        let (recording, sequence) = Seekable::open(&cut, &OpenOptions::default()).unwrap();
+        assert_eq!((recording.index.sought(23).is_some(), sequence.frames.count()), (true, 30 - 7));
+        assert_eq!(recording.known().0, Some(23));
+    }
+}
