@@ -324,28 +324,28 @@ mod tests {
 
     #[test]
     fn each_form_is_read_with_every_separator_and_end_of_line() {
-        let text = "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\nNaN,NaN,NaN,NaN\r\nnan nan nan nan\r\n\r\n";
-        let expected = [Some(boxed(165.0, 93.0, 51.0, 54.0)), Some(boxed(164.5, 93.25, 51.0, 54.0)), None, None];
-        assert_eq!(parsed(Form::Tld, text).unwrap(), expected);
-        let text = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
-        let one = Some(boxed(128.0, 79.0, 64.0, 78.0));
-        assert_eq!(parsed(Form::Otb, text).unwrap(), [one, one, one, one, None, None]);
-        let text = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\n";
-        let (first, polygon, last) =
-            (boxed(1.0, 2.0, 3.0, 4.0), boxed(10.5, 20.0, 19.5, 20.0), boxed(5.0, 6.0, 7.0, 8.0));
-        assert_eq!(parsed(Form::Vot, text).unwrap(), [Some(first), Some(polygon), None, None, None, Some(last)]);
-        let one = Some(boxed(1.0, 2.0, 2.0, 2.0));
-        for text in ["1,2,3,4\n1,2,3,4", "1,2,3,4\r1,2,3,4\r", "\u{feff}1,2,3,4\r1 2 3 4\n\n"] {
-            assert_eq!(parsed(Form::Tld, text).unwrap(), [one, one], "{text:?}");
+        let shown = |entry: Option<BoundingBox>| entry.map_or("-".to_owned(), |entry| entry.to_string());
+        let otb = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
+        let vot = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\nnan,1,2,3,4,5";
+        // One mask in both forms of vot-toolkit 0.9: as the whole picture, and cut.
+        let whole_mask = format!("m0,0,50,40,365,15,30{},20,1020", ",20,30".repeat(11));
+        for (form, text, expected) in [
+            (Form::Tld, "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\n", "165,93,51,54 164.5,93.25,51,54"),
+            (Form::Tld, "NaN,NaN,NaN,NaN\r\nnan nan nan nan\r\n\r\n", "- -"),
+            (Form::Tld, "1,2,3,4\n1,2,3,4", "1,2,2,2 1,2,2,2"),
+            (Form::Tld, "1,2,3,4\r1,2,3,4\r", "1,2,2,2 1,2,2,2"),
+            (Form::Tld, "\u{feff}1,2,3,4\r1 2 3 4\n\n", "1,2,2,2 1,2,2,2"),
+            (Form::Otb, otb, "128,79,64,78 128,79,64,78 128,79,64,78 128,79,64,78 - -"),
+            (Form::Vot, vot, "1,2,3,4 10.5,20,19.5,20 - - - 5,6,7,8 -"),
+            (Form::Vot, "1, 2, 3, 4\n 1,  2,3, 4\n1,2,3,4,", "1,2,3,4 1,2,3,4 1,2,3,4"),
+            (Form::Vot, "  1   2 3 4 \n1 \t 2\t3\t\t4", "1,2,3,4 1,2,3,4"),
+            (Form::Vot, "0,0,1,0,1,1,0,1\n0, 0, 1, 0, 1, 1, 0, 1\n0 0 1 0 1 1 0 1", "0,0,1,1 0,0,1,1 0,0,1,1"),
+            (Form::Vot, &whole_mask, "10,7,20,13"),
+            (Form::Vot, "m10,7,20,13,5,255\nm0,0,0,0,0\nm5,6,4,3,5,2,5", "10,7,20,13 - 6,7,2,1"),
+        ] {
+            let found: Vec<String> = parsed(form, text).unwrap().into_iter().map(shown).collect();
+            assert_eq!(found.join(" "), expected, "{text:?}");
         }
-        let (square, wide) = (Some(boxed(1.0, 2.0, 3.0, 4.0)), Some(boxed(0.0, 0.0, 1.0, 1.0)));
-        for text in ["1, 2, 3, 4", " 1,  2,3, 4", "1,2,3,4,", "1 \t 2\t3\t\t4", "  1   2 3 4 "] {
-            assert_eq!(region(text).unwrap(), square, "{text:?}");
-        }
-        for text in ["0,0,1,0,1,1,0,1", "0, 0, 1, 0, 1, 1, 0, 1", "0 0 1 0 1 1 0 1"] {
-            assert_eq!(region(text).unwrap(), wide, "{text:?}");
-        }
-        assert_eq!(region("nan,1,2,3,4,5").unwrap(), None);
     }
 
     /// Decimal commas would be taken for other numbers.
@@ -438,18 +438,6 @@ mod tests {
         for [x, width] in [[0.0, 0.4], [0.0, 65536.0], [0.0, -1.0], [1e12, 1.0], [f64::NAN, 1.0]] {
             assert_eq!(boxed(x, 0.0, width, 5.0).to_rect(), None, "{x} {width}");
         }
-    }
-
-    /// One mask in both forms of vot-toolkit 0.9: as the whole picture, and cut.
-    #[test]
-    fn the_box_around_a_mask() {
-        let rows = ",20,30".repeat(11);
-        let whole = format!("m0,0,50,40,365,15,30{rows},20,1020");
-        let expected = Some(boxed(10.0, 7.0, 20.0, 13.0));
-        assert_eq!(region(&whole).unwrap(), expected);
-        assert_eq!(region("m10,7,20,13,5,255").unwrap(), expected);
-        assert_eq!(region("m0,0,0,0,0").unwrap(), None);
-        assert_eq!(region("m5,6,4,3,5,2,5").unwrap(), Some(boxed(6.0, 7.0, 2.0, 1.0)));
     }
 
     prop_compose! {

@@ -139,15 +139,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         fs::write(&file, vec![7; 1 << 20]).unwrap();
+        let fails = |file: &Path, why: &str| assert_eq!(text(file, &SMALL).unwrap_err().to_string(), why);
         assert_eq!(bytes(&file, &SMALL).unwrap().len(), 1 << 20);
         fs::write(&file, vec![7; (1 << 20) + 1]).unwrap();
-        let error = bytes(&file, &SMALL).unwrap_err().to_string();
-        assert_eq!(error, "it has more than 1 MiB: expected a small file of at most that");
+        fails(&file, "it has more than 1 MiB: expected a small file of at most that");
         fs::write(&file, b"\xFF").unwrap();
-        assert_eq!(text(&file, &SMALL).unwrap_err().to_string(), "it is not text in UTF-8: expected a small file");
-        let error = bytes(folder.path(), &SMALL).unwrap_err().to_string();
-        assert_eq!(error, "it is a folder: expected a small file");
-        let error = bytes(&folder.path().join("missing"), &SMALL).unwrap_err().to_string();
-        assert_eq!(error, "there is no such file: expected a small file");
+        fails(&file, "it is not text in UTF-8: expected a small file");
+        fails(folder.path(), "it is a folder: expected a small file");
+        fails(&folder.path().join("missing"), "there is no such file: expected a small file");
     }
 }

@@ -296,18 +296,13 @@ pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
-    let holds = |folder: &Path, kind: fn(&Path) -> bool| {
-        files_in(folder).is_ok_and(|files| files.iter().any(|file| kind(file)))
-    };
+    let holds =
+        |folder: &Path, is: fn(&Path) -> bool| files_in(folder).is_ok_and(|files| files.iter().any(|file| is(file)));
     // Pictures that are not read are missed where boxes lie beside them.
     let has_boxes = holds(path, boxes::is_known);
-    let inner = INNER.map(|inner| path.join(inner));
-    holds(path, is_recording)
-        || inner
-            .iter()
-            .map(PathBuf::as_path)
-            .chain([path])
-            .any(|folder| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign))
+    let has_pictures =
+        |folder: &Path| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign);
+    holds(path, is_recording) || has_pictures(path) || INNER.iter().any(|inner| has_pictures(&path.join(inner)))
 }
 
 /// Errors: The folder holds pictures that are not read.
@@ -372,17 +367,12 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
 /// The pictures of a folder in the order of their names; `files` are those in it.
 /// Errors: They are of several kinds or in several folders, or two of them have one number.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
-    let mut places = vec![files.to_owned()];
-    for inner in INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir()) {
-        places.push(files_in(&inner)?);
-    }
+    let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
-    for place in places {
+    for place in [Ok(files.to_owned())].into_iter().chain(inner.map(|inner| files_in(&inner))) {
         let mut of_kind = BTreeMap::<String, Vec<PathBuf>>::new();
-        for file in place {
-            if let Some(kind) = images::kind(&file) {
-                of_kind.entry(kind).or_default().push(file);
-            }
+        for (kind, file) in place?.into_iter().filter_map(|file| Some((images::kind(&file)?, file))) {
+            of_kind.entry(kind).or_default().push(file);
         }
         kinds.extend(of_kind.into_values());
     }

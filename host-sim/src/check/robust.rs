@@ -174,8 +174,7 @@ mod tests {
         let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
         let mut frames = sequence.frames.map(|frame| frame.unwrap().gray);
-        let first = frames.next().unwrap();
-        through(lock(name, numbers, config, &first, target), frames.take(length))
+        through(lock(name, numbers, config, &frames.next().unwrap(), target), frames.take(length))
     }
 
     type Change<T> = (&'static str, fn(&mut T));

@@ -118,9 +118,7 @@ impl Track {
             complain(&format!("warning: {}: {misfit}", sequence.name));
         }
         let film = film.map(|out| Ok::<_, Error>((out.clone(), self.film(out, &mut sequence)?))).transpose()?;
-        if film.is_some() {
-            sequence = sequence.in_color(self.recording.ffmpeg_patience());
-        }
+        let sequence = if film.is_some() { sequence.in_color(self.recording.ffmpeg_patience()) } else { sequence };
         lines.write(&printer.head())?;
         let last = sequence.first - 1;
         let mut pass =
