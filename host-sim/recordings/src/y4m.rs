@@ -116,7 +116,7 @@ impl<R: BufRead> Iterator for Frames<R> {
 /// A frame as it is in the stream: luma, then color.
 #[derive(Clone, Debug)]
 pub struct Planes {
-    pub size: (u16, u16),
+    size: (u16, u16),
     chroma: Chroma,
     bytes: Vec<u8>,
 }
