@@ -298,7 +298,7 @@ fn a_hangup_that_is_ignored_stays_so() {
 
 #[test]
 fn a_measurement_that_is_stopped_prints_what_it_has() {
-    let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts-every", "4", "--format", "csv"];
+    let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts", "every:4", "--format", "csv"];
     let arguments = [&["eval", "synthetic", "--frames", "..80", "--robustness"], &methods[..]].concat();
     // The pause grows until the first tracker is done and the second is not.
     let mut pause = Duration::from_millis(100);

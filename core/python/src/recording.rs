@@ -222,11 +222,12 @@ pub fn measure<'py>(
     };
     let variants: Vec<_> = trackers.iter().map(named).collect::<PyResult<_>>()?;
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?;
-    let mut measured = py.detach(|| alone.install(|| robustness::measure(&[path], open, &variants, starts, &|_| ())));
+    let mut measured =
+        py.detach(|| alone.install(|| robustness::measure(&[path], open, &variants, starts, None, &|_| ())));
     if !measured.failures.is_empty() {
         return Err(refused(measured.failures.remove(0)));
     }
-    let tables = measured.tables();
+    let tables = measured.tables.map_err(refused)?;
     let columns = PyDict::new(py);
     for (name, values) in tables.columns(TableName::Measured) {
         let values: PyResult<Vec<_>> = values.into_iter().map(|value| to_python(py, value)).collect();

@@ -1,20 +1,19 @@
-//! What trackers do when the camera fails for a moment: the state during the fault, how soon the box is right again, and how often
-//! *tracking* was said and wrong.
+//! Faults of the camera: the state during one, how soon the box is right again, and how often *tracking* was said and wrong.
 //!
 //! A fault is put into a recording at several places. Each is a run of its own: the tracker is locked on the ground truth's box
-//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, so
-//! that what goes wrong anyway can be told apart.
+//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, to
+//! tell apart what goes wrong anyway.
 
-use super::run::{Intervention, MOST_BYTES, Recording, Run};
-use super::tables::{Columns, Listed, TableName, Tables};
-use super::{Layout, MethodKind, Origin, Variant, name_of};
-use anyhow::{Context, Result};
-use rayon::prelude::*;
+use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Record, Recording};
+use super::table::{Column, Table, TableName, Tables};
+use super::{MethodKind, Origin, Run, Trajectory, Variant, name_of};
+use anyhow::Result;
 use serde_json::Value;
-use smr_core::State;
+use smr_core::{Rect, State};
 use smr_recordings::Sequence;
 use smr_recordings::fault::Fault;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// Frames between the lock and the fault.
 const LEAD: usize = 10;
@@ -23,17 +22,11 @@ const WATCHED: usize = 50;
 /// Places in a recording, at most.
 const PLACES: usize = 8;
 
-pub const TABLES: &[TableName] = &[TableName::Measured];
-
-/// What is measured if nothing is said: both trackers of smr-core.
+/// The default trackers: both of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
 
-/// All that was measured: every variant without a fault, then with each of the faults.
-#[derive(Debug, Default, PartialEq)]
-pub struct Results(Vec<Row>);
-
-/// One tracker and one fault, over all places of all recordings.
-#[derive(Debug, PartialEq)]
+/// A tracker and a fault, over all places of all recordings.
+#[derive(Debug)]
 struct Row {
     tracker: String,
     origin: Origin,
@@ -47,75 +40,110 @@ struct Row {
 struct Counts {
     /// Frames that came during the fault, by state.
     states: [usize; 4],
-    /// Frames that came during the fault with the target visible, and in how many of them the box was right.
+    /// Frames that came during the fault with the target visible.
     visible: usize,
+    /// Of these, the ones in which the box was right.
     right: usize,
     /// Frames after the fault until the box was right again, within those that were watched.
     until_right: Option<usize>,
-    /// In the last frame of those in which the target is visible.
+    /// True if the box was right in the last frame in which the target is visible.
     right_at_the_end: bool,
-    /// Frames, from the first of the fault to the last that was watched, in which *tracking* was said although the box was wrong or the target
-    /// hidden; and all these frames.
-    tracking_while_wrong: usize,
+    /// Frames from the first of the fault to the last that was watched.
     frames: usize,
+    /// Of these, the ones in which *tracking* was said although the box was wrong or the target hidden.
+    tracking_while_wrong: usize,
 }
 
-/// Runs every variant without a fault, and through every fault, at every place of a recording.
-/// Errors: No ground truth, a frame that cannot be read, or a method that fails.
-pub fn measure(sequence: Sequence, variants: &[Variant], faults: &[Fault]) -> Result<Results> {
-    let recording = Recording::read(sequence, MOST_BYTES)?;
+struct Faults<'a> {
+    /// Each case of a place: no fault, and each of the faults.
+    cases: Vec<Option<&'a Fault>>,
+    /// Frames of the longest fault.
+    longest: usize,
+}
+
+/// Runs every variant without a fault, and through each of `faults`, at every place of each recording.
+pub fn measure(
+    paths: &[PathBuf],
+    open: impl Fn(&Path) -> Result<Sequence> + Sync,
+    variants: &[Variant],
+    faults: &[Fault],
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Measured {
     let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
-    let places = places(&recording, longest);
-    let with_each = || std::iter::once(None).chain(faults.iter().copied().map(Some));
-    let cases: Vec<_> = variants.iter().flat_map(|variant| with_each().map(move |fault| (variant, fault))).collect();
-    let row = |&(variant, fault): &(&Variant, Option<Fault>)| {
-        let run = |&place: &usize| run(&recording, variant, fault.as_ref(), longest, place);
-        let runs: Result<Vec<Option<Counts>>> = places.par_iter().map(run).collect();
-        let runs = runs.with_context(|| format!("{}: {}", recording.name, variant.name))?;
-        let runs = runs.into_iter().flatten().collect();
-        Ok(Row { tracker: variant.name.clone(), origin: variant.origin(), fault, runs })
-    };
-    cases.par_iter().map(row).collect::<Result<_>>().map(Results)
+    let faults = Faults { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest };
+    let (records, failures) = matrix::measure(&faults, paths.len(), |place| open(&paths[place]), variants, progress);
+    let rows = faults.rows(&records, variants);
+    let origins = rows.iter().map(|row| Some(row.origin.clone()));
+    let table = Table::of(TableName::Measured, 3, COLUMNS, &rows).and(Origin::COLUMNS, origins);
+    let tables = Ok(Tables { tables: vec![table], ..Tables::default() });
+    Measured { tables, failures, notes: Vec::new(), is_empty: records.is_empty() }
 }
 
-/// Where faults begin: evenly over the recording, where the target is visible from the lock to the first frame of the fault, and again at the
-/// end of what is watched, or there is nothing to become right.
-fn places(recording: &Recording, longest: usize) -> Vec<usize> {
+impl Faults<'_> {
+    /// A row for each variant and fault; none if nothing was measured.
+    fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<Row> {
+        let cases = variants.iter().flat_map(|variant| self.cases.iter().map(move |&fault| (variant, fault.copied())));
+        let row = |(variant, fault): (&Variant, Option<Fault>)| {
+            let own = records.iter().filter(|record| record.variant.name == variant.name);
+            let of_fault = |(case, _): &&(Case, _)| case.intervention.fault() == fault;
+            let runs =
+                own.flat_map(|record| record.runs.iter().filter(of_fault).filter_map(|(_, counts)| counts.clone()));
+            Row { tracker: variant.name.clone(), origin: variant.origin(), fault, runs: runs.collect() }
+        };
+        cases.filter(|_| !records.is_empty()).map(row).collect()
+    }
+}
+
+impl Protocol for Faults<'_> {
+    /// `None` where the box was not right before the fault.
+    type Figures = Option<Counts>;
+    const IS_COMMON: bool = true;
+
+    fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
+        let places = places(recording, self.longest);
+        let cases = self.cases.iter().flat_map(|&fault| {
+            places.iter().map(move |&(place, target)| {
+                let (frame, end) = (place - LEAD, self.end(place, fault));
+                let intervention = fault.map_or(Intervention::None, |&fault| {
+                    Intervention::Fault(if fault.is_there_at_the_lock() { frame } else { place }, end, fault)
+                });
+                let end = (end + WATCHED).min(recording.frames.len());
+                Case { name: String::new(), frame, target, end, intervention }
+            })
+        });
+        Ok(cases.collect())
+    }
+
+    fn figures(&self, _: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Option<Counts>> {
+        let place = case.frame + LEAD;
+        Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), &recording.truth))
+    }
+}
+
+impl Faults<'_> {
+    /// The frame after a fault at `place`. Without a fault as many frames are counted as with the longest.
+    fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
+        place + fault.map_or(self.longest, Fault::frames)
+    }
+}
+
+/// Returns the frames in which faults begin, and the box to lock on before each: evenly over the recording, where the target is visible from the
+/// lock to the first frame of the fault.
+fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
-    let fits = |frame: usize| {
+    let start = |frame: usize| {
         let start = recording.truth[frame - LEAD].and_then(|target| target.to_rect());
-        start.is_some_and(|start| bounds.contains(start))
+        start.filter(|&start| visible(frame - 1) && visible(frame) && bounds.contains(start))
     };
     let last = recording.frames.len().saturating_sub(longest + 1);
-    let good: Vec<usize> = (LEAD..last).filter(|&frame| visible(frame - 1) && visible(frame) && fits(frame)).collect();
+    let good: Vec<_> = (LEAD..last).filter_map(|frame| Some((frame, start(frame)?))).collect();
     let count = PLACES.min(good.len());
     (0..count).map(|number| good[(2 * number + 1) * good.len() / (2 * count)]).collect()
 }
 
-/// `None` where the box was not right before the fault.
-fn run(
-    recording: &Recording,
-    variant: &Variant,
-    fault: Option<&Fault>,
-    longest: usize,
-    place: usize,
-) -> Result<Option<Counts>> {
-    let Recording { frames, truth, .. } = recording;
-    let start = place - LEAD;
-    let Some(target) = truth[start].and_then(|target| target.to_rect()) else { return Ok(None) };
-    // Without a fault as many frames are counted as with the longest.
-    let end = place + fault.map_or(longest, Fault::frames);
-    let intervention = fault.map_or(Intervention::None, |fault| {
-        Intervention::Fault(if fault.is_there_at_the_lock() { start } else { place }, end, fault)
-    });
-    let watched = (end + WATCHED).min(frames.len());
-    let run = recording.run(variant, (start, target), watched, intervention, || ())?;
-    Ok(Counts::of(&run, place..end, truth))
-}
-
 impl Counts {
-    fn of(run: &Run, fault: Range<usize>, truth: &super::Trajectory) -> Option<Self> {
+    fn of(run: &Run, fault: Range<usize>, truth: &Trajectory) -> Option<Self> {
         let mut counts = Self::default();
         for (frame, state, right) in run.judged(truth) {
             if frame < fault.start {
@@ -143,33 +171,33 @@ impl Counts {
     }
 }
 
-/// Until the box was right are the frames in the median of the runs in which it was, and in the worst.
-const COLUMNS: &[Listed<Row>] = &[
-    ("tracker", "tracker", |row| row.tracker.as_str().into()),
-    ("fault", "fault", |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
-    ("fault_frames", "", |row| row.fault.map_or(0, |fault| fault.frames()).into()),
-    ("", "state during it", Row::states),
-    ("runs", "runs", |row| row.runs.len().into()),
-    ("tracking", "", |row| row.sum(|run| run.states[0]).into()),
-    ("leaving", "", |row| row.sum(|run| run.states[1]).into()),
-    ("uncertain", "", |row| row.sum(|run| run.states[2]).into()),
-    ("lost", "", |row| row.sum(|run| run.states[3]).into()),
-    ("right", "", |row| row.sum(|run| run.right).into()),
-    ("visible", "", |row| row.sum(|run| run.visible).into()),
-    ("", "right during it", |row| percent(row.sum(|run| run.right), row.sum(|run| run.visible)).into()),
-    ("right_again", "", |row| row.until_right().len().into()),
-    ("", "right again", |row| percent(row.until_right().len(), row.runs.len()).into()),
-    ("frames_until_right", "", |row| median(&row.until_right()).into()),
-    ("most_frames_until_right", "", |row| row.until_right().last().copied().into()),
-    ("", "after (median, most)", |row| {
+/// Frames until the box was right are in the median of the runs in which it was, and in the worst.
+const COLUMNS: &[Column<Row>] = &[
+    ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
+    ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
+    ("fault_frames", "", 0, |row| row.fault.map_or(0, |fault| fault.frames()).into()),
+    ("", "state during it", 0, Row::states),
+    ("runs", "runs", 0, |row| row.runs.len().into()),
+    ("tracking", "", 0, |row| row.sum(|run| run.states[0]).into()),
+    ("leaving", "", 0, |row| row.sum(|run| run.states[1]).into()),
+    ("uncertain", "", 0, |row| row.sum(|run| run.states[2]).into()),
+    ("lost", "", 0, |row| row.sum(|run| run.states[3]).into()),
+    ("right", "", 0, |row| row.sum(|run| run.right).into()),
+    ("visible", "", 0, |row| row.sum(|run| run.visible).into()),
+    ("", "right during it", 0, |row| percent(row.sum(|run| run.right), row.sum(|run| run.visible)).into()),
+    ("right_again", "", 0, |row| row.until_right().len().into()),
+    ("", "right again", 0, |row| percent(row.until_right().len(), row.runs.len()).into()),
+    ("frames_until_right", "", 0, |row| median(&row.until_right()).into()),
+    ("most_frames_until_right", "", 0, |row| row.until_right().last().copied().into()),
+    ("", "after (median, most)", 0, |row| {
         let all = row.until_right();
         median(&all).zip(all.last()).map(|(median, most)| format!("{median}, {most}")).into()
     }),
-    ("right_at_the_end", "", |row| row.sum(|run| run.right_at_the_end.into()).into()),
-    ("", "right at the end", |row| percent(row.sum(|run| run.right_at_the_end.into()), row.runs.len()).into()),
-    ("tracking_while_wrong", "", |row| row.sum(|run| run.tracking_while_wrong).into()),
-    ("frames", "", |row| row.sum(|run| run.frames).into()),
-    ("", "tracking while wrong", |row| {
+    ("right_at_the_end", "", 0, |row| row.sum(|run| run.right_at_the_end.into()).into()),
+    ("", "right at the end", 0, |row| percent(row.sum(|run| run.right_at_the_end.into()), row.runs.len()).into()),
+    ("tracking_while_wrong", "", 0, |row| row.sum(|run| run.tracking_while_wrong).into()),
+    ("frames", "", 0, |row| row.sum(|run| run.frames).into()),
+    ("", "tracking while wrong", 0, |row| {
         let (wrong, all) = (row.sum(|run| run.tracking_while_wrong), row.sum(|run| run.frames));
         (all > 0).then(|| format!("{:.1} %", 100.0 * wrong as f64 / all as f64)).into()
     }),
@@ -189,7 +217,7 @@ impl Row {
         self.runs.iter().map(of).sum()
     }
 
-    /// Of the runs in which the box was right again, sorted.
+    /// Frames until the box was right again, of the runs in which it was, sorted.
     fn until_right(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.runs.iter().filter_map(|run| run.until_right).collect();
         all.sort_unstable();
@@ -207,45 +235,33 @@ impl Row {
     }
 }
 
-impl Results {
-    /// Takes in what was measured of another recording, by the same variants with the same faults.
-    pub fn add(&mut self, other: Self) {
-        if self.0.is_empty() {
-            *self = other;
-        } else {
-            self.0.iter_mut().zip(other.0).for_each(|(row, more)| row.runs.extend(more.runs));
-        }
-    }
-
-    pub fn tables(&self) -> Tables {
-        let columns = Columns::new(COLUMNS).and(Origin::columns(), |row| Some(&row.origin));
-        Tables(vec![columns.table(TableName::Measured, &self.0)])
-    }
-
-    pub fn text(&self, layout: Layout) -> String {
-        Columns::new(COLUMNS).text(&self.0, layout, 3)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use smr_core::paper::Config;
-    use smr_recordings::{BUILT_IN, OpenOptions, open};
-    use std::path::Path;
+    use smr_recordings::{BUILT_IN, OpenOptions};
 
-    fn measured(name: &str, faults: &[Fault]) -> Results {
-        let mut sequence = open(Path::new(name), &OpenOptions::default()).unwrap();
+    fn open(name: &Path) -> Result<Sequence> {
+        let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
         // Two of the built-in ones have none. What they have here is not right everywhere, but no tracker may panic for it.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
-        measure(sequence, &METHODS.map(|kind| Variant::new(kind, &Config::camera().into())), faults).unwrap()
+        Ok(sequence)
+    }
+
+    fn variants() -> [Variant; 2] {
+        METHODS.map(|kind| Variant::new(kind, &Config::camera().into()))
     }
 
     /// Also that nothing panics: overflow checks are on in tests.
     fn every_fault_on(name: &str) {
-        let Results(rows) = measured(name, &Fault::all());
-        assert_eq!(rows.len(), 2 * 13);
+        let faults = Fault::all();
+        let longest = faults.iter().map(Fault::frames).max().unwrap();
+        let faults = Faults { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest };
+        let variants = variants();
+        let (records, failures) = matrix::measure(&faults, 1, |_| open(Path::new(name)), &variants, &|_| ());
+        let rows = faults.rows(&records, &variants);
+        assert_eq!((rows.len(), failures.len()), (2 * 13, 0));
         for row in &rows {
             assert!(name != "synthetic" || !row.runs.is_empty());
             for run in &row.runs {
@@ -272,22 +288,27 @@ mod tests {
     #[test]
     fn the_same_again_and_no_fault_is_no_fault() {
         let faults = ["black:3", "gain:100"].map(|text| text.parse().unwrap());
-        let mut first = measured("synthetic", &faults);
-        let again = measured("synthetic", &faults);
-        assert_eq!(first, again);
-        for of_tracker in first.0.chunks(3) {
-            let [none, black, gain] = of_tracker else { panic!("{of_tracker:?}") };
-            // A gain of 1 changes nothing.
-            assert_eq!(none.runs, gain.runs);
-            assert!(black.runs.iter().all(|run| run.states.iter().sum::<usize>() == 3));
+        let measured = |recordings| {
+            measure(&vec!["synthetic".into(); recordings], open, &variants(), &faults, &|_| ()).tables.unwrap()
+        };
+        let [one, two] = [1, 2].map(measured);
+        let columns = |tables: &Tables, wanted: fn(&str) -> bool| -> Vec<Vec<Value>> {
+            let columns = tables.columns(TableName::Measured).filter(|(key, _)| wanted(key));
+            columns.map(|(_, values)| values.into_iter().cloned().collect()).collect()
+        };
+        assert_eq!(columns(&one, |_| true).len(), 19);
+        for column in columns(&one, |key| !key.starts_with("fault")) {
+            let [none, _, gain, robust_none, _, robust_gain] = &column[..] else { panic!("{column:?}") };
+            assert_eq!((none, robust_none), (gain, robust_gain), "a gain of 1 changes nothing");
         }
-        let text = first.text(Layout::Markdown);
-        assert!(text.contains("| smr | black:3 |"), "{text}");
-        let csv = first.tables().csv(TableName::Measured).unwrap();
-        assert_eq!(csv.lines().count(), 1 + 2 * 3);
-        assert!(csv.starts_with("tracker,fault,fault_frames,runs,"), "{csv}");
-        let runs = first.0[0].runs.len();
-        first.add(again);
-        assert_eq!(first.0[0].runs.len(), 2 * runs);
+        // Each recording adds the same runs.
+        for (one, two) in columns(&one, |key| key == "runs").iter().zip(columns(&two, |key| key == "runs")) {
+            let twice: Vec<_> = one.iter().map(|runs| Value::from(2 * runs.as_u64().unwrap())).collect();
+            assert_eq!(two, twice);
+        }
+        let lost = |key: &str| ["tracking", "leaving", "uncertain", "lost"].contains(&key);
+        let black = |row: usize| columns(&one, lost).iter().map(|column| column[row].as_u64().unwrap()).sum::<u64>();
+        let runs = columns(&one, |key| key == "runs").concat();
+        assert_eq!([black(1), black(4)], [1, 4].map(|row| 3 * runs[row].as_u64().unwrap()));
     }
 }

@@ -200,8 +200,9 @@ impl FromStr for Fault {
 
     fn from_str(text: &str) -> Result<Self> {
         let names = || Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
-        let (name, amount) =
-            text.split_once(':').ok_or_else(|| anyhow!("expected NAME:N, all or light; names are {}", names()))?;
+        let (name, amount) = text
+            .split_once(':')
+            .ok_or_else(|| anyhow!("expected NAME:N, all, light or cover; names are {}", names()))?;
         let Ok(kind) = Kind::from_str(name, false) else { bail!("there is no fault {name}: expected {}", names()) };
         let most = if kind == Kind::Bits { 1000 } else { 9999 };
         let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
@@ -216,19 +217,23 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What stands on the command line: one fault, or one of the lists.
+/// A value on the command line: one fault, one of the lists, or the covers of the lens.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Faults(pub Vec<Fault>);
+pub enum Faults {
+    List(Vec<Fault>),
+    Cover,
+}
 
 impl FromStr for Faults {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        match text {
-            "all" => Ok(Self(Fault::all())),
-            "light" => Ok(Self(Fault::changes_of_light())),
-            one => Ok(Self(vec![one.parse()?])),
-        }
+        Ok(match text {
+            "all" => Self::List(Fault::all()),
+            "light" => Self::List(Fault::changes_of_light()),
+            "cover" => Self::Cover,
+            one => Self::List(vec![one.parse()?]),
+        })
     }
 }
 
@@ -304,7 +309,9 @@ mod tests {
             assert_eq!(fault.to_string().parse::<Fault>().unwrap(), fault);
             assert!(fault.frames() > 0);
         }
-        assert_eq!(["all", "light"].map(|list| list.parse::<Faults>().unwrap().0.len()), [12, 8]);
+        for (list, length) in [("all", 12), ("light", 8)] {
+            assert!(matches!(list.parse().unwrap(), Faults::List(faults) if faults.len() == length), "{list}");
+        }
         for refused in ["", "torn", "torn:0", "torn:x", "melted:3", "bits:1001", "gap:10000", "gain:-1"] {
             assert!(refused.parse::<Faults>().is_err(), "{refused}");
         }

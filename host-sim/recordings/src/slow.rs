@@ -34,8 +34,12 @@ const KINDS: [Kind; 5] = [
     Kind { name: "noisy", grain: (8, 4), levels: (10, 225), noise: 6 },
 ];
 
-pub fn sequences() -> Vec<Sequence> {
-    KINDS.iter().zip(0..).map(|(kind, number)| kind.sequence(number)).collect()
+/// Number of the recordings.
+pub const COUNT: usize = KINDS.len();
+
+/// The recording of this number, below [`COUNT`].
+pub fn sequence(number: usize) -> Sequence {
+    KINDS[number].sequence(number as u64)
 }
 
 /// Where the target is in frame `index`, in sixteenths of a pixel.
@@ -89,10 +93,9 @@ mod tests {
 
     #[test]
     fn each_target_is_what_it_is_called() {
-        let means: Vec<u32> = sequences()
-            .into_iter()
-            .map(|sequence| {
-                let mut frames = sequence.frames;
+        let means: Vec<u32> = (0..COUNT)
+            .map(|number| {
+                let mut frames = sequence(number).frames;
                 let frame = frames.next().unwrap().unwrap().gray;
                 let (left, top) = (28, 52);
                 let rows = frame.pixels.chunks(WIDTH.into()).skip(top).take(36);

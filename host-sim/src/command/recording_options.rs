@@ -171,7 +171,12 @@ impl RecordingOptions {
 
     /// True if no option changes the box to start from, or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
-        self.init.is_empty() && !self.inclusive && self.frames().is_none() && self.resize.is_none()
+        !self.changes_start() && self.frames().is_none() && self.resize.is_none()
+    }
+
+    /// True if an option changes the box to start from.
+    pub fn changes_start(&self) -> bool {
+        !self.init.is_empty() || self.inclusive
     }
 
     /// The recordings at `paths`, and in folders there.

@@ -6,7 +6,7 @@ use super::tracker_options::TrackerOptions;
 use super::{Outcome, from, progress, shell};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
-use smr_evaluation::{Evaluation, MethodKind, Results, Variant, result_files};
+use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
 use smr_pages::report::figures::{self, Figure, Plan, Wish};
 use smr_pages::report::{self, About, Film, Refusal};
 use smr_recordings::output::{self, Output, complain, print};
@@ -269,7 +269,6 @@ fn lines(films: &[Film], files: &[Written]) -> String {
 fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
     let evaluations: Vec<Option<Evaluation>> = films.iter().map(Film::evaluation).collect::<Result<_>>()?;
     let evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
-    let results = Results::new(&evaluations);
     let recording = |film: &Film| {
         serde_json::json!({
             "sequence": film.name,
@@ -283,7 +282,7 @@ fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[Stri
         "recordings": films.iter().map(recording).collect::<Vec<_>>(),
         "files": files,
         "left_out": left_out,
-        "scores": results.tables(),
+        "scores": Evaluation::tables(&evaluations),
     });
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }

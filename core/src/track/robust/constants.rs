@@ -4,7 +4,7 @@
 //!
 //! *R with ...* gives the change of R with another value. R is the fraction of frames in which the box is right, as a
 //! mean over 90 recordings that start from the first frame's annotated box; the differences are paired and have a
-//! standard error. R is 0.802 with the values here (`host-sim eval --robustness --single-start --method robust`).
+//! standard error. R is 0.802 with the values here (`host-sim eval --robustness --starts 1 --method robust`).
 //! Constants without such a line were not measured one by one; `host-sim/RESULTS.md` of the project shows the effect of
 //! each part of the tracker.
 

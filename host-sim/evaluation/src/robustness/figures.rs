@@ -1,14 +1,15 @@
-//! What runs come to: from single runs over the starts of a recording to means over recordings.
+//! Aggregation: runs, mean of a recording over its starts, mean over recordings.
 
-use crate::tables::Columns;
+use crate::table::Column;
 use crate::{CORRECT, Run, Score, Trajectory, overlaps};
 use anyhow::Result;
+use serde_json::Value;
 use smr_core::State;
 use std::time::Duration;
 
-/// What is counted of one run: one method from one start.
+/// Counts of one run: one method from one start.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct RunFigures {
+pub(crate) struct RunFigures {
     pub score: Score,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
@@ -43,7 +44,7 @@ impl RunFigures {
             returns,
             found_again,
             updates: run.updates().len() as u64,
-            work: run.work(),
+            work: run.updates().iter().map(|report| report.work.map(u64::from)).sum(),
             time: run.time,
             ..Self::default()
         };
@@ -71,23 +72,26 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     (back.clone().count(), back.filter(found).count())
 }
 
-/// Those of the figures that trackers are compared by.
-pub(super) const HEADLINE: [&str; 3] = ["mean_correct", "mean_correct_50", "f"];
+/// Figures that trackers are compared by: their keys and titles.
+pub(super) const HEADLINE: [(&str, &str); 3] =
+    [("mean_correct", "correct"), ("mean_correct_50", "correct@0.5"), ("f", "F")];
 
-/// Declares figures, and how each goes from recordings to all of them: every recording counts alike.
+/// Declares figures: how each goes from recordings to all of them (every recording counts alike), its column, and, for people, that of a part
+/// of it.
 macro_rules! figures {
-    ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident,)*) => {
-        /// How well a method does on a recording over all starts, or on several recordings on average.
+    ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
+        $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
+        /// Figures of a method on a recording over all starts, or on several recordings on average.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct Figures {
+        pub(super) struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
         }
 
         impl Figures {
-            /// For programs.
-            pub(super) fn columns<'a>() -> Columns<'a, Self> {
-                Columns::new(&[$((stringify!($figure), "", |figures: &Self| figures.$figure.into()),)*])
-            }
+            pub(super) const COLUMNS: &[Column<Self>] = &[$(
+                (stringify!($figure), $title, $digits, |figures| figures.$figure.into()),
+                $(("", $ratio, 0, |figures| part(figures.$part, figures.$whole)),)?
+            )*];
 
             pub(super) fn over_recordings(parts: &[Self]) -> Self {
                 Self { $($figure: $over(parts.iter().map(|part| part.$figure)),)* }
@@ -98,41 +102,46 @@ macro_rules! figures {
 
 figures! {
     /// Correct frames over those in which the target is visible: mean over the starts.
-    mean_correct: f64 = mean,
+    mean_correct: f64 = mean, "correct" 3;
     /// The same from the start from which it is least.
-    worst_correct: f64 = mean,
+    worst_correct: f64 = mean, "worst" 3;
     /// As `mean_correct`, were more than 0.5 of intersection over union needed.
-    mean_correct_50: f64 = mean,
+    mean_correct_50: f64 = mean, "correct@0.5" 3;
     /// The harmonic mean of the correct answers over all answers (those while the target is hidden, too) and of the correct
     /// frames over those in which the target is visible: mean over the starts.
-    f: f64 = mean,
+    f: f64 = mean, "F" 3;
     /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
     /// none.
-    mean_iou: f64 = mean,
+    mean_iou: f64 = mean, "mean IoU" 3;
     /// Correct answers over all answers; 0 if nothing was answered.
-    precision: f64 = mean,
+    precision: f64 = mean, "precision" 3;
     /// Frames in which the target is hidden, counted once for every start.
-    hidden: usize = sum,
+    hidden: usize = sum, "" 0;
     /// Of these, the ones with an answer.
-    answered_hidden: usize = sum,
+    answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
     /// Times that the target came back after it was hidden, counted once for every start.
-    returns: usize = sum,
+    returns: usize = sum, "" 0;
     /// Of these, the ones with a correct answer in the first 50 frames.
-    found_again: usize = sum,
+    found_again: usize = sum, "" 0, "found/returns" found_again returns;
     /// Frames in which *tracking* was said, without those that were locked on.
-    tracking: usize = sum,
+    tracking: usize = sum, "" 0;
     /// Of these, the ones in which the target is hidden or the box is wrong.
-    tracking_wrong: usize = sum,
+    tracking_wrong: usize = sum, "" 0, "wrong/tracking" tracking_wrong tracking;
     /// All frames in which the target is hidden or the box is wrong, without those that were locked on.
-    wrong: usize = sum,
+    wrong: usize = sum, "" 0, "tracking/wrong" tracking_wrong wrong;
     /// Frames in which the box is right, without those that were locked on.
-    right: usize = sum,
+    right: usize = sum, "" 0;
     /// Of these, the ones in which *tracking* was not said.
-    right_unsaid: usize = sum,
+    right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
     /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
-    work_per_frame: Option<f64> = mean_of_all,
+    work_per_frame: Option<f64> = mean_of_all, "work/frame" 0;
     /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
-    microseconds_per_frame: f64 = mean,
+    microseconds_per_frame: f64 = mean, "us/frame" 0;
+}
+
+/// A part of a whole in words; unknown of nothing.
+fn part(part: usize, whole: usize) -> Value {
+    (whole > 0).then(|| format!("{part}/{whole}")).into()
 }
 
 fn mean(parts: impl ExactSizeIterator<Item = f64>) -> f64 {
@@ -185,7 +194,7 @@ impl Figures {
         }
     }
 
-    /// What trackers are compared by.
+    /// The figures of [`HEADLINE`].
     pub(super) fn headline(&self) -> Vec<f64> {
         vec![self.mean_correct, self.mean_correct_50, self.f]
     }

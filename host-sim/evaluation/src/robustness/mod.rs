@@ -1,9 +1,4 @@
-//! How much it takes to lose a target: methods, or variants of one, run over recordings from several starts each, and what that comes to.
-//!
-//! - `starts`: where runs start.
-//! - `figures`: what runs come to.
-//! - `paired`: what one method is better by than another.
-//! - `table`: the results as text.
+//! Robustness: runs each tracker from several starts of a recording and averages.
 //!
 //! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
 //! own start and the truth of that frame, and the frame of the start counts.
@@ -11,252 +6,90 @@
 mod figures;
 mod paired;
 mod starts;
-mod table;
 
-pub use figures::Figures;
 pub use paired::Former;
 pub use starts::Starts;
+pub(crate) use starts::whole;
 
+use super::matrix::{self, Case, Measured, Progress};
 use super::means::standard_errors;
-use super::run::{Intervention, MOST_BYTES, Recording};
-use super::tables::{Columns, TableName, Tables, error_of};
+use super::table::{Column, Head, Table, TableName, Tables, blank, cells};
 use super::{Origin, Score, Variant};
-use anyhow::{Context, Error, Result};
-use figures::{HEADLINE, RunFigures};
-use paired::Paired;
-use rayon::prelude::*;
-use smr_recordings::{Sequence, cleanup};
-use starts::Start;
+use anyhow::Result;
+use figures::{Figures, HEADLINE};
+use serde_json::Value;
+use smr_recordings::Sequence;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-pub const TABLES: &[TableName] = &[TableName::Measured, TableName::Starts, TableName::Means, TableName::Paired];
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// So many frames more will come, of so many recordings.
-    Expected {
-        frames: u64,
-        recordings: usize,
-    },
-    Done,
-}
-
-#[derive(Default)]
-pub struct Robustness {
-    /// Method by method, each with its recordings in the order in which they were given.
-    recordings: Vec<Row>,
-    /// Of each method: over all recordings, then, if they lie in several folders, by folder.
-    means: Vec<Mean>,
-    /// What each method is better by than another one, if that was asked for.
-    paired: Vec<Paired>,
-    pub failures: Vec<Error>,
-}
-
-impl Robustness {
-    pub fn is_empty(&self) -> bool {
-        self.recordings.is_empty()
-    }
-
-    /// All of it for JSON and CSV. Starts come in the order of the rows of `measured` that they
-    /// belong to.
-    pub fn tables(&self) -> Tables {
-        let starts: Vec<_> =
-            self.recordings.iter().flat_map(|row| row.starts.iter().map(move |start| (row, start))).collect();
-        Tables(vec![
-            Row::columns().table(TableName::Measured, &self.recordings),
-            start_columns().table(TableName::Starts, &starts),
-            Mean::columns().table(TableName::Means, &self.means),
-            paired::columns().table(TableName::Paired, &self.paired),
-        ])
-    }
-}
-
 /// A method on a recording.
-#[derive(Clone)]
-struct Row {
-    origin: Origin,
-    tracker: String,
+struct Row<'a> {
+    variant: &'a Variant,
     sequence: String,
-    /// Of the recording.
-    path: PathBuf,
     /// The folder that the recording lies in, among others.
     folder: PathBuf,
     figures: Figures,
-    /// Where it was started, and what it made of it.
-    starts: Vec<(Start, Score)>,
+    starts: Vec<(Case, Score)>,
 }
 
-impl Row {
-    fn columns<'a>() -> Columns<'a, Self> {
-        let names = Columns::new(&[
-            ("tracker", "", |row: &Self| row.tracker.as_str().into()),
-            ("sequence", "", |row| row.sequence.as_str().into()),
-            ("folder", "", |row| name_of(&row.folder).into()),
-            ("starts", "", |row| row.starts.len().into()),
-        ]);
-        names.and(Figures::columns(), |row| Some(&row.figures)).and(Origin::columns(), |row| Some(&row.origin))
-    }
-}
+/// Columns of a start. Frames count from 1.
+const START: &[Column<(Case, Score)>] = &[
+    ("start", "", 0, |(case, _)| case.name.as_str().into()),
+    ("frame", "", 0, |(case, _)| (case.frame + 1).into()),
+    ("x", "", 0, |(case, _)| f64::from(case.target.x).into()),
+    ("y", "", 0, |(case, _)| f64::from(case.target.y).into()),
+    ("width", "", 0, |(case, _)| f64::from(case.target.width).into()),
+    ("height", "", 0, |(case, _)| f64::from(case.target.height).into()),
+    ("visible", "", 0, |(_, score)| score.visible.into()),
+    ("correct", "", 0, |(_, score)| score.correct.into()),
+];
 
-/// Frames count from 1.
-fn start_columns<'a>() -> Columns<'a, (&'a Row, &'a (Start, Score))> {
-    type Of<'a> = (&'a Row, &'a (Start, Score));
-    Columns::new(&[
-        ("tracker", "", |of: &Of<'a>| of.0.tracker.as_str().into()),
-        ("sequence", "", |of| of.0.sequence.as_str().into()),
-        ("folder", "", |of| name_of(&of.0.folder).into()),
-        ("start", "", |of| of.1.0.name.as_str().into()),
-        ("frame", "", |of| (of.1.0.frame + 1).into()),
-        ("x", "", |of| f64::from(of.1.0.target.x).into()),
-        ("y", "", |of| f64::from(of.1.0.target.y).into()),
-        ("width", "", |of| f64::from(of.1.0.target.width).into()),
-        ("height", "", |of| f64::from(of.1.0.target.height).into()),
-        ("visible", "", |of| of.1.1.visible.into()),
-        ("correct", "", |of| of.1.1.correct.into()),
-    ])
-}
-
-/// A folder is called by its last name: paths differ from machine to machine.
-fn name_of(folder: &Path) -> String {
-    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// A method on several recordings.
-struct Mean {
-    tracker: String,
-    origin: Origin,
-    /// Where the recordings lie; `None` if they are all.
-    folder: Option<String>,
-    recordings: usize,
-    figures: Figures,
-    /// Of the means over recordings of the figures of the headline; `None` of a single one.
-    standard_error: Option<Vec<f64>>,
-}
-
-impl Mean {
-    fn columns<'a>() -> Columns<'a, Self> {
-        let names = Columns::new(&[
-            ("tracker", "", |mean: &Self| mean.tracker.as_str().into()),
-            ("folder", "", |mean| mean.folder.as_deref().into()),
-            ("recordings", "", |mean| mean.recordings.into()),
-        ]);
-        let figures = names.and(Figures::columns(), |mean| Some(&mean.figures));
-        let errors = figures
-            .each(HEADLINE.map(error_of), |mean, place| mean.standard_error.as_ref().map(|error| error[place]).into());
-        errors.and(Origin::columns(), |mean| Some(&mean.origin))
-    }
-}
-
-/// When recordings in memory have so many bytes, no more are read before these are measured.
-const ENOUGH_BYTES: u64 = MOST_BYTES;
-
-/// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens.
-///
-/// Recordings, variants and starts are all spread over the threads that there are. A recording is decoded once and kept in
-/// memory, where it may have 1 GiB; others are kept with it until there is as much. If a signal asks to stop, it is of the rows that are
-/// whole.
+/// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens, and pairs them with what was
+/// measured before, or with one another.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
     variants: &[Variant],
     starts: Starts,
-    progress: &(impl Fn(Progress) + Sync),
-) -> Robustness {
-    let (mut rows, mut failures, mut held) = (Vec::new(), Vec::new(), Vec::new());
-    let mut parts = paths.chunks(rayon::current_num_threads()).peekable();
-    while let Some(part) = parts.next()
-        && !cleanup::is_stopped()
-    {
-        let read: Vec<_> = part.par_iter().map(|path| Case::read(path, &open, starts)).collect();
-        separate(read, &mut held, &mut failures);
-        let bytes: u64 = held.iter().map(|case: &Case| case.recording.bytes()).sum();
-        if bytes >= ENOUGH_BYTES || parts.peek().is_none() {
-            let pairs = held.iter().flat_map(|case| variants.iter().map(move |variant| (case, variant)));
-            let pairs: Vec<_> = pairs.collect();
-            let frames = pairs.iter().map(|(case, _)| case.frames_to_run()).sum();
-            progress(Progress::Expected { frames, recordings: held.len() });
-            separate(run_all(&pairs, progress), &mut rows, &mut failures);
-            held.clear();
-        }
-    }
-    let place = |row: &Row| {
-        let path = paths.iter().position(|path| *path == row.path);
-        (variants.iter().position(|variant| variant.name == row.tracker), path)
-    };
-    rows.sort_by_key(place);
-    Robustness { means: means(&rows, variants), recordings: rows, paired: Vec::new(), failures }
-}
-
-/// Those that are good, and the failures of the others.
-fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Error>) {
-    results.into_iter().for_each(|result| match result {
-        Ok(one) => good.push(one),
-        Err(error) => failures.push(error),
-    });
-}
-
-/// A recording and the starts in it.
-struct Case {
-    recording: Recording,
-    path: PathBuf,
-    starts: Vec<Start>,
-}
-
-impl Case {
-    fn read(path: &Path, open: impl Fn(&Path) -> Result<Sequence>, starts: Starts) -> Result<Self> {
-        let recording = Recording::read(open(path)?, MOST_BYTES)?;
-        Ok(Self { starts: starts.of(&recording)?, recording, path: path.to_owned() })
-    }
-
-    /// By one variant, from all starts.
-    fn frames_to_run(&self) -> u64 {
-        self.starts.iter().map(|start| (self.recording.frames.len() - start.frame) as u64).sum()
-    }
-
-    fn row(&self, variant: &Variant, runs: &[RunFigures]) -> Row {
+    former: Option<&Former>,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Measured {
+    let (records, failures) = matrix::measure(&starts, paths.len(), |place| open(&paths[place]), variants, progress);
+    let rows = records.into_iter().map(|record| {
+        let (cases, runs): (Vec<_>, Vec<_>) = record.runs.into_iter().unzip();
         Row {
-            origin: variant.origin(),
-            tracker: variant.name.clone(),
-            sequence: self.recording.name.clone(),
-            path: self.path.clone(),
-            folder: folder_of(&self.path),
-            figures: Figures::over_starts(runs),
-            starts: self.starts.iter().cloned().zip(runs.iter().map(|run| run.score)).collect(),
+            variant: record.variant,
+            sequence: record.sequence,
+            folder: folder_of(&paths[record.place]),
+            figures: Figures::over_starts(&runs),
+            starts: cases.into_iter().zip(runs.iter().map(|run| run.score)).collect(),
         }
-    }
+    });
+    let rows: Vec<Row<'_>> = rows.collect();
+    let mut tables = without_pairs(&rows, variants);
+    let tables = paired::table(&tables, former).map(|paired| {
+        tables.tables.push(paired);
+        tables
+    });
+    Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// One row for each recording and variant. A variant that fails from one start has no row: it would be of fewer starts. Nor has one that was
-/// stopped.
-fn run_all(pairs: &[(&Case, &Variant)], progress: &(impl Fn(Progress) + Sync)) -> Vec<Result<Row>> {
-    // Runs are of very different length: one at a time is what a thread takes.
-    let row = |&(case, variant): &(&Case, &Variant)| {
-        let Recording { name, frames, truth, .. } = &case.recording;
-        let run = |start: &Start| {
-            let from = (start.frame, start.target);
-            let done = || progress(Progress::Done);
-            let run = case.recording.run(variant, from, frames.len(), Intervention::None, done);
-            let figures = run.and_then(|run| RunFigures::new(&run, &truth[start.frame..]));
-            figures.with_context(|| format!("{name}: {}: start {}", variant.name, start.name))
-        };
-        let runs: Vec<_> = case.starts.par_iter().with_max_len(1).map(run).collect();
-        Ok(case.row(variant, &runs.into_iter().collect::<Result<Vec<_>>>()?))
-    };
-    let of_whole = |pair| Some(row(pair)).filter(|row| row.is_ok() || !cleanup::is_stopped());
-    pairs.par_iter().with_max_len(1).filter_map(of_whole).collect()
-}
+/// Of each method its recordings, their starts in the same order, and the means over all recordings and, if they lie in several folders, by folder.
+fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
+    let head = |(key, title)| Head::new(key, title, 0);
+    let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
+    let names = [("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")];
+    let mut measured =
+        Table::new(TableName::Measured, 2, [names.map(head).to_vec(), figures.clone(), origin.clone()].concat());
+    let names = [("tracker", ""), ("sequence", ""), ("folder", "")].map(head).to_vec();
+    let mut starts = Table::new(TableName::Starts, 0, [names, Head::all(START)].concat());
+    let names = [("tracker", ""), ("folder", ""), ("recordings", "")].map(head).to_vec();
+    // For people means are remarks below what was measured.
+    let mut figures = figures;
+    figures.iter_mut().for_each(Head::hide);
+    let errors = HEADLINE.map(|(key, _)| Head::error(key)).to_vec();
+    let mut means = Table::new(TableName::Means, 0, [names, figures, errors, origin].concat());
 
-/// Where the recordings lie that belong together with the one at `path`.
-fn folder_of(path: &Path) -> PathBuf {
-    if smr_recordings::BUILT_IN.iter().any(|name| path == Path::new(name)) {
-        return PathBuf::from("built in");
-    }
-    let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
-}
-
-fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
     let mut folders: Vec<&Path> = Vec::new();
     for row in rows {
         if !folders.contains(&row.folder.as_path()) {
@@ -265,20 +98,61 @@ fn means(rows: &[Row], variants: &[Variant]) -> Vec<Mean> {
     }
     // Of one folder the mean is that of all.
     let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
-    let groups = || std::iter::once(None).chain(split.iter().map(|&folder| Some(folder)));
-    let mean = |variant: &Variant, folder: Option<&Path>| {
-        let belongs = |row: &&Row| row.tracker == variant.name && folder.is_none_or(|folder| row.folder == folder);
-        let parts: Vec<Figures> = rows.iter().filter(belongs).map(|row| row.figures).collect();
-        (!parts.is_empty()).then(|| Mean {
-            tracker: variant.name.clone(),
-            origin: variant.origin(),
-            folder: folder.map(|folder| label(folder, &folders)),
-            recordings: parts.len(),
-            figures: Figures::over_recordings(&parts),
-            standard_error: standard_errors(&parts.iter().map(Figures::headline).collect::<Vec<_>>()),
-        })
-    };
-    variants.iter().flat_map(|variant| groups().filter_map(move |folder| mean(variant, folder))).collect()
+    for variant in variants {
+        let name = || Value::from(variant.name.as_str());
+        let origin = cells(Origin::COLUMNS, Some(&variant.origin()));
+        let own = || rows.iter().filter(|row| row.variant.name == variant.name);
+        for row in own() {
+            let names = vec![name(), row.sequence.as_str().into(), name_of(&row.folder).into()];
+            let figures = cells(Figures::COLUMNS, Some(&row.figures));
+            measured.row([names.clone(), vec![row.starts.len().into()], figures, origin.clone()].concat());
+            for start in &row.starts {
+                starts.row([names.clone(), cells(START, Some(start))].concat());
+            }
+        }
+        for folder in std::iter::once(None).chain(split.iter().map(|&folder| Some(folder))) {
+            let parts = own().filter(|row| folder.is_none_or(|folder| row.folder == folder));
+            let parts: Vec<Figures> = parts.map(|row| row.figures).collect();
+            if parts.is_empty() {
+                continue;
+            }
+            let label = folder.map(|folder| label(folder, &folders));
+            let figures = cells(Figures::COLUMNS, Some(&Figures::over_recordings(&parts)));
+            let error = standard_errors(&parts.iter().map(Figures::headline).collect::<Vec<_>>());
+            let error_at = |at: usize| Value::from(error.as_ref().map(|error| error[at]));
+            let names = vec![name(), label.clone().into(), parts.len().into()];
+            let errors = (0..HEADLINE.len()).map(error_at).collect();
+            means.row([names, figures.clone(), errors, origin.clone()].concat());
+            if parts.len() == 1 && folder.is_none() {
+                continue;
+            }
+            let names = |what: &str| vec![name(), what.into(), Value::Null, blank()];
+            let place = label.map_or(String::new(), |folder| format!(" in {folder}"));
+            measured.remark([names(&format!("mean of {}{place}", parts.len())), figures].concat());
+            if error.is_some() {
+                let of_key = |&(key, ..): &Column<Figures>| {
+                    HEADLINE.iter().position(|(known, _)| *known == key).map_or(blank(), error_at)
+                };
+                let errors = Figures::COLUMNS.iter().map(of_key).collect();
+                measured.remark([names("  standard error"), errors].concat());
+            }
+        }
+    }
+    Tables { tables: vec![measured, starts, means], ..Tables::default() }
+}
+
+/// A folder is called by its last name: paths differ from machine to machine.
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The folder of the recordings that belong together with the one at `path`.
+fn folder_of(path: &Path) -> PathBuf {
+    if smr_recordings::BUILT_IN.iter().any(|name| path == Path::new(name)) {
+        return PathBuf::from("built in");
+    }
+    let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
 /// The folder's name; where two have the same one, the whole path.
@@ -293,10 +167,22 @@ fn label(folder: &Path, all: &[&Path]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MethodKind;
+    use crate::{Layout, MethodKind};
+    use smr_core::Rect;
     use smr_core::paper::Config;
-    use std::num::NonZeroUsize;
     use std::sync::atomic::{AtomicU64, Ordering};
+
+    pub fn variants() -> [Variant; 2] {
+        [MethodKind::Smr, MethodKind::Sad].map(|kind| Variant::new(kind, &Config::paper().into()))
+    }
+
+    pub fn row<'a>(variant: &'a Variant, sequence: &str, figures: Figures) -> Row<'a> {
+        let target = Rect::new(1, 2, 3, 4);
+        let intervention = matrix::Intervention::None;
+        let case = Case { name: "given".to_owned(), frame: 0, target, end: 4, intervention };
+        let start = (case, Score { visible: 4, correct: 2, ..Score::default() });
+        Row { variant, sequence: sequence.to_owned(), folder: "a/tld".into(), figures, starts: vec![start; 5] }
+    }
 
     /// A target that moves by two pixels a frame; hidden, says the truth, in the third.
     fn sequence() -> Sequence {
@@ -305,53 +191,59 @@ mod tests {
         sequence
     }
 
-    fn measured(paths: &[&str], open: impl Fn(&Path) -> Result<Sequence> + Sync, starts: Starts) -> Robustness {
+    fn measured(paths: &[&str], open: impl Fn(&Path) -> Result<Sequence> + Sync, starts: &str) -> (Value, Vec<String>) {
         let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
-        let configs = Config::paper().into();
-        let variants = [MethodKind::Smr, MethodKind::Sad].map(|kind| Variant::new(kind, &configs));
         let (expected, done) = (AtomicU64::new(0), AtomicU64::new(0));
-        let result = measure(&paths, open, &variants, starts, &|progress| {
+        let progress = |progress| {
             match progress {
                 Progress::Expected { frames, .. } => expected.fetch_add(frames, Ordering::Relaxed),
                 Progress::Done => done.fetch_add(1, Ordering::Relaxed),
             };
-        });
+        };
+        let result = measure(&paths, open, &variants(), starts.parse().unwrap(), None, &progress);
         if result.failures.is_empty() {
             assert_eq!(expected.into_inner(), done.into_inner());
         }
-        result
+        let failures = result.failures.iter().map(|error| format!("{error:#}")).collect();
+        (serde_json::to_value(result.tables.unwrap()).unwrap(), failures)
+    }
+
+    fn column<'a>(json: &'a Value, table: &str, keys: &[&str]) -> Vec<Vec<&'a Value>> {
+        json[table].as_array().unwrap().iter().map(|row| keys.iter().map(|key| &row[key]).collect()).collect()
     }
 
     #[test]
     fn every_method_runs_from_every_start() {
-        let every = Starts::Every(NonZeroUsize::MIN);
-        let result = measured(&["a/moving"], |_| Ok(sequence()), every);
-        assert_eq!(result.recordings.len(), 2);
-        for row in &result.recordings {
-            let starts: Vec<_> =
-                row.starts.iter().map(|(at, score)| (at.frame, at.target.x, score.visible, score.correct)).collect();
-            assert_eq!(starts, [(0, 4, 3, 3), (1, 6, 2, 2)], "{}", row.tracker);
-            let figures = row.figures;
-            assert_eq!((figures.mean_correct, figures.worst_correct, figures.mean_iou), (1.0, 1.0, 1.0));
-            // Seven answers, two of them while hidden.
-            assert_eq!((figures.precision, figures.answered_hidden, figures.hidden), (5.0 / 7.0, 2, 2));
-            assert_eq!(figures.work_per_frame.is_some(), row.tracker == "smr");
-        }
-        let near = measured(&["a/moving"], |_| Ok(sequence()), Starts::Near);
-        let names: Vec<_> = near.recordings[0].starts.iter().map(|(start, _)| start.name.as_str()).collect();
-        assert_eq!(names, ["given", "x+2", "y+2", "0.95", "1.05"]);
+        let (json, _) = measured(&["a/moving"], |_| Ok(sequence()), "every:1");
+        let figures = column(&json, "measured", &["tracker", "mean_correct", "worst_correct", "mean_iou", "precision"]);
+        // Seven answers, two of them while hidden.
+        let expected = |tracker| serde_json::json!([tracker, 1.0, 1.0, 1.0, 5.0 / 7.0]);
+        assert_eq!(serde_json::to_value(figures).unwrap(), serde_json::json!([expected("smr"), expected("sad")]));
+        let hidden = column(&json, "measured", &["answered_hidden", "hidden"]);
+        assert_eq!(serde_json::to_value(hidden).unwrap(), serde_json::json!([[2, 2], [2, 2]]));
+        let work: Vec<_> = column(&json, "measured", &["work_per_frame"]).concat();
+        assert_eq!((work[0].is_null(), work[1].is_null()), (false, true));
+        let starts = column(&json, "starts", &["tracker", "frame", "x", "visible", "correct"]);
+        let expected =
+            |tracker| [serde_json::json!([tracker, 1, 4.0, 3, 3]), serde_json::json!([tracker, 2, 6.0, 2, 2])];
+        assert_eq!(serde_json::to_value(starts).unwrap(), Value::from([expected("smr"), expected("sad")].concat()));
+        let (near, _) = measured(&["a/moving"], |_| Ok(sequence()), "5");
+        let names: Vec<_> = column(&near, "starts", &["start"]).concat();
+        assert_eq!(names[..5], ["given", "x+2", "y+2", "0.95", "1.05"]);
     }
 
     #[test]
     fn means_are_over_all_and_by_folder() {
         let paths = ["here/one", "there/two", "here/three"];
-        let result = measured(&paths, |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));
-        let groups: Vec<_> =
-            result.means.iter().map(|mean| (mean.tracker.as_str(), mean.folder.as_deref(), mean.recordings)).collect();
-        let expected = |tracker| [(tracker, None, 3), (tracker, Some("here"), 2), (tracker, Some("there"), 1)];
-        assert_eq!(groups, [expected("smr"), expected("sad")].concat());
-        let one_folder = measured(&paths[..1], |_| Ok(sequence()), Starts::Every(NonZeroUsize::MIN));
-        assert_eq!(one_folder.means.len(), 2);
+        let (json, _) = measured(&paths, |_| Ok(sequence()), "every:1");
+        let groups = serde_json::to_value(column(&json, "means", &["tracker", "folder", "recordings"])).unwrap();
+        let expected = |tracker| {
+            [(None, 3), (Some("here"), 2), (Some("there"), 1)]
+                .map(|(folder, count)| serde_json::json!([tracker, folder, count]))
+        };
+        assert_eq!(groups, Value::from([expected("smr"), expected("sad")].concat()));
+        let (one_folder, _) = measured(&paths[..1], |_| Ok(sequence()), "every:1");
+        assert_eq!(one_folder["means"].as_array().unwrap().len(), 2);
     }
 
     #[test]
@@ -371,13 +263,68 @@ mod tests {
             }
             _ => Ok(sequence()),
         };
-        let result = measured(&["a/bare", "a/moving", "a/outside"], open, Starts::Near);
-        let failures: Vec<String> = result.failures.iter().map(|error| format!("{error:#}")).collect();
+        let (json, failures) = measured(&["a/bare", "a/moving", "a/outside"], open, "5");
         let reason = "the box 21,6,5,4 (x,y,width,height) is not wholly inside the frame of 24x20 pixels";
         let expected = ["smr", "sad"].map(|name| format!("outside: {name}: start given: frame 1: {reason}"));
         assert_eq!(failures.len(), 3);
         assert!(failures.iter().any(|failure| failure.starts_with("bare: no ground truth")));
         assert!(expected.iter().all(|line| failures.contains(line)), "{failures:?}");
-        assert_eq!(result.recordings.len(), 2);
+        assert_eq!(json["measured"].as_array().unwrap().len(), 2);
+    }
+
+    #[test]
+    fn recordings_then_means() {
+        let figures = |correct: f64, hidden: usize, work: Option<f64>| Figures {
+            mean_correct: correct,
+            worst_correct: 0.25,
+            mean_correct_50: 0.25,
+            f: 0.5,
+            mean_iou: 0.5,
+            precision: 1.0,
+            hidden,
+            answered_hidden: hidden / 2,
+            returns: hidden / 5,
+            found_again: hidden / 10,
+            tracking: hidden * 2,
+            tracking_wrong: hidden / 5,
+            wrong: hidden / 2,
+            right: hidden,
+            right_unsaid: hidden / 10,
+            work_per_frame: work,
+            microseconds_per_frame: 12.4,
+        };
+        let variants = variants();
+        let elsewhere = |row| Row { folder: "b/more".into(), ..row };
+        let rows = [
+            row(&variants[0], "01_david", figures(0.75, 10, Some(123_456.0))),
+            row(&variants[0], "Man", figures(0.5, 10, Some(123_456.0))),
+            elsewhere(row(&variants[0], "Car", figures(0.25, 20, None))),
+            row(&variants[1], "01_david", figures(2.0 / 3.0, 0, None)),
+        ];
+        let expected = "\
+tracker  sequence           starts  correct  worst  correct@0.5      F  mean IoU  precision  answered/hidden  found/returns  wrong/tracking  tracking/wrong  unsaid/right  work/frame  us/frame
+smr      01_david                5    0.750  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      Man                     5    0.500  0.250        0.250  0.500     0.500      1.000             5/10            1/2            2/20             2/5          1/10      123456        12
+smr      Car                     5    0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
+smr      mean of 3                    0.500  0.250        0.250  0.500     0.500      1.000            20/40            4/8            8/80            8/20          4/40           -        12
+smr        standard error             0.144               0.000  0.000
+smr      mean of 2 in tld             0.625  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20      123456        12
+smr        standard error             0.125               0.000  0.000
+smr      mean of 1 in more            0.250  0.250        0.250  0.500     0.500      1.000            10/20            2/4            4/40            4/10          2/20           -        12
+sad      01_david                5    0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
+sad      mean of 1 in tld             0.667  0.250        0.250  0.500     0.500      1.000                -              -               -               -             -           -        12
+";
+        let tables = without_pairs(&rows, &variants);
+        assert_eq!(tables.text(Layout::Text), expected);
+        assert_eq!(without_pairs(&[], &variants).text(Layout::Text), "");
+        let json = serde_json::to_value(tables).unwrap();
+        let recording = &json["measured"][0];
+        assert_eq!((&recording["tracker"], &recording["mean_correct"]), (&"smr".into(), &0.75.into()));
+        assert_eq!(json["starts"].as_array().unwrap().len(), 4 * 5);
+        assert_eq!((&json["starts"][0]["x"], &json["starts"][0]["correct"]), (&1.0.into(), &2.into()));
+        assert!(json["measured"][2]["work_per_frame"].is_null() && json["means"][0]["folder"].is_null());
+        assert_eq!((&json["means"][1]["folder"], &json["means"][1]["recordings"]), (&"tld".into(), &2.into()));
+        assert_eq!(json["means"][1]["mean_correct_standard_error"], 0.125);
+        assert!(json["means"][2]["mean_correct_standard_error"].is_null());
     }
 }

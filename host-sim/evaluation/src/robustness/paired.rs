@@ -1,45 +1,18 @@
-//! What one method is better by than another, recording by recording: the recordings differ by far more than methods do, and a
-//! paired difference does not contain that.
+//! Paired differences: recordings differ by far more than methods do, and the difference of two methods on the same recording does not contain
+//! that.
 
-use super::Robustness;
 use super::figures::HEADLINE;
-use super::table::TITLES;
+use crate::Tables;
 use crate::means::{means, standard_errors};
-use crate::tables::{Columns, with_errors};
-use crate::{Layout, cell, header};
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use crate::table::{Head, Table, TableName};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::Value;
 use smr_recordings::input;
 use std::path::Path;
 
-/// The mean over recordings of the difference between two methods.
-pub(super) struct Paired {
-    tracker: String,
-    /// What it is set against.
-    against: String,
-    /// Those that both were measured on.
-    recordings: usize,
-    /// Of each of the figures of the headline.
-    difference: Vec<f64>,
-    /// Of the difference; `None` of a single recording.
-    standard_error: Option<Vec<f64>>,
-}
-
-/// For programs.
-pub(super) fn columns<'a>() -> Columns<'a, Paired> {
-    let names = Columns::new(&[
-        ("tracker", "", |row: &Paired| row.tracker.as_str().into()),
-        ("against", "", |row| row.against.as_str().into()),
-        ("recordings", "", |row| row.recordings.into()),
-    ]);
-    names.each(with_errors(HEADLINE), |row, place| match place % 2 {
-        0 => row.difference[place / 2].into(),
-        _ => row.standard_error.as_ref().map(|error| error[place / 2]).into(),
-    })
-}
-
-/// What was measured before, as far as it is compared.
+/// An earlier measurement, as far as it is compared.
 #[derive(Debug)]
 pub struct Former {
     name: String,
@@ -55,7 +28,7 @@ struct FormerRow {
     mean_correct: f64,
     mean_correct_50: f64,
     f: f64,
-    /// How many of the starts are its own.
+    /// Number of its starts.
     #[serde(rename = "starts")]
     count: usize,
     #[serde(skip)]
@@ -68,7 +41,7 @@ struct FormerStart {
     frame: usize,
 }
 
-/// The tables that are read. The starts come in the order of the rows that they belong to.
+/// The tables that are read. The starts come in the order of the rows of `measured` that they belong to.
 #[derive(Deserialize)]
 struct FormerTables {
     measured: Vec<FormerRow>,
@@ -83,7 +56,7 @@ impl FormerTables {
     }
 }
 
-/// What files of earlier versions had in place of the tables.
+/// A file of an earlier version, which had this in place of the tables.
 #[derive(Deserialize)]
 struct Nested {
     #[serde(rename = "recordings")]
@@ -120,158 +93,135 @@ impl FormerRow {
     }
 }
 
-impl Robustness {
-    /// Sets every method against the one of its name in `former`, else against the first there; without it, against the first method here.
-    /// Errors: What was before is from other starts, or on no recording that is here.
-    pub fn compare(&mut self, former: Option<&Former>) -> Result<()> {
-        let rows = serde_json::from_value::<FormerTables>(serde_json::to_value(self.tables())?)?.rows();
-        let before = former.map_or(&rows, |former| &former.recordings);
-        let Some(first) = before.first() else { return Ok(()) };
-        self.paired.clear();
-        for tracker in trackers(&rows) {
-            let same = former.is_some() && before.iter().any(|row| row.tracker == tracker);
-            let counterpart = if same { tracker } else { &first.tracker };
-            if former.is_none() && tracker == counterpart {
-                continue;
-            }
-            let theirs: Vec<&FormerRow> = before.iter().filter(|row| row.tracker == counterpart).collect();
-            let mut differences = Vec::new();
-            for row in rows.iter().filter(|row| row.tracker == tracker) {
-                let Some(their) = theirs.iter().find(|their| their.is_of(row)) else { continue };
-                let from = former.map_or("", |former| &former.name);
-                ensure!(their.starts == row.starts, "{from}: {} was measured from other starts", row.sequence);
-                differences.push(row.minus(their));
-            }
-            if differences.is_empty() {
-                continue;
-            }
-            self.paired.push(Paired {
-                tracker: tracker.to_owned(),
-                against: former.map_or(counterpart.to_owned(), |former| format!("{counterpart} in {}", former.name)),
-                recordings: differences.len(),
-                difference: means(&differences),
-                standard_error: standard_errors(&differences),
-            });
-        }
-        match former {
-            Some(former) if self.paired.is_empty() && !rows.is_empty() => {
-                bail!("{}: there is none of these recordings in it", former.name)
-            }
-            _ => Ok(()),
-        }
-    }
+/// Sets every method of `tables` against the one of its name in `former`, else against the first there; without it, against the first method here.
+/// Errors: The former measurement is from other starts, or on no recording that is here.
+pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
+    let names = [("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")];
+    let names = names.map(|(key, title)| Head::new(key, title, 0)).to_vec();
+    let for_people = HEADLINE.iter().map(|(_, title)| Head::new("", title, 3)).collect();
+    let mut table =
+        Table::new(TableName::Paired, 1, [names, Head::with_errors(HEADLINE.map(|(key, _)| key)), for_people].concat());
 
-    /// The differences as text; nothing if there is none.
-    pub fn paired_table(&self, layout: Layout) -> String {
-        if self.paired.is_empty() {
-            return String::new();
+    let rows = serde_json::from_value::<FormerTables>(serde_json::to_value(tables)?)?.rows();
+    let before = former.map_or(&rows, |former| &former.recordings);
+    let Some(first) = before.first() else { return Ok(table) };
+    let mut is_paired = false;
+    for own in rows.chunk_by(|a, b| a.tracker == b.tracker) {
+        let tracker = own[0].tracker.as_str();
+        let is_there = former.is_some() && before.iter().any(|row| row.tracker == tracker);
+        let counterpart = if is_there { tracker } else { &first.tracker };
+        if former.is_none() && tracker == counterpart {
+            continue;
         }
-        let mut lines = vec![header(&format!("paired difference|recordings|{TITLES}"))];
-        for Paired { tracker, against, recordings, difference, standard_error } in &self.paired {
-            let names = [format!("{tracker} - {against}"), recordings.to_string()].into_iter();
-            lines.push(names.chain(difference.iter().map(|value| format!("{value:+.3}"))).collect());
-            if let Some(error) = standard_error {
-                let names = ["  standard error".to_owned(), String::new()].into_iter();
-                lines.push(names.chain(error.iter().map(|&error| cell(Some(error), 3))).collect());
-            }
+        let mut differences = Vec::new();
+        for row in own {
+            let is_its = |their: &&FormerRow| their.tracker == counterpart && their.is_of(row);
+            let Some(their) = before.iter().find(is_its) else { continue };
+            let from = former.map_or("", |former| &former.name);
+            ensure!(their.starts == row.starts, "{from}: {} was measured from other starts", row.sequence);
+            differences.push(row.minus(their));
         }
-        layout.table(&lines, 1)
+        if differences.is_empty() {
+            continue;
+        }
+        is_paired = true;
+        let against = former.map_or(counterpart.to_owned(), |former| format!("{counterpart} in {}", former.name));
+        let (mean, error) = (means(&differences), standard_errors(&differences));
+        let both = (0..mean.len()).flat_map(|at| [Some(mean[at]), error.as_ref().map(|error| error[at])]);
+        let label = format!("{tracker} - {against}");
+        let names = vec![label.into(), tracker.into(), against.into(), differences.len().into()];
+        let words = mean.iter().map(|value| format!("{value:+.3}").into()).collect();
+        table.row([names, both.map(Value::from).collect(), words].concat());
+        if let Some(error) = error {
+            let mut names = vec![Value::from(""); 4 + 2 * HEADLINE.len()];
+            names[0] = "  standard error".into();
+            table.remark([names, error.into_iter().map(Value::from).collect()].concat());
+        }
     }
-}
-
-fn trackers(rows: &[FormerRow]) -> Vec<&str> {
-    let mut all: Vec<&str> = Vec::new();
-    for row in rows {
-        if !all.contains(&row.tracker.as_str()) {
-            all.push(&row.tracker);
-        }
-    }
-    all
+    let nothing = former.filter(|_| !is_paired && !rows.is_empty());
+    nothing.map_or(Ok(table), |former| Err(anyhow!("{}: there is none of these recordings in it", former.name)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Row;
-    use super::super::table::tests::row;
+    use super::super::figures::Figures;
+    use super::super::tests::{row, variants};
+    use super::super::{Row, without_pairs};
     use super::*;
-    use crate::robustness::Figures;
+    use crate::{Layout, Variant};
     use std::fs;
 
-    fn figures(correct: f64) -> Figures {
-        Figures { mean_correct: correct, mean_correct_50: correct / 2.0, f: correct, ..Figures::default() }
+    fn of<'a>(variant: &'a Variant, correct: [f64; 3]) -> Vec<Row<'a>> {
+        let figures = |correct| Figures {
+            mean_correct: correct,
+            mean_correct_50: correct / 2.0,
+            f: correct,
+            ..Figures::default()
+        };
+        ["a", "b", "c"].into_iter().zip(correct).map(|(name, correct)| row(variant, name, figures(correct))).collect()
     }
 
     /// Two methods on three recordings, the second better by 0.1, 0.3 and -0.1: mean 0.1, squares 0 + 0.04 + 0.04, and
     /// 0.08 / 2 / 3 = 0.013333 is the square of the standard error.
-    fn measured() -> Robustness {
-        let of = |tracker: &str, correct: [f64; 3]| {
-            ["a", "b", "c"]
-                .into_iter()
-                .zip(correct)
-                .map(|(name, correct)| row(tracker, name, figures(correct)))
-                .collect()
-        };
-        let recordings: [Vec<Row>; 2] = [of("smr", [0.2, 0.5, 0.8]), of("robust", [0.3, 0.8, 0.7])];
-        Robustness { recordings: recordings.concat(), ..Robustness::default() }
+    fn measured(variants: &[Variant]) -> Vec<Row<'_>> {
+        [of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7])].into_iter().flatten().collect()
     }
 
     const EXPECTED: &str = "\
 paired difference  recordings  correct  correct@0.5       F
-robust - smr                3   +0.100       +0.050  +0.100
+sad - smr                   3   +0.100       +0.050  +0.100
   standard error                 0.115        0.058   0.115
 ";
 
+    fn compared(rows: &[Row<'_>], former: Option<&Former>) -> Result<Tables> {
+        let table = table(&without_pairs(rows, &variants()), former)?;
+        Ok(Tables { tables: vec![table], ..Tables::default() })
+    }
+
     #[test]
     fn differences_by_hand() {
-        let mut measured = measured();
-        measured.compare(None).unwrap();
-        assert_eq!(measured.paired_table(Layout::Text), EXPECTED);
-        assert_eq!(Robustness::default().paired_table(Layout::Text), "");
-        let json = serde_json::to_value(measured.tables()).unwrap();
+        let variants = variants();
+        let tables = compared(&measured(&variants), None).unwrap();
+        assert_eq!(tables.text(Layout::Text), EXPECTED);
+        assert_eq!(compared(&[], None).unwrap().text(Layout::Text), "");
+        let json = serde_json::to_value(tables).unwrap();
         let paired = &json["paired"][0];
         assert_eq!(
             (&paired["tracker"], &paired["against"], &paired["recordings"]),
-            (&"robust".into(), &"smr".into(), &3.into())
+            (&"sad".into(), &"smr".into(), &3.into())
         );
         assert!((paired["mean_correct_standard_error"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
     }
 
-    /// `of` as it was written by the command.
-    fn written(of: &Robustness) -> Former {
+    /// `rows` as the command writes them.
+    fn written(rows: &[Row<'_>]) -> Former {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");
-        fs::write(&file, serde_json::to_string(&of.tables()).unwrap()).unwrap();
+        fs::write(&file, serde_json::to_string(&without_pairs(rows, &variants())).unwrap()).unwrap();
         Former { name: "FILE".to_owned(), ..Former::read(&file).unwrap() }
     }
 
     #[test]
     fn a_file_is_compared_with_by_name_else_with_its_first() {
-        let mut now = measured();
-        now.recordings.retain(|row| row.tracker == "robust");
-        let mut former = measured();
-        former.recordings.retain(|row| row.tracker == "smr");
-        now.compare(Some(&written(&former))).unwrap();
-        assert_eq!(
-            now.paired_table(Layout::Text),
-            EXPECTED
-                .replace("robust - smr     ", "robust - smr in FILE")
-                .replace("paired difference  ", "paired difference     ")
-                .replace("  standard error  ", "  standard error     ")
-        );
+        let variants = variants();
+        let (smr, sad) = (of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7]));
+        let text = compared(&sad, Some(&written(&smr))).unwrap().text(Layout::Text);
+        assert_eq!(text, EXPECTED.replace("sad - smr        ", "sad - smr in FILE"));
         // Its own name is there, and nothing has changed.
-        now.compare(Some(&written(&measured()))).unwrap();
-        assert_eq!((now.paired[0].against.as_str(), now.paired[0].difference.iter().sum()), ("robust in FILE", 0.0));
-        assert_eq!(now.paired[0].recordings, 3);
+        let same = compared(&sad, Some(&written(&measured(&variants)))).unwrap().text(Layout::Text);
+        assert!(same.contains("\nsad - sad in FILE           3   +0.000       +0.000  +0.000\n"), "{same}");
     }
 
     #[test]
     fn what_cannot_be_paired_is_named() {
-        let error = |former: &Robustness| format!("{:#}", measured().compare(Some(&written(former))).unwrap_err());
-        let mut other = measured();
-        other.recordings[1].starts.pop();
+        let variants = variants();
+        let error =
+            |former: &[Row<'_>]| format!("{:#}", compared(&measured(&variants), Some(&written(former))).err().unwrap());
+        let mut other = measured(&variants);
+        other[1].starts.pop();
         assert_eq!(error(&other), "FILE: b was measured from other starts");
-        let mut other = measured();
-        other.recordings.iter_mut().for_each(|row| row.sequence.push('x'));
+        let mut other = measured(&variants);
+        other.iter_mut().for_each(|row| row.sequence.push('x'));
         assert_eq!(error(&other), "FILE: there is none of these recordings in it");
 
         let folder = tempfile::tempdir().unwrap();

@@ -1,52 +1,67 @@
-//! Where runs start: on the given box and on four close to it, or on the ground truth's boxes along the way.
+//! The starts of runs: the given box and four close to it, or boxes of the ground truth along the way.
 
-use crate::run::Recording;
-use anyhow::{Context, Result, anyhow, ensure};
+use super::figures::RunFigures;
+use crate::matrix::{Case, Intervention, Protocol, Recording};
+use crate::{Run, Variant};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use smr_core::Rect;
 use smr_recordings::BoundingBox;
 use std::num::NonZeroUsize;
+use std::str::FromStr;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Starts {
     /// The given box, the same 2 pixels to the right, 2 pixels down, and scaled by 0.95 and 1.05; in the first frame.
     Near,
-    /// The first frame in which the target is visible, and of those that follow every so many-th; the box is the ground
+    /// The first frame in which the target is visible, and every N-th of those that follow; the box is the ground
     /// truth's. The recording's last frame is none: nothing follows it.
     Every(NonZeroUsize),
     /// The given box in the first frame alone.
     Given,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Start {
-    /// As it stands in JSON and in errors.
-    pub name: String,
-    /// The frame that is locked on, counted from 0.
-    pub frame: usize,
-    pub target: Rect,
+/// As on the command line.
+impl FromStr for Starts {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let every = || text.strip_prefix("every:")?.parse().ok().map(Self::Every);
+        match text {
+            "1" => Ok(Self::Given),
+            "5" => Ok(Self::Near),
+            _ => every().context("expected 1, 5 or every:N, with N 1 or more"),
+        }
+    }
 }
 
-impl Starts {
-    /// The starts in a recording, at least one.
-    pub(super) fn of(self, recording: &Recording) -> Result<Vec<Start>> {
+impl Protocol for Starts {
+    type Figures = RunFigures;
+    const IS_COMMON: bool = false;
+
+    /// At least one.
+    fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
         let name = &recording.name;
         let starts = match self {
             Self::Near => near(recording, usize::MAX),
-            Self::Every(every) => along(recording, every),
+            Self::Every(every) => along(recording, *every),
             Self::Given => near(recording, 1),
         };
         let starts = starts.with_context(|| name.clone())?;
         ensure!(!starts.is_empty(), "{name}: no frame to start from: the target is visible in none but the last");
         Ok(starts)
     }
+
+    fn figures(&self, _: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<RunFigures> {
+        RunFigures::new(run, &recording.truth[case.frame..])
+    }
 }
 
-/// The box to start from as it is given; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as wide and as high
-/// about its centre; no more than `most` of them.
+/// Returns the first `most` of these: the box to start from as it is given; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as wide and
+/// as high about its centre.
 ///
 /// The four numbers of a box are rounded to the nearest integer once, after the change: a small box may be the same when
-/// scaled. What then lies outside the frame is cut off; the given box is left as it is.
-fn near(recording: &Recording, most: usize) -> Result<Vec<Start>> {
+/// scaled. A part outside the frame is cut off; the given box is left as it is.
+fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [
         ("given", given),
@@ -55,27 +70,27 @@ fn near(recording: &Recording, most: usize) -> Result<Vec<Start>> {
         ("0.95", scaled(given, 0.95)),
         ("1.05", scaled(given, 1.05)),
     ];
-    let start = |(name, changed): (&str, BoundingBox)| {
-        let target = match name {
-            "given" => whole(&changed),
-            _ => inside(&changed, recording.bounds()),
-        };
-        let target = target.with_context(|| format!("start {name}"))?;
-        Ok(Start { name: name.to_owned(), frame: 0, target })
+    let case = |(name, changed): (&str, BoundingBox)| {
+        let target = if name == "given" { whole(&changed) } else { inside(&changed, recording.bounds()) };
+        case(name.to_owned(), 0, target, recording)
     };
-    changed.into_iter().take(most).map(start).collect()
+    changed.into_iter().take(most).map(case).collect()
 }
 
-/// Ground truth may reach out of the picture: what lies outside is cut off.
-fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Start>> {
+/// Ground truth may reach out of the picture: the part outside is cut off.
+fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Case>> {
     let last = recording.truth.len().saturating_sub(1);
     let visible = (0..last).filter_map(|frame| Some((frame, recording.truth[frame]?)));
-    let start = |(frame, truth): (usize, BoundingBox)| {
-        let name = format!("frame {}", frame + 1);
-        let target = inside(&truth, recording.bounds()).with_context(|| format!("start {name}"))?;
-        Ok(Start { name, frame, target })
+    let case = |(frame, truth): (usize, BoundingBox)| {
+        case(format!("frame {}", frame + 1), frame, inside(&truth, recording.bounds()), recording)
     };
-    visible.step_by(every.get()).map(start).collect()
+    visible.step_by(every.get()).map(case).collect()
+}
+
+/// A run to the end of the recording.
+fn case(name: String, frame: usize, target: Result<Rect>, recording: &Recording) -> Result<Case> {
+    let target = target.with_context(|| format!("start {name}"))?;
+    Ok(Case { name, frame, target, end: recording.frames.len(), intervention: Intervention::None })
 }
 
 fn scaled(given: BoundingBox, factor: f64) -> BoundingBox {
@@ -84,7 +99,7 @@ fn scaled(given: BoundingBox, factor: f64) -> BoundingBox {
     BoundingBox { x, y, width, height }
 }
 
-fn whole(target: &BoundingBox) -> Result<Rect> {
+pub(crate) fn whole(target: &BoundingBox) -> Result<Rect> {
     target.pixels().map_err(|what| anyhow!("the box {what}"))
 }
 
@@ -111,7 +126,7 @@ mod tests {
     }
 
     fn targets(starts: Starts, init: &str) -> Vec<Rect> {
-        let starts = starts.of(&recording(init, init)).unwrap();
+        let starts = starts.cases(0, &recording(init, init)).unwrap();
         starts.into_iter().map(|start| start.target).collect()
     }
 
@@ -135,15 +150,16 @@ mod tests {
     #[test]
     fn every_so_many_th_visible_frame_is_a_start() {
         let recording = recording("1,1,4,4", "-5,30,20.4,20");
-        let starts = |every| Starts::Every(NonZeroUsize::new(every).unwrap()).of(&recording).unwrap();
-        let at = |frame: usize| Start { name: format!("frame {}", frame + 1), frame, target: Rect::new(0, 30, 15, 10) };
-        assert_eq!(starts(1), [at(0), at(2)], "the last frame is no start");
-        assert_eq!(starts(2), [at(0)]);
+        let starts = |every: &str| format!("every:{every}").parse::<Starts>().unwrap().cases(0, &recording).unwrap();
+        let target = || Ok(Rect::new(0, 30, 15, 10));
+        let at = |frame: usize| case(format!("frame {}", frame + 1), frame, target(), &recording).unwrap();
+        assert_eq!(starts("1"), [at(0), at(2)], "the last frame is no start");
+        assert_eq!(starts("2"), [at(0)]);
     }
 
     #[test]
     fn a_start_without_pixels_is_named() {
-        let error = |starts: Starts, recording| format!("{:#}", starts.of(&recording).unwrap_err());
+        let error = |starts: Starts, recording| format!("{:#}", starts.cases(0, &recording).unwrap_err());
         let beside = error(Starts::Near, recording("58.4,3,2,5", "1,1,4,4"));
         assert_eq!(beside, "mine: start x+2: the box has no pixels inside the frame: 60.4,3,2,5 (x,y,width,height)");
         let tiny = error(Starts::Near, recording("5,3,0.3,5", "1,1,4,4"));
@@ -155,5 +171,13 @@ mod tests {
         let mut unseen = recording("1,1,4,4", "1,1,4,4");
         unseen.truth[..3].fill(None);
         assert!(error(every, unseen).starts_with("mine: no frame to start from"));
+    }
+
+    #[test]
+    fn starts_are_read() {
+        assert_eq!(["1", "5"].map(|text| text.parse::<Starts>().unwrap()), [Starts::Given, Starts::Near]);
+        for refused in ["", "2", "every", "every:", "every:0", "every:x", "every:-1"] {
+            assert!(refused.parse::<Starts>().is_err(), "{refused}");
+        }
     }
 }

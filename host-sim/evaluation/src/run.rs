@@ -1,12 +1,4 @@
-//! A run: one tracker on its way through a recording, and the record of what came out.
-//!
-//! A [`Follower`] drives it frame by frame: the tracker is locked where it is told to, again where it is corrected, and asked in all other
-//! frames. It remembers no answer, so it can follow a camera for days. A [`Run`] is the record of the answers: scores and tables are made from
-//! it. [`Recording::run`] makes one from any frame of a recording on, with an [`Intervention`] on the way.
-
-mod recording;
-
-pub(crate) use recording::{Intervention, MOST_BYTES, Recording};
+//! A run: one tracker on its way through a recording, and the record of its answers, which scores and tables are made from.
 
 use super::method::{Method, Report};
 use super::{CORRECT, Refused, Trajectory, Variant};
@@ -15,18 +7,19 @@ use smr_core::{Frame, Quality, Rect, State};
 use smr_recordings::{BoundingBox, GrayFrame, Target};
 use std::time::{Duration, Instant};
 
-/// One target on its way through the frames, and the tracker that follows it.
+/// A target on its way through the frames, and the tracker that follows it: it locks where it is told to, locks again where it is corrected, and
+/// updates in all other frames. It remembers no answer, so it can follow a camera for days.
 pub struct Follower<M: Method + ?Sized = dyn Method> {
     /// `None` if it is the only one, and was given none.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// The boxes that it is locked on, and the numbers of their frames. The next one is the first.
+    /// The boxes still to lock on, with the numbers of their frames.
     starts: std::iter::Peekable<std::vec::IntoIter<(usize, Rect)>>,
     begun: bool,
 }
 
 impl Follower {
-    /// One for each of `targets`, all followed by `variant` with one workspace.
+    /// A follower for each of `targets`; all use `variant` with one workspace.
     /// Errors: A box has less than one pixel, or the configuration is invalid.
     pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
         let methods = variant.build_all(targets.len())?;
@@ -44,7 +37,7 @@ impl<M: Method + ?Sized> Follower<M> {
         Self { name: None, method, starts: starts.into_iter().peekable(), begun: false }
     }
 
-    /// What is known of the target in the frame of this number; `None` before its first box.
+    /// Returns the report of the frame of this number; `None` before the first box.
     /// Errors: The tracker's, with the number of the frame.
     pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
         let report = match self.starts.next_if(|(at, _)| *at <= number) {
@@ -55,16 +48,18 @@ impl<M: Method + ?Sized> Follower<M> {
             None if self.begun => self.method.update(&frame.frame()).map(Some),
             None => Ok(None),
         };
-        let named = self.name.as_ref().map_or(String::new(), |name| format!("{name}, "));
-        report.with_context(|| format!("{named}frame {number}"))
+        report.with_context(|| match &self.name {
+            Some(name) => format!("{name}, frame {number}"),
+            None => format!("frame {number}"),
+        })
     }
 
-    /// Of the frame that was locked on last: see [`Method::quality`].
+    /// [`Method::quality`] in the frame of the last lock.
     pub fn quality(&self) -> Option<Quality> {
         self.method.quality()
     }
 
-    /// The frame of the next box, if there is one left.
+    /// The number of the frame of the next box.
     pub fn next_start(&mut self) -> Option<usize> {
         self.starts.peek().map(|(frame, _)| *frame)
     }
@@ -78,15 +73,16 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// One for each frame that was shown, from the one that was locked on.
+    /// A report for each frame that was shown, from the first lock on.
     pub reports: Vec<Report>,
-    /// Their places in the recording, counted from 0: what is true of a report stands there.
+    /// The place of each report in the recording, counted from 0: the ground truth has its box there.
     pub frames: Vec<usize>,
+    /// Time of the updates.
     pub time: Duration,
 }
 
 impl Run {
-    /// Lets `follower` see `frame`, which stands at this place of the recording.
+    /// Shows `follower` the frame at `place`.
     /// Errors: The tracker's.
     pub fn add(&mut self, follower: &mut Follower, place: usize, frame: &GrayFrame) -> Result<()> {
         let begin = Instant::now();
@@ -100,17 +96,12 @@ impl Run {
         Ok(())
     }
 
-    /// What was reported after the frame that was locked on.
+    /// The reports after the first lock.
     pub fn updates(&self) -> &[Report] {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// The work of all updates; `None` if one of them was not counted.
-    pub fn work(&self) -> Option<u64> {
-        self.updates().iter().map(|report| report.work.map(u64::from)).sum()
-    }
-
-    /// The place of each frame, its state, and whether the box is right as it was answered, by the truth of the recording.
+    /// For each report: its place, its state, and if the box is right as it was answered, by the truth of the recording.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;

@@ -1,0 +1,304 @@
+//! The driver of all measurements: recordings x trackers x cases, each a run, give a record each. A [`Protocol`] says which runs a recording takes, and
+//! what is kept of one.
+
+use super::{Follower, Run, Tables, Variant};
+use anyhow::{Context, Error, Result, anyhow, ensure};
+use rayon::prelude::*;
+use smr_core::Rect;
+use smr_recordings::cover::Cover;
+use smr_recordings::fault::Fault;
+use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The most bytes of frames of one recording in memory: 1 GiB, some 14000 frames of 320x240 pixels. When recordings in memory have as much
+/// together, no more are read before these are measured.
+const MOST_BYTES: u64 = 1 << 30;
+const MIB: u64 = 1 << 20;
+
+/// Results of a measurement.
+pub struct Measured {
+    pub tables: Result<Tables>,
+    /// Errors of what could not be measured; none after a signal has asked to stop.
+    pub failures: Vec<Error>,
+    /// Remarks on what was read.
+    pub notes: Vec<String>,
+    /// True if there is no result.
+    pub is_empty: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// These frames more will come, of these recordings more.
+    Expected { frames: u64, recordings: usize },
+    /// One of them is done.
+    Done,
+}
+
+pub(super) trait Protocol: Sync {
+    /// Figures that are kept of a run.
+    type Figures: Send;
+
+    /// True if a recording counts only if every tracker was measured on it.
+    const IS_COMMON: bool;
+
+    /// The runs that each tracker makes in the recording at `place` of the list.
+    fn cases(&self, place: usize, recording: &Recording) -> Result<Vec<Case>>;
+
+    fn figures(&self, variant: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Self::Figures>;
+}
+
+/// A run that a protocol asks for. Frames count from 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Case {
+    /// Name of the start in JSON and in errors; may be empty.
+    pub name: String,
+    /// The frame to lock in.
+    pub frame: usize,
+    pub target: Rect,
+    /// The run ends before this frame.
+    pub end: usize,
+    pub intervention: Intervention,
+}
+
+/// A change of the frames between a recording and a tracker.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Intervention {
+    None,
+    /// From the first to before the second of these frames the camera has a fault.
+    Fault(usize, usize, Fault),
+    /// Before the frame of the first number come as many as the second says that show only the cover, or the frame of another scene.
+    Cover(usize, usize, Cover, Arc<GrayFrame>),
+}
+
+impl Intervention {
+    pub const fn fault(&self) -> Option<Fault> {
+        if let Self::Fault(.., fault) = *self { Some(fault) } else { None }
+    }
+
+    /// Returns the frames that come for the one at `place`.
+    fn shown<'a>(&'a self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
+        let own = std::iter::once(Cow::Borrowed(&frames[place]));
+        match *self {
+            Self::Fault(at, end, fault) if (at..end).contains(&place) => {
+                let before = (&frames[at.saturating_sub(1)], &frames[place.saturating_sub(1)]);
+                Box::new(fault.of(place - at, &frames[place], before, at as u64).map(Cow::Owned).into_iter())
+            }
+            Self::Cover(at, count, cover, ref other) if at == place => {
+                Box::new((0..count).map(move |index| Cow::Owned(cover.frame(index, other))).chain(own))
+            }
+            _ => Box::new(own),
+        }
+    }
+}
+
+/// The runs of one tracker in one recording.
+pub(super) struct Record<'a, F> {
+    /// Place of the recording in the list.
+    pub place: usize,
+    pub sequence: String,
+    pub variant: &'a Variant,
+    pub runs: Vec<(Case, F)>,
+}
+
+struct Held {
+    place: usize,
+    recording: Recording,
+    cases: Vec<Case>,
+}
+
+/// Runs every variant through the cases of each of `count` recordings, which `open` opens by their place.
+///
+/// Recordings, variants and cases are all spread over the threads that there are. A recording is decoded once and kept in memory, where it may have
+/// 1 GiB. Records come recording by recording, in the order of `variants`. If one case fails, there is no record of this variant and recording. If
+/// a signal asks to stop, there are the records that are whole.
+pub(super) fn measure<'a, P: Protocol>(
+    protocol: &P,
+    count: usize,
+    open: impl Fn(usize) -> Result<Sequence> + Sync,
+    variants: &'a [Variant],
+    progress: &(dyn Fn(Progress) + Sync),
+) -> (Vec<Record<'a, P::Figures>>, Vec<Error>) {
+    let read = |&place: &usize| {
+        let recording = Recording::read(open(place)?, MOST_BYTES)?;
+        Ok(Held { place, cases: protocol.cases(place, &recording)?, recording })
+    };
+    let record = |&(held, variant): &(&Held, &'a Variant)| {
+        let name = &held.recording.name;
+        let run = |case: &Case| {
+            let run = held.recording.run(variant, case, || progress(Progress::Done));
+            let figures = run.and_then(|run| protocol.figures(variant, &held.recording, case, &run));
+            let start = if case.name.is_empty() { String::new() } else { format!(": start {}", case.name) };
+            Ok((case.clone(), figures.with_context(|| format!("{name}: {}{start}", variant.name))?))
+        };
+        // Runs are of very different length, so a thread takes one at a time.
+        let runs: Vec<Result<_>> = held.cases.par_iter().with_max_len(1).map(run).collect();
+        let runs = runs.into_iter().collect::<Result<_>>()?;
+        Ok(Record { place: held.place, sequence: name.clone(), variant, runs })
+    };
+
+    let (mut records, mut failures, mut all_held) = (Vec::new(), Vec::new(), Vec::new());
+    let places: Vec<usize> = (0..count).collect();
+    let mut parts = places.chunks(rayon::current_num_threads()).peekable();
+    while let Some(part) = parts.next()
+        && !cleanup::is_stopped()
+    {
+        separate(part.par_iter().map(read).collect(), &mut all_held, &mut failures);
+        let bytes: u64 = all_held.iter().map(|held| held.recording.bytes()).sum();
+        if bytes < MOST_BYTES && parts.peek().is_some() {
+            continue;
+        }
+        let pairs: Vec<_> =
+            all_held.iter().flat_map(|held| variants.iter().map(move |variant| (held, variant))).collect();
+        let frames = pairs.iter().flat_map(|(held, _)| &held.cases).map(|case| (case.end - case.frame) as u64).sum();
+        progress(Progress::Expected { frames, recordings: all_held.len() });
+        let mut done = pairs.par_iter().with_max_len(1).map(record).collect::<Vec<_>>().into_iter();
+        for _ in &all_held {
+            let of_one: Vec<_> = done.by_ref().take(variants.len()).collect();
+            if !P::IS_COMMON || of_one.iter().all(Result::is_ok) {
+                separate(of_one, &mut records, &mut failures);
+            } else {
+                failures.extend(of_one.into_iter().find_map(Result::err));
+            }
+        }
+        all_held.clear();
+    }
+    if cleanup::is_stopped() {
+        failures.clear();
+    }
+    (records, failures)
+}
+
+fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Error>) {
+    results.into_iter().for_each(|result| match result {
+        Ok(one) => good.push(one),
+        Err(error) => failures.push(error),
+    });
+}
+
+/// A recording with all its frames in memory, so that many runs read it and it is decoded once.
+pub(super) struct Recording {
+    pub name: String,
+    /// As many as there are entries of the truth; at least one.
+    pub frames: Vec<GrayFrame>,
+    pub init: BoundingBox,
+    pub truth: Vec<Option<BoundingBox>>,
+}
+
+impl Recording {
+    /// Errors: No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
+    /// cannot be read; more than `most_bytes` of frames.
+    pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
+        let start = sequence.start();
+        let Sequence { name, frames, init, truth, .. } = sequence;
+        let truth = truth_of(&name, truth)?;
+        start?;
+        let init = init.context("no box to start from")?;
+        ensure!(truth.iter().any(Option::is_some), "{name}: the target is visible in no frame of the ground truth");
+        let boxes = truth.len();
+        let mut kept = Vec::with_capacity(boxes);
+        let mut count = 0;
+        for frame in frames {
+            let frame = frame?.gray;
+            if count == 0 {
+                let bytes = boxes as u64 * frame.pixels.len() as u64;
+                ensure!(
+                    bytes <= most_bytes,
+                    "{name}: its frames ({boxes} of {}x{}) need {} MiB of memory: at most {} MiB are used for a recording",
+                    frame.width,
+                    frame.height,
+                    bytes.div_ceil(MIB),
+                    most_bytes / MIB
+                );
+            }
+            count += 1;
+            // Frames beyond the truth are only counted: they are an error, and may be many.
+            if count <= boxes {
+                kept.push(frame);
+            }
+        }
+        misfit(count, boxes).map_or(Ok(()), |misfit| Err(anyhow!("{name}: {misfit}")))?;
+        Ok(Self { name, frames: kept, init, truth })
+    }
+
+    /// Follows the target of a case. `progress` is called for each frame of the recording.
+    /// Errors: A tracker that cannot be built, the tracker's, or a signal that asks to stop.
+    fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
+        let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, case.target)]);
+        let mut run = Run::default();
+        for place in case.frame..case.end {
+            ensure!(!cleanup::is_stopped(), "it was stopped");
+            for frame in case.intervention.shown(&self.frames, place) {
+                run.add(&mut follower, place, &frame)?;
+            }
+            progress();
+        }
+        Ok(run)
+    }
+
+    pub fn bounds(&self) -> Rect {
+        self.frames.first().map_or(Rect::default(), |frame| frame.frame().bounds())
+    }
+
+    fn bytes(&self) -> u64 {
+        self.frames.iter().map(|frame| frame.pixels.len() as u64).sum()
+    }
+}
+
+/// The ground truth of the sequence called `name`, without which nothing can be measured.
+pub(super) fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
+    truth.with_context(|| format!("{name}: no ground truth beside it: expected gt.txt, groundtruth_rect.txt or groundtruth.txt (`track` needs none)"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sequence() -> Sequence {
+        let frame = GrayFrame { width: 1024, height: 512, pixels: vec![0; 1 << 19] };
+        let at: BoundingBox = "3,4,5,6".parse().unwrap();
+        Sequence::made("mine", vec![frame; 3].into_iter(), vec![Some(at), None, Some(at)])
+    }
+
+    #[test]
+    fn a_recording_is_kept_whole() {
+        let recording = Recording::read(sequence(), MOST_BYTES).unwrap();
+        assert_eq!((recording.frames.len(), recording.bytes()), (3, 3 << 19));
+        assert_eq!(recording.bounds(), Rect::new(0, 0, 1024, 512));
+    }
+
+    #[test]
+    fn an_intervention_shows_other_frames() {
+        let frames: Vec<GrayFrame> =
+            (0..6).map(|pixel| GrayFrame { width: 1, height: 1, pixels: vec![pixel] }).collect();
+        let shown = |intervention: Intervention| {
+            let of = |place| intervention.shown(&frames, place).map(move |frame| (place, frame.pixels[0]));
+            (1..6).flat_map(of).collect::<Vec<_>>()
+        };
+        let white = Arc::new(GrayFrame { pixels: vec![255], ..frames[0].clone() });
+        let (gap, repeated): (Fault, Fault) = ("gap:2".parse().unwrap(), "repeated:2".parse().unwrap());
+        assert_eq!(shown(Intervention::None), [(1, 1), (2, 2), (3, 3), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, 4, gap)), [(1, 1), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, 4, repeated)), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
+        let covered = shown(Intervention::Cover(4, 2, Cover::Black, white));
+        assert_eq!(covered, [(1, 1), (2, 2), (3, 3), (4, 0), (4, 0), (4, 4), (5, 5)]);
+    }
+
+    #[test]
+    fn what_cannot_be_measured_is_named() {
+        let two = sequence().truth.map(|truth| truth[..2].to_vec());
+        for (sequence, expected) in [
+            (sequence(), ": its frames (3 of 1024x512) need 2 MiB of memory: at most 1 MiB are used for a recording"),
+            (Sequence { truth: None, ..sequence() }, ": no ground truth"),
+            (Sequence { init: None, ..sequence() }, ": no box to start from"),
+            (
+                Sequence { truth: two, ..sequence() },
+                ": there are 3 frames, but the ground truth has 2 boxes for them: say which",
+            ),
+            (Sequence { truth: Some(vec![None; 3]), ..sequence() }, ": the target is visible in no frame"),
+        ] {
+            let error = format!("{:#}", Recording::read(sequence, 1 << 20).err().unwrap());
+            assert!(error.starts_with(&format!("moving{expected}")), "{error}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! A tracker with its settings under the name that it has in results, and how it is built.
+
+use super::Paper;
+use super::baseline::{Baseline, Flow, Measure};
+use super::method::{Method, MethodKind, Report};
+use super::table::Column;
+use anyhow::Result;
+use clap::ValueEnum;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use smr_core::paper::{Config, Fraction};
+use smr_core::{Frame, Quality, Rect, Robust, Target, calls, robust};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Configs {
+    /// Settings of the paper's tracker; the baselines take window and padding from them.
+    pub paper: Config,
+    pub robust: robust::Config,
+    /// Work of a step in which smr-core's trackers are updated; it changes no answer.
+    pub step: u32,
+}
+
+impl From<Config> for Configs {
+    fn from(paper: Config) -> Self {
+        Self { paper, robust: robust::Config::refined(), step: u32::MAX }
+    }
+}
+
+impl From<robust::Config> for Configs {
+    fn from(robust: robust::Config) -> Self {
+        Self { robust, ..Config::paper().into() }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Variant {
+    pub name: String,
+    pub kind: MethodKind,
+    pub configs: Configs,
+    /// Settings as on the command line, where they are given.
+    pub options: Map<String, Value>,
+    /// True if the right and lower edges of the box to start from belong to it.
+    pub inclusive: bool,
+}
+
+/// The tracker that a result is of, in the JSON that is printed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Origin {
+    pub version: &'static str,
+    pub method: &'static str,
+    /// The settings that were given; the others have their defaults.
+    pub options: Map<String, Value>,
+}
+
+impl Origin {
+    /// Columns of a table. The options are a text, itself JSON.
+    pub(super) const COLUMNS: &[Column<Self>] = &[
+        ("method", "", 0, |origin| origin.method.into()),
+        ("version", "", 0, |origin| origin.version.into()),
+        ("options", "", 0, |origin| Value::from(origin.options.clone()).to_string().into()),
+    ];
+
+    pub fn new(kind: MethodKind, options: Map<String, Value>) -> Self {
+        Self { version: env!("CARGO_PKG_VERSION"), method: kind.name(), options }
+    }
+}
+
+impl Variant {
+    /// `kind`, under its own name.
+    pub fn new(kind: MethodKind, configs: &Configs) -> Self {
+        Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
+    }
+
+    pub fn origin(&self) -> Origin {
+        Origin::new(self.kind, self.options.clone())
+    }
+
+    /// The trackers of the paper's table: both readings of the paper, the robust tracker, and the baselines.
+    pub fn all() -> Vec<Self> {
+        let paper = Config::paper();
+        let mut other = paper;
+        other.k = Fraction::new(7, 20);
+        let options =
+            Map::from_iter([("set".to_owned(), ["k=7/20"].as_slice().into()), ("inclusive".to_owned(), true.into())]);
+        let name = "smr, k = 7/20, inclusive".to_owned();
+        let other = Self { name, inclusive: true, options, ..Self::new(MethodKind::Smr, &other.into()) };
+        let of_kind = |&kind: &MethodKind| Self::new(kind, &paper.into());
+        let mut all: Vec<Self> = MethodKind::value_variants().iter().map(of_kind).collect();
+        all.insert(1, other);
+        all
+    }
+
+    /// The box to lock on where `given` is the one to start from.
+    pub fn start(&self, given: Rect) -> Rect {
+        let more = u16::from(self.inclusive);
+        let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));
+        Rect { width, height, ..given }
+    }
+
+    /// A tracker without a target.
+    pub fn build(&self) -> Result<Box<dyn Method>> {
+        Ok(self.build_all(1)?.remove(0))
+    }
+
+    /// Trackers for `count` targets of one recording. Those of smr-core share one workspace, as in firmware.
+    pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
+        let Configs { paper, robust, step } = self.configs;
+        let baseline = |measure| several(count, || Ok(Baseline::new(measure, &paper)));
+        match self.kind {
+            MethodKind::Smr => stepped::<Paper>(self.kind, count, paper, step),
+            MethodKind::Robust => stepped::<Robust>(self.kind, count, robust, step),
+            MethodKind::Sad => baseline(Measure::Absolute),
+            MethodKind::Ssd => baseline(Measure::Squared),
+            MethodKind::Ncc => baseline(Measure::Correlation),
+            MethodKind::Lk => several(count, || Ok(Flow::new(&paper))),
+        }
+    }
+}
+
+fn several<M: Method + 'static>(count: usize, one: impl Fn() -> Result<M>) -> Result<Vec<Box<dyn Method>>> {
+    (0..count).map(|_| Ok(Box::new(one()?) as Box<dyn Method>)).collect()
+}
+
+fn stepped<T: Target + 'static>(
+    kind: MethodKind,
+    count: usize,
+    config: T::Config,
+    step: u32,
+) -> Result<Vec<Box<dyn Method>>> {
+    let workspace = Rc::default();
+    several(count, || Ok(Stepped::<T> { kind, target: T::with(config)?, workspace: Rc::clone(&workspace), step }))
+}
+
+/// A target of smr-core, updated in steps of `step` work.
+struct Stepped<T: Target> {
+    kind: MethodKind,
+    target: T,
+    workspace: Rc<RefCell<T::Workspace>>,
+    step: u32,
+}
+
+impl<T: Target> Method for Stepped<T> {
+    fn kind(&self) -> MethodKind {
+        self.kind
+    }
+
+    fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
+        self.target.lock(&mut self.workspace.borrow_mut(), frame, target)?;
+        Ok(())
+    }
+
+    fn quality(&self) -> Option<Quality> {
+        self.target.quality()
+    }
+
+    fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
+        let workspace = &mut self.workspace.borrow_mut();
+        calls::end::<T>(workspace); // another target's
+        while !calls::step(&mut self.target, workspace, frame, self.step)? {}
+        let answer = calls::commit(&mut self.target, workspace, frame);
+        Ok(Report { work: Some(T::work(workspace)), ..answer.into() })
+    }
+}
