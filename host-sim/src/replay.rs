@@ -19,14 +19,14 @@ const LINE: u64 = 256 << 20;
 /// The words before the bytes in a line of a log.
 const LOGGED: &[u8] = b"smr-record [";
 
-/// The contents of a record, and the first answer that differs.
+/// The flights of a record, and the first answer that differs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// One for each beginning: firmware that starts again appends to its record.
+    /// A flight for each beginning: firmware that starts again appends to its record.
     pub flights: Vec<Flight>,
     /// Bytes at the end that are no whole entry: the record was cut off there.
     pub cut_off: usize,
-    /// Why the rest was not replayed, though there is more of it.
+    /// The reason that the rest was not replayed, though there is more of it.
     pub damage: Option<String>,
     /// The first answer that is not the recorded one; nothing was replayed after it.
     pub difference: Option<Difference>,
@@ -45,7 +45,7 @@ pub struct Flight {
     pub restored: u64,
     /// Updates that were begun and given up.
     pub given_up: u64,
-    /// The number of frames in each state, by its code.
+    /// Frames in each state, by its code.
     pub states: [u64; State::ALL.len()],
     /// Bytes of all entries, and those of them that are pixels.
     pub bytes: u64,
@@ -117,8 +117,9 @@ pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Rep
         let played = played.and_then(|()| {
             let (Some(run), Some(flight)) = (&mut running, report.flights.last_mut()) else { return Ok(None) };
             let frame = flight.locks + flight.answers + 1;
-            let different = run.play(&found.entry).map_or_else(named, |()| Ok(None))?;
-            flight.count(&found, run.gave_up(), every, different.is_none());
+            let (gave_up, played) = run.play(&found.entry);
+            let different = played.map_or_else(named, |()| Ok(None))?;
+            flight.count(&found, gave_up, every, different.is_none());
             Ok(different.map(|(field, [recorded, replayed])| Difference {
                 flight: number,
                 frame,
@@ -219,10 +220,8 @@ fn said(entry: &Entry<'_>) -> Value {
 
 /// A tracker on its way through a record.
 trait Runs<'a> {
-    fn play(&mut self, entry: &Entry<'a>) -> Result<(), record::Difference>;
-
-    /// True if an update was begun before the last entry and has no answer.
-    fn gave_up(&self) -> bool;
+    /// Runs an entry. True if an update was begun before it and has no answer.
+    fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
 
     fn settings(&self) -> Value;
 
@@ -233,52 +232,42 @@ trait Runs<'a> {
 struct Run<'a, T: Recorded> {
     tracker: Box<Tracker<T>>,
     player: Player<'a, T>,
-    gave_up: bool,
 }
 
 /// The tracker that a record begins with, and its name.
 fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)> {
     if begin.tracker == Paper::TRACKER {
-        let rest = |table| {
-            let mut rest = paper::Config::paper();
-            rest.table = table;
-            rest
-        };
-        return Ok((run::<Paper>(begin, rest)?, "smr"));
+        return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "smr"));
     }
     let expected = (char::from(Paper::TRACKER), char::from(Robust::TRACKER));
     ensure!(begin.tracker == Robust::TRACKER, "tracker {}: expected {} or {}", begin.tracker, expected.0, expected.1);
-    let rest = |table| {
-        let mut rest = robust::Config::robust();
-        rest.table = table;
-        rest
-    };
-    Ok((run::<Robust>(begin, rest)?, "robust"))
+    Ok((run::<Robust>(begin, robust::Config::robust(), |config, table| config.table = table)?, "robust"))
 }
 
 /// Tables other than the paper's, for the life of the program, as a configuration wants them.
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
+/// `rest`: the settings that are not in a record, but for the table.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
-    rest: impl Fn(&'static Table) -> T::Config,
+    mut rest: T::Config,
+    set: fn(&mut T::Config, &'static Table),
 ) -> Result<Box<dyn Runs<'a> + 'a>> {
-    let config = begin.config(&rest(&Table::PAPER));
-    let config = config.or_else(|| TABLES.iter().find_map(|table| begin.config(&rest(table))));
+    let mut with = |table| {
+        set(&mut rest, table);
+        begin.config(&rest)
+    };
+    let config = with(&Table::PAPER).or_else(|| TABLES.iter().find_map(with));
     let config =
         config.context("it holds no configuration of this version, or its table is none of exp(-d / scale)")?;
-    Ok(Box::new(Run::<T> { tracker: Box::new(Tracker::with(config)?), player: Player::new(config), gave_up: false }))
+    Ok(Box::new(Run::<T> { tracker: Box::new(Tracker::with(config)?), player: Player::new(config) }))
 }
 
 impl<'a, T: Recorded> Runs<'a> for Run<'a, T> {
-    fn play(&mut self, entry: &Entry<'a>) -> Result<(), record::Difference> {
-        self.gave_up = self.player.window().is_some() && !matches!(entry, Entry::Answer(_));
-        self.player.play(&mut self.tracker, entry, |tracker, frame| tracker.update(frame))
-    }
-
-    fn gave_up(&self) -> bool {
-        self.gave_up
+    fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>) {
+        let gave_up = self.player.window().is_some() && !matches!(entry, Entry::Answer(_));
+        (gave_up, self.player.play(&mut self.tracker, entry, |tracker, frame| tracker.update(frame)))
     }
 
     fn settings(&self) -> Value {

@@ -1,5 +1,4 @@
-//! The colors of boxes, curves and what they lie on, in all pictures. Those of result files of other trackers, and how all are changed to be
-//! seen on a page, are in `report/palette.rs`.
+//! The colors of boxes, curves and grounds, in all pictures. `report/palette.rs` has the colors of other trackers' results, and fits all to a page.
 
 use smr_core::State;
 use smr_evaluation::MethodKind;
@@ -11,7 +10,7 @@ pub const WHITE: Color = [255; 3];
 pub(crate) const BLACK: Color = [0; 3];
 /// The ground of diagrams and of sheets.
 pub(crate) const PAPER: Color = [24; 3];
-/// What is marked as hidden.
+/// Spans that are marked as hidden.
 pub(crate) const SHADE: Color = [58, 58, 58];
 /// The color of lines at a number.
 pub(crate) const GRID: Color = [90; 3];

@@ -39,7 +39,7 @@ fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8])
     Ok(bytes)
 }
 
-/// As binary PGM (P5), the form that every reader of PGM knows.
+/// The frame as binary PGM (P5), the form that every reader of PGM knows.
 pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }

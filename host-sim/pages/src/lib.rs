@@ -1,4 +1,4 @@
-//! Pages are what people look at: frames with what trackers answered, drawn.
+//! Pages for people: frames with the answers of trackers, drawn.
 //!
 //! [`report`] makes the HTML page of a recording and the paper's figures. [`export`] writes recordings as files: pictures, Y4M, C arrays, the
 //! layouts of toolkits, and videos with boxes drawn. [`window`] serves `host-sim view`. Trackers run by `smr-evaluation`, and differences are those

@@ -50,13 +50,11 @@ struct Report {
 }
 
 impl Convert {
-    pub fn places(&self) -> Places<'_> {
+    pub fn run(self) -> Result<Outcome> {
         // The sequence of a toolkit is a folder, whatever it is called.
         let is_folder = self.format.is_some_and(Format::needs_boxes);
-        Places::of([&self.sequence]).writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN))
-    }
-
-    pub fn run(self) -> Result<Outcome> {
+        let places = Places::of([&self.sequence]);
+        places.writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN)).check()?;
         let format = self.format()?;
         let Sequence { name, frames, length, init, truth, .. } = self.recording.open(&self.sequence)?;
         ensure!(
@@ -96,34 +94,29 @@ impl Convert {
 
     fn format(&self) -> Result<Format> {
         let of_file = Format::of_file(&self.out);
-        match (self.format, of_file) {
-            (Some(format), Some(of_file)) if format != of_file => bail!(
-                "--format {} into {}: expected a folder, or a file with the extension of the format",
-                choice_name(&format),
-                self.out.display()
-            ),
-            (format, of_file) => Ok(format.or(of_file).unwrap_or(Format::Png)),
+        let format = self.format.or(of_file).unwrap_or(Format::Png);
+        if of_file.is_some_and(|of_file| of_file != format) {
+            let (name, out) = (choice_name(&format), self.out.display());
+            bail!("--format {name} into {out}: expected a folder, or a file with the extension of the format");
         }
+        Ok(format)
     }
 }
 
-fn line(report: &Report) -> String {
-    let Report { out, written: Written { frames, width, height, bytes, boxes, list, config }, format, init, .. } =
-        report;
+fn line(Report { out, written, format, init, .. }: &Report) -> String {
+    let Written { frames, width, height, bytes, boxes, list, config } = written;
     let mut line = format!("{out}: {frames} frames of {width}x{height}, {bytes} bytes");
     if format == "raw" {
         line += &format!(", read with --size {width}x{height}");
     }
-    match (boxes.is_empty(), init) {
-        (false, _) => line += &format!("; {}", boxes.join(", ")),
-        (true, Some(init)) => line += &format!("; it starts with --init {init}"),
-        (true, None) => {}
+    if !boxes.is_empty() {
+        line += &format!("; {}", boxes.join(", "));
+    } else if let Some(init) = init {
+        line += &format!("; it starts with --init {init}");
     }
-    if let Some(list) = list {
-        line += &format!("; added to {}", list.display());
-    }
-    if let Some(config) = config {
-        line += &format!("; workspace {}", config.display());
+    let files = [("added to", list), ("workspace", config)];
+    for (relation, file) in files.iter().filter_map(|(relation, file)| Some((relation, file.as_ref()?))) {
+        line += &format!("; {relation} {}", file.display());
     }
     line + "\n"
 }

@@ -1,9 +1,9 @@
-//! What happens to targets, in words: when each is locked, corrected, lost and found.
+//! The events of targets in words: locked, corrected, lost, found, each with its time.
 
 use smr_core::State;
-use smr_evaluation::{Report, name_of};
+use smr_evaluation::name_of;
 
-/// What has been seen of each target.
+/// The states of each target so far.
 pub struct Events(Vec<Seen>);
 
 #[derive(Clone, Default)]
@@ -18,22 +18,13 @@ impl Events {
         Self(vec![Seen::default(); targets])
     }
 
-    /// Says what this answer is for the target at this place, if it is more than the one before: `lost at 0:12.4 (frame 311)`, or without a
-    /// time `lost at frame 311`.
-    pub fn of(
-        &mut self,
-        target: usize,
-        locks: bool,
-        frame: usize,
-        time: Option<f64>,
-        report: &Report,
-    ) -> Option<String> {
+    /// The event that this answer is for the target with this index: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame 311`. `None`
+    /// if it is like the answer before.
+    pub fn of(&mut self, target: usize, locks: bool, frame: usize, time: Option<f64>, state: State) -> Option<String> {
         let seen = &mut self.0[target];
-        let before = seen.last.replace(report.state);
-        for (count, state) in seen.frames.iter_mut().zip(State::ALL) {
-            *count += usize::from(report.state == state);
-        }
-        let what = match (before, report.state) {
+        let before = seen.last.replace(state);
+        seen.frames[usize::from(state.code())] += 1;
+        let event = match (before, state) {
             (None, _) => "locked",
             _ if locks => "corrected",
             (Some(before), State::Lost) if before != State::Lost => "lost",
@@ -41,10 +32,10 @@ impl Events {
             _ => return None,
         };
         let frame = format!("frame {frame}");
-        Some(format!("{what} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
+        Some(format!("{event} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
     }
 
-    /// In how many frames a target was in which state.
+    /// The number of frames in each state.
     pub fn sum(&self, target: usize) -> String {
         let counts = self.0[target].frames.iter().zip(State::ALL).filter(|(count, _)| **count > 0);
         counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")
@@ -63,7 +54,6 @@ fn clock(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smr_core::Rect;
 
     #[test]
     fn times_as_on_a_clock() {
@@ -73,12 +63,11 @@ mod tests {
     #[test]
     fn only_changes_are_told() {
         let mut events = Events::new(1);
-        let seen = Report::locked(Rect::new(1, 2, 3, 4));
-        let lost = Report { target: None, bbox: None, state: State::Lost, ..seen };
+        let (seen, lost) = (State::Tracking, State::Lost);
         let answers = [(true, seen), (false, seen), (false, lost), (false, lost), (false, seen), (true, seen)];
         let told: Vec<String> = (1..)
             .zip(answers)
-            .filter_map(|(frame, (locks, report))| events.of(0, locks, frame, Some(frame as f64), &report))
+            .filter_map(|(frame, (locks, state))| events.of(0, locks, frame, Some(frame as f64), state))
             .collect();
         let expected = ["locked at 0:01.0 (frame 1)", "lost at 0:03.0 (frame 3)", "found at 0:05.0 (frame 5)"];
         assert_eq!(told, [&expected[..], &["corrected at 0:06.0 (frame 6)"]].concat());

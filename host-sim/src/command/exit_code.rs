@@ -1,4 +1,4 @@
-//! How a command ends: the exit code, and the one line on standard error that says what, where, what was expected.
+//! The end of a command: the exit code, and the one line on standard error that says what, where, what was expected.
 //!
 //! | exit code | |
 //! |---|---|
@@ -17,7 +17,7 @@ use std::ffi::OsString;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
-/// What a command has to say at its end, if nothing went wrong on the way.
+/// The end of a command without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Holds,
@@ -58,7 +58,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     }
 }
 
-/// What is printed of an error of this command; a box that is refused and damage come with what the command has against them.
+/// The message of an error. Of a box that is refused and of damage it also names the options of `command` that help.
 pub(super) fn told(error: &anyhow::Error, command: &clap::Command) -> String {
     let said = messages::of(error);
     let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));

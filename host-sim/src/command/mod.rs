@@ -159,13 +159,6 @@ fn is_recording(arguments: &[OsString]) -> bool {
 
 impl HostSim {
     fn run(self) -> Result<Outcome> {
-        match &self.command {
-            Command::Track(track) => track.places().check()?,
-            Command::Convert(convert) => convert.places().check()?,
-            Command::Report(report) => report.places().check()?,
-            // They only write to standard output.
-            Command::View(_) | Command::Check(_) | Command::Eval(_) | Command::Replay(_) => {}
-        }
         match self.command {
             Command::View(view) => view.run(),
             Command::Track(track) => track.run(),

@@ -1,4 +1,4 @@
-//! What a command reads and writes: no two outputs are one file, and none of them is an input.
+//! The inputs and outputs of a command: no two outputs are one file, and none of them is an input.
 
 use anyhow::{Result, bail, ensure};
 use smr_recordings::output;
@@ -51,7 +51,7 @@ pub fn listed(endings: &[&str]) -> String {
 }
 
 impl<'a> Places<'a> {
-    /// Of a command that reads recordings.
+    /// The files of a command that reads recordings.
     pub fn of(recordings: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         Self { recordings: recordings.into_iter().map(PathBuf::as_path).collect(), outputs: Vec::new() }
     }

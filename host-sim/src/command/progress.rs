@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// The shortest time between two lines.
 const PAUSE: Duration = Duration::from_millis(100);
-/// Between them the terminal cuts a line that is too long, instead of wrapping it.
+/// Between these two codes the terminal cuts a line that is too long, instead of wrapping it.
 const CUT: [&str; 2] = ["\x1b[?7l", "\x1b[?7h"];
 
 /// A counted line: `car: 120 of 300 frames, 4 s left`.
@@ -26,7 +26,7 @@ struct State {
     shown: Instant,
 }
 
-/// A bar of so many frames; without their number they are counted.
+/// A bar over this number of frames; without the number they are counted.
 pub fn bar(name: &str, frames: Option<usize>) -> Bar {
     of(name, frames, "frames")
 }
@@ -98,7 +98,7 @@ impl Drop for Bar {
     }
 }
 
-/// How many frames there are, as recordings are opened: those that were not are taken for as long as the others.
+/// An estimate of the number of frames while recordings are opened: the others are taken for as long as these.
 pub struct Expected<'a> {
     bar: &'a Bar,
     state: Mutex<Opened>,
@@ -107,7 +107,7 @@ pub struct Expected<'a> {
 struct Opened {
     frames: u64,
     recordings: usize,
-    /// With those that were not opened yet.
+    /// All recordings, also those that were not opened yet.
     all: usize,
 }
 
@@ -116,7 +116,7 @@ impl<'a> Expected<'a> {
         Self { bar, state: Mutex::new(Opened { frames: 0, recordings: 0, all: recordings }) }
     }
 
-    /// So many frames in so many recordings that were opened.
+    /// Adds the frames of recordings that were opened.
     pub fn add(&self, frames: u64, recordings: usize) {
         let mut opened = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         opened.frames += frames;

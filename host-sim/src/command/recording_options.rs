@@ -1,4 +1,4 @@
-//! How recordings are opened, the same for every command that reads them.
+//! The options by which a recording is opened, for every command that reads one.
 
 use super::tracker_options::Pair;
 use super::{from, whole};

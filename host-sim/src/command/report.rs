@@ -18,7 +18,7 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// The most megabytes of a page, if nothing else is said.
+/// The most megabytes of a page by default.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
@@ -72,13 +72,10 @@ struct Written {
 }
 
 impl Report {
-    pub fn places(&self) -> Places<'_> {
+    pub fn run(self) -> Result<Outcome> {
         let taken = |endings| Some(Taken { endings: [endings, &[]], is_folder: true });
         let places = Places::of(&self.paths).writes("--out", self.out.as_ref(), taken(&["html"]));
-        places.writes("--figures", self.figures.as_ref(), taken(&[]))
-    }
-
-    pub fn run(self) -> Result<Outcome> {
+        places.writes("--figures", self.figures.as_ref(), taken(&[])).check()?;
         let methods = self.tracker.variants(match &self.out {
             None => &figures::METHODS,
             Some(_) if self.method.is_empty() => &METHODS,
@@ -96,12 +93,9 @@ impl Report {
             Some(out) => self.page(out, &found, &methods)?,
             None => Default::default(),
         };
-        let mut left_out = Vec::new();
-        if let Some(folder) = &self.figures {
-            let (drawn, others) = self.draw(&found[0], folder)?;
-            files.extend(drawn);
-            left_out = others;
-        }
+        let figures = self.figures.as_ref().map(|folder| self.draw(&found[0], folder)).transpose()?;
+        let (drawn, left_out) = figures.unwrap_or_default();
+        files.extend(drawn);
         let text = if self.json {
             json(&films, &methods, &files, &left_out)?
         } else {
@@ -122,7 +116,7 @@ impl Report {
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
-        // In a folder the page has the recording's name.
+        // A page in a folder has the recording's name.
         Places::of(found).writes("--out", Some(&page), None).check()?;
         let output = Output::create(&page)?;
         let mut films = self.watch(found, sequences, methods)?;
@@ -195,7 +189,7 @@ impl Report {
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
             let mut film = report::watch_all(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
-            // What others answered is of the target with the ground truth.
+            // The results of others are of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }
@@ -210,7 +204,7 @@ impl Report {
         self.budget.get().saturating_mul(1_000_000)
     }
 
-    /// What the foot of the page says.
+    /// The foot of the page.
     fn about(&self, title: &str, methods: &[Variant]) -> Result<About> {
         let words: Vec<_> = std::iter::once("host-sim".into()).chain(std::env::args_os().skip(1)).collect();
         let origins: Vec<_> = methods.iter().map(Variant::origin).collect();
@@ -238,13 +232,8 @@ fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
 /// The file of the page; the folder that it is in is made if it is not there.
 fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     let is_page = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
-    let (folder, file) = match is_page {
-        true => (out.parent().unwrap_or(Path::new("")), out.to_owned()),
-        false => (out, out.join(format!("{name}.html"))),
-    };
-    if !folder.as_os_str().is_empty() {
-        make_folder(folder)?;
-    }
+    let file = if is_page { out.to_owned() } else { out.join(format!("{name}.html")) };
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)?;
     Ok(file)
 }
 
@@ -267,8 +256,8 @@ fn lines(films: &[Film], files: &[Written]) -> String {
 }
 
 fn json(films: &[Film], methods: &[Variant], files: &[Written], left_out: &[String]) -> Result<String> {
-    let evaluations: Vec<Option<Evaluation>> = films.iter().map(Film::evaluation).collect::<Result<_>>()?;
-    let evaluations: Vec<Evaluation> = evaluations.into_iter().flatten().collect();
+    let evaluations: Vec<Evaluation> =
+        films.iter().filter_map(|film| film.evaluation().transpose()).collect::<Result<_>>()?;
     let recording = |film: &Film| {
         serde_json::json!({
             "sequence": film.name,

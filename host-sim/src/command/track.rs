@@ -1,4 +1,4 @@
-//! `host-sim track`: the target's box in every frame, as it is found.
+//! `host-sim track`: the target's box in every frame.
 
 use super::events::Events;
 use super::paths::{Places, Taken, listed};
@@ -64,17 +64,11 @@ pub struct Track {
 const FILM: Taken = Taken { endings: [&FILM_ENDINGS, &[]], is_folder: true };
 const BOXES: Taken = Taken { endings: [&Format::ENDINGS, &FILM_ENDINGS], is_folder: false };
 
-/// What is said of targets of poor quality.
+/// The warning about targets of poor quality.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
-    pub fn places(&self) -> Places<'_> {
-        let (boxes, films) = self.outputs();
-        let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
-        films.into_iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM)))
-    }
-
-    /// Where boxes go, and where films.
+    /// The file of the boxes, and the options that name a film.
     fn outputs(&self) -> (Option<&PathBuf>, Vec<(&'static str, &PathBuf)>) {
         let is_film = |out: &&PathBuf| {
             out.extension().is_some_and(|ending| FILM_ENDINGS.iter().any(|film| ending.eq_ignore_ascii_case(film)))
@@ -85,6 +79,9 @@ impl Track {
     }
 
     pub fn run(self) -> Result<Outcome> {
+        let (boxes, films) = self.outputs();
+        let places = Places::of([&self.sequence]).writes("--out", boxes, Some(BOXES));
+        films.iter().fold(places, |places, (option, film)| places.writes(option, Some(film), Some(FILM))).check()?;
         let variant = self.tracker.variant(self.method)?;
         let (mut sequence, targets) = self.recording.open_with_targets(&self.sequence, true)?;
         let targets = Follower::all(targets, &variant).with_context(|| sequence.name.clone())?;
@@ -96,15 +93,14 @@ impl Track {
             pictures: sequence.source.picture_names(),
         };
         let printer = Printer::new(format, about);
-        let (boxes, films) = self.outputs();
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
         let film = films.first().map(|&(_, film)| film);
         // A film is there to be looked at: numbers on the same terminal would hide what happens.
         let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
-        let mut lines = match (&events, boxes) {
-            (Some(_), _) => Lines::Unread,
-            (None, None) => Lines::Printed { goes_on: film.is_some() },
-            (None, Some(file)) => Lines::File(Output::create(file)?),
+        let mut lines = match boxes {
+            _ if events.is_some() => Lines::Unread,
+            None => Lines::Printed { goes_on: film.is_some() },
+            Some(file) => Lines::File(Output::create(file)?),
         };
         let live = sequence.source.live();
         if live.is_some() {
@@ -163,26 +159,26 @@ impl Track {
     }
 
     fn film(&self, out: &Path, sequence: &mut Sequence) -> Result<Film> {
-        let (patience, first) = (self.recording.ffmpeg_patience(), sequence.first);
-        let plan = Plan { sound: sequence.source.video().map(Path::to_owned), first, patience };
+        let (patience, number) = (self.recording.ffmpeg_patience(), sequence.first);
+        let plan = Plan { sound: sequence.source.video().map(Path::to_owned), number, patience };
         Film::create(out, plan, sequence.truth.take().unwrap_or_default())
     }
 }
 
-/// All targets on their way through a recording, and what is written of them.
+/// All targets on their way through a recording, and the outputs.
 struct Pass {
-    /// Of the recording.
+    /// The name of the recording.
     name: String,
     targets: Vec<Follower>,
     printer: Printer,
     lines: Lines,
     /// Instead of lines.
     events: Option<Events>,
-    /// And its name.
+    /// A film and its file.
     film: Option<(PathBuf, Film)>,
     bar: Bar,
     live: Option<Arc<Arrivals>>,
-    /// Whether frames have been dropped.
+    /// True if frames have been dropped.
     drops: bool,
     /// The number of the last frame.
     last: usize,
@@ -208,7 +204,7 @@ impl Pass {
             let answer = Answer { target: at, frame: number, time, size, report: report.as_ref(), quality };
             self.lines.write(&self.printer.line(&answer)?)?;
             let told = self.events.as_mut().zip(report.as_ref());
-            if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report)) {
+            if let Some(event) = told.and_then(|(events, report)| events.of(at, locks, number, time, report.state)) {
                 happened.push(name.map_or_else(|| event.clone(), |name| format!("{name}: {event}")));
             }
             shown.push(Shown { name, report });
@@ -229,7 +225,7 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
-    /// What was not followed is never hidden.
+    /// Says why a live source ended, and the number of frames that were not followed: that is never hidden.
     fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
@@ -269,7 +265,7 @@ fn ends(targets: &[Follower], events: &Events) -> String {
     targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
 }
 
-/// What is said of the targets of a frame that are of poor quality.
+/// The warning about the targets of a frame that are of poor quality.
 fn warning(poor: &[Option<&str>]) -> Option<String> {
     match poor {
         [] => None,
@@ -282,10 +278,10 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// Where lines go: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
+/// The output of lines: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
 /// printed before.
 enum Lines {
-    /// That nobody reads them ends the command, unless it writes something else, too.
+    /// A closed pipe ends the command, unless it writes something else, too.
     Printed {
         goes_on: bool,
     },

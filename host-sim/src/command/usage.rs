@@ -1,5 +1,5 @@
-//! A command line that cannot be read, in one line: the word, what was expected, and what was probably meant. What was meant is found by trying: a
-//! value with other separators, or the words behind an option as one value, is proposed if the line can be read with it.
+//! The error of a command line that cannot be read, in one line: the word, the expected form, and a proposal. A value with other separators, or the
+//! words behind an option as one value, is proposed if the line can be read with it.
 
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
@@ -34,7 +34,7 @@ fn is_long(word: &str) -> bool {
     word.len() > 2 && word.starts_with("--") && !word.contains('=')
 }
 
-/// Returns what is wrong with `arguments`, which `all` does not take.
+/// Says why `all` does not take `arguments`.
 pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();
@@ -115,7 +115,7 @@ impl Line<'_> {
         ))
     }
 
-    /// A value that an option does not take.
+    /// Says which values an option takes.
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
         // `--size <WxH>` is called by its name alone.
@@ -234,7 +234,7 @@ fn has(command: &Command, option: &str) -> bool {
     })
 }
 
-/// As it is typed; in quotation marks if it would not be seen.
+/// A value as it is typed, in quotation marks if it would not be seen.
 fn shown(value: &str) -> String {
     if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() }
 }

@@ -1,4 +1,4 @@
-//! The answers of trackers as a film: what of each is drawn over its frame.
+//! The answers of trackers as a film: each is drawn over its frame.
 
 use anyhow::Result;
 use smr_core::State;
@@ -10,9 +10,8 @@ use std::path::Path;
 
 pub struct Film {
     film: export::Film,
-    truth: Vec<Option<BoundingBox>>,
-    frames: usize,
-    /// Where each target was seen last.
+    truth: std::vec::IntoIter<Option<BoundingBox>>,
+    /// The box in which each target was seen last.
     lasts: Vec<Option<BoundingBox>>,
 }
 
@@ -25,19 +24,18 @@ pub struct Shown<'a> {
 impl Film {
     /// Begins a film. `truth` has the boxes of ground truth, if there are any.
     pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
-        Ok(Self { film: export::Film::create(out, plan)?, truth, frames: 0, lasts: Vec::new() })
+        Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
     }
 
-    /// Draws the report of each target into the frame. Ground truth is white. The box of an only target is green while it
-    /// is tracked, amber where that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color,
-    /// and its name at the box; it is in dashes while the target is not tracked.
+    /// Draws the targets over the frame. Ground truth is white. The box of an only target is green while it is tracked, amber where
+    /// that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color, and its name at the
+    /// box; it is in dashes while the target is not tracked.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));
-        if let Some(truth) = self.truth.get(self.frames).copied().flatten() {
+        if let Some(Some(truth)) = self.truth.next() {
             overlay.outline(&truth, WHITE);
         }
-        self.frames += 1;
         self.lasts.resize(targets.len(), None);
         for (last, shown) in self.lasts.iter_mut().zip(targets) {
             *last = shown.report.and_then(|report| report.target).or(*last);
@@ -59,7 +57,6 @@ impl Film {
             overlay.outline(&last, color);
         }
         let name = name.map_or(String::new(), |name| format!("{name} "));
-        // In hundredths.
         let confidence = report.evidence.map(|evidence| format!(" {:.0}", evidence.confidence * 100.0));
         let state = name_of(report.state);
         overlay.label(&format!("{number} {name}{state}{}", confidence.unwrap_or_default()), color);

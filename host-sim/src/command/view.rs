@@ -5,11 +5,11 @@ use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{CommandFactory, Parser, ValueEnum};
 use serde_json::{Map, Value};
-use smr_core::{Robust, Settings, Shape, robust};
+use smr_core::{Rect, Robust, Settings, Shape, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::window::{Camera, Followed, Growing, Job, Known, Lock, Made, Server, Source, Target, Window, Wish};
+use smr_pages::window::{Camera, Followed, Growing, Job, Lock, Made, Server, Source, Target, Window, Wish};
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
 use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -50,7 +50,7 @@ pub struct View {
     tracker: TrackerOptions,
 }
 
-/// What is shown.
+/// The source that is shown.
 struct Opened {
     name: String,
     source: Arc<dyn Source>,
@@ -59,12 +59,7 @@ struct Opened {
     /// The number of frames, if it is known.
     length: Option<usize>,
     /// The box beside the recording.
-    beside: Option<smr_core::Rect>,
-}
-
-/// The formats of boxes that the page offers.
-fn formats() -> Vec<String> {
-    Format::value_variants().iter().map(choice_name).collect()
+    beside: Option<Rect>,
 }
 
 impl View {
@@ -77,7 +72,7 @@ impl View {
         if !self.init.is_empty() && !is_live {
             // All frames have one size: what a box is refused for can be told from the first.
             for Lock { bbox: (x, y, width, height), .. } in targets.iter().flat_map(|target| &target.locks) {
-                let target = smr_core::Rect::new(*x, *y, *width, *height);
+                let target = Rect::new(*x, *y, *width, *height);
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
         }
@@ -85,17 +80,16 @@ impl View {
         let server = Server::bind()?;
         let address = server.address();
         let words = self.words();
-        let size = (first.width, first.height);
         let window = Window {
-            name: name.clone(),
-            size,
+            name,
+            size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
-            formats: formats(),
+            formats: Format::value_variants().iter().map(choice_name).collect(),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
             made: Arc::clone(&made),
-            wish: Box::new(Desk { words, name, size, pictures, is_live }),
+            wish: Box::new(Desk { words, pictures }),
         };
         say(|out| match self.json {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
@@ -139,11 +133,11 @@ impl View {
     }
 
     /// The targets that are given, or else the one beside the recording.
-    fn targets(&self, beside: Option<smr_core::Rect>, length: Option<usize>) -> Result<Vec<Target>> {
+    fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
         let given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
-        let lock = |frame, rect: smr_core::Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
-        let target = |id, name: Option<String>, rects: Vec<(usize, smr_core::Rect)>| {
+        let lock = |frame, rect: Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
+        let target = |id, name: Option<String>, rects: Vec<(usize, Rect)>| {
             let locks = rects.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
             Target { id, name: name.unwrap_or_else(|| "target".to_owned()), locks }
         };
@@ -164,19 +158,14 @@ impl View {
 }
 
 fn has_ffmpeg() -> bool {
-    let quiet = std::process::Stdio::null;
-    let mut ffmpeg = std::process::Command::new("ffmpeg");
-    ffmpeg.arg("-version").stdin(quiet()).stdout(quiet()).stderr(quiet()).status().is_ok()
+    std::process::Command::new("ffmpeg").arg("-version").output().is_ok()
 }
 
-/// What this program does for the window.
+/// The part of the window that is the command line's.
 struct Desk {
     words: Vec<OsString>,
-    name: String,
-    /// Of a frame.
-    size: (u16, u16),
+    /// The names of the pictures, if the source has any.
     pictures: Vec<String>,
-    is_live: bool,
 }
 
 /// The options of a method, as the page sends them.
@@ -191,17 +180,17 @@ struct Line {
 
 impl Wish for Desk {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
-        let words = ["--method", method].map(str::to_owned).into_iter().chain(typed(options));
-        let words: Vec<_> = words.map(OsString::from).collect();
+        let words = [vec!["--method".into(), method.into()], typed(options)].concat();
         let Line { method, tracker } = Line::try_parse_from(&words)
             .map_err(|error| anyhow::anyhow!(usage::said(&error, &Line::command(), &words)))?;
         tracker.variant(method)
     }
 
-    fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)> {
+    fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
-            bail!("{format:?} is no format of boxes: expected one of {}", formats().join(", "));
+            bail!("{format:?} is no format of boxes: expected one of {}", window.formats.join(", "));
         };
+        let (Window { followed, .. }, known, is_live) = (window, window.known(), window.source.live().is_some());
         let targets = followed.rows();
         ensure!(
             targets.len() == 1 || format.has_names(),
@@ -210,46 +199,43 @@ impl Wish for Desk {
         );
         let is_named = targets.len() > 1;
         let about = About {
-            name: self.name.clone(),
+            name: window.name.clone(),
             origin: followed.variant().origin(),
             targets: targets.iter().map(|(target, _)| is_named.then(|| target.name.clone())).collect(),
             pictures: self.pictures.clone(),
         };
         let mut printer = Printer::new(format, about);
         let mut text = printer.head();
-        let last = targets.iter().filter_map(|(_, rows)| rows.last()).map(|(frame, _)| *frame).max().unwrap_or(0);
-        let first = targets.iter().filter_map(|(_, rows)| rows.first()).map(|(frame, _)| *frame).min();
-        let first = first.filter(|_| self.is_live).unwrap_or(1);
+        let frames = || targets.iter().flat_map(|(_, rows)| rows).map(|(frame, _)| *frame);
+        let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
-        for frame in first..=last {
+        for frame in first..=frames().max().unwrap_or(0) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
                 let report = row.map(|row| &row.report);
                 let quality = row.and_then(|row| row.quality);
-                text += &printer.line(&Answer { target, frame, time, size: self.size, report, quality })?;
+                text += &printer.line(&Answer { target, frame, time, size: window.size, report, quality })?;
             }
         }
         text += &printer.foot()?;
-        let ending = match format {
-            Format::Json => "jsonl",
-            Format::Coco => "json",
-            Format::Cvat => "xml",
-            Format::Csv => "csv",
-            _ => "txt",
-        };
-        let (reached, all) = (followed.answered(), known.frames);
-        // The name of a result that grows says how far it is.
-        let so_far = match all {
-            Some(all) if reached >= all || self.is_live => String::new(),
+        let ending = format.endings().last().unwrap_or(&"txt");
+        let reached = followed.answered();
+        // The name of a result that grows has the number of frames so far.
+        let so_far = match known.frames {
+            Some(all) if reached >= all || is_live => String::new(),
             Some(all) => format!("-{reached}-of-{all}-frames"),
             None => format!("-{reached}-frames"),
         };
-        Ok((self.file(&so_far, ending), text.into_bytes()))
+        Ok((file(&window.name, &so_far, ending), text.into_bytes()))
     }
 
-    fn made(&self, ending: &str, followed: &Followed) -> Result<Job> {
-        ensure!(!self.is_live, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
+    fn made(&self, window: &Window, ending: &str) -> Result<Job> {
+        let Window { name, source, followed, .. } = window;
+        ensure!(
+            source.live().is_none(),
+            "the frames of a camera are not kept: record it with ffmpeg, and view the file"
+        );
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
         ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
         let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|other| other.name == targets[at].name));
@@ -258,15 +244,19 @@ impl Wish for Desk {
         }
         let Variant { kind, options, .. } = followed.variant();
         let is_report = ending == "html";
-        let mut words: Vec<OsString> = vec![if is_report { "report" } else { "track" }.into()];
-        words.extend(self.words.iter().cloned());
-        words.extend(inits(&targets).into_iter().flat_map(|init| ["--init".into(), init.into()]));
-        words.extend(["--method".into(), kind.name().into()]);
-        words.extend(typed(&options).map(OsString::from));
-        let out: &[&str] = if is_report { &["--out"] } else { &["--format", "csv", "--video"] };
-        words.extend(out.iter().map(OsString::from));
+        let (command, out) =
+            if is_report { ("report", &["--out"][..]) } else { ("track", &["--format", "csv", "--video"][..]) };
+        let words = [
+            vec![command.into()],
+            self.words.clone(),
+            inits(&targets),
+            vec!["--method".into(), kind.name().into()],
+            typed(&options),
+            out.iter().map(OsString::from).collect(),
+        ]
+        .concat();
         let lines = if is_report { 0 } else { followed.rows().iter().map(|(_, rows)| rows.len()).sum() };
-        Ok(Job { name: self.file("", ending), words, lines })
+        Ok(Job { name: file(name, "", ending), words, lines })
     }
 
     fn firmware(&self, variant: &Variant) -> String {
@@ -278,33 +268,31 @@ impl Wish for Desk {
     }
 }
 
-impl Desk {
-    /// A name that every system takes.
-    fn file(&self, so_far: &str, ending: &str) -> String {
-        let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
-        let name: String = self.name.trim_start_matches('-').chars().map(plain).take(80).collect();
-        format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
-    }
+/// The name of a file with the boxes of the source `name`, as every system takes it.
+fn file(name: &str, so_far: &str, ending: &str) -> String {
+    let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
+    let name: String = name.trim_start_matches('-').chars().map(plain).take(80).collect();
+    format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
 }
 
-/// As they follow `--init`.
-fn inits(targets: &[Target]) -> Vec<String> {
+/// The options `--init` that give these targets.
+fn inits(targets: &[Target]) -> Vec<OsString> {
     let init = |target: &Target, Lock { frame, bbox: (x, y, width, height) }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
         let at = if *frame == 1 { String::new() } else { format!("@{frame}") };
-        format!("{name}{x},{y},{width},{height}{at}")
+        ["--init".into(), format!("{name}{x},{y},{width},{height}{at}").into()]
     };
-    targets.iter().flat_map(|target| target.locks.iter().map(|lock| init(target, lock))).collect()
+    targets.iter().flat_map(|target| target.locks.iter().flat_map(|lock| init(target, lock))).collect()
 }
 
 /// Options as they are typed.
-fn typed(options: &Map<String, Value>) -> impl Iterator<Item = String> {
+fn typed(options: &Map<String, Value>) -> Vec<OsString> {
     let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let option = |(name, value): (&String, &Value)| {
         let values = value.as_array().map_or_else(|| std::slice::from_ref(value), Vec::as_slice);
         values.iter().flat_map(|value| [format!("--{name}"), word(value)]).collect::<Vec<_>>()
     };
-    options.iter().flat_map(option).collect::<Vec<_>>().into_iter()
+    options.iter().flat_map(option).map(OsString::from).collect()
 }
 
 fn robust_settings(config: &robust::Config) -> String {

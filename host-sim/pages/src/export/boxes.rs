@@ -1,4 +1,4 @@
-//! What trackers answer, in the formats of host-sim, of toolkits and of tools for annotation.
+//! The answers of trackers, in the formats of host-sim, of toolkits and of tools for annotation.
 //!
 //! A text is [`Printer::head`], a [`Printer::line`] for each target in each frame, and [`Printer::foot`].
 
@@ -14,7 +14,7 @@ use smr_recordings::BoundingBox;
 use smr_recordings::boxes::Form;
 use std::path::Path;
 
-/// What a text holds.
+/// A format of boxes as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// x1,y1,x2,y2; NaN,NaN,NaN,NaN if the target is lost, or in frames before its box
@@ -47,7 +47,7 @@ impl Format {
     /// The extensions of files with boxes; `txt` is for any format.
     pub const ENDINGS: [&str; 5] = ["txt", "csv", "json", "jsonl", "xml"];
 
-    /// The extensions that no other kind of format has.
+    /// The extensions of its files but `txt`, the usual one last.
     pub const fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Csv => &["csv"],
@@ -64,18 +64,17 @@ impl Format {
         ending.is_some_and(|ending| self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)))
     }
 
-    /// That of a file of this name, if the extension tells.
+    /// The format of a file of this name, if the extension tells.
     pub fn of_file(file: &Path) -> Option<Self> {
         [Self::Csv, Self::Json, Self::Cvat].into_iter().find(|format| format.is_called(file))
     }
 }
 
-/// What is known before the first frame.
+/// The recording and its targets, as known before the first frame.
 pub struct About {
-    /// Of the recording.
     pub name: String,
     pub origin: Origin,
-    /// Of each target; `None` if it is the only one, and was given none.
+    /// The name of each target; `None` if it is the only one, and was given none.
     pub targets: Vec<Option<String>>,
     /// The names of the pictures, the first of which is frame 1; empty of other recordings.
     pub pictures: Vec<String>,
@@ -89,17 +88,17 @@ impl About {
 }
 
 pub struct Answer<'a> {
-    /// Its place in [`About::targets`].
+    /// Index in [`About::targets`].
     pub target: usize,
-    /// As the recording counts it.
+    /// Number in the recording; the first is 1.
     pub frame: usize,
-    /// When it is shown, in seconds, if that is known.
+    /// Time of the frame in seconds, if that is known.
     pub time: Option<f64>,
-    /// Of the frame.
+    /// Width and height of the frame.
     pub size: (u16, u16),
     /// `None` before the target's first box.
     pub report: Option<&'a Report>,
-    /// In a frame that the target was locked on.
+    /// Only in a frame that the target was locked on.
     pub quality: Option<Quality>,
 }
 
@@ -116,7 +115,7 @@ impl Printer {
         Self { format, about, coco: coco::Images::default(), cvat }
     }
 
-    /// What stands before the first line.
+    /// The text before the first line.
     pub fn head(&self) -> String {
         match self.format {
             Format::Csv => format!("{}{CSV_NAMES}", if self.is_named() { "target," } else { "" }),
@@ -130,7 +129,7 @@ impl Printer {
         self.about.targets.iter().any(Option::is_some)
     }
 
-    /// What is printed of an answer; nothing where the format has no line.
+    /// The text of an answer; empty where the format has no line.
     pub fn line(&mut self, answer: &Answer<'_>) -> Result<String> {
         let form = match self.format {
             Format::Tld => Form::Tld,
@@ -141,7 +140,11 @@ impl Printer {
             }
             Format::Got10k => Form::Vot,
             Format::Mot => return Ok(mot(answer)),
-            Format::Csv => return Ok(self.csv(answer)),
+            Format::Csv => {
+                let name =
+                    if self.is_named() { self.about.label(answer.target).to_owned() + "," } else { String::new() };
+                return Ok(answer.report.map_or(String::new(), |report| name + &csv_line(answer, report)));
+            }
             Format::Json => return self.json(answer),
             Format::Coco => return self.coco.annotation(answer),
             Format::Cvat => {
@@ -152,18 +155,13 @@ impl Printer {
         Ok(form.line(answer.report.and_then(|report| report.target).as_ref()) + "\n")
     }
 
-    /// What stands behind the last line.
+    /// The text behind the last line.
     pub fn foot(&self) -> Result<String> {
         match self.format {
             Format::Coco => self.coco.foot(&self.about),
             Format::Cvat => Ok(self.cvat.text(&self.about)),
             _ => Ok(String::new()),
         }
-    }
-
-    fn csv(&self, answer: &Answer<'_>) -> String {
-        let name = if self.is_named() { format!("{},", self.about.label(answer.target)) } else { String::new() };
-        answer.report.map_or(String::new(), |report| format!("{name}{}\n", csv_line(answer.frame, answer.time, report)))
     }
 
     fn json(&self, answer: &Answer<'_>) -> Result<String> {
@@ -177,7 +175,7 @@ impl Printer {
             frame,
             time: time.map(rounded),
             state: name_of(report.state),
-            bbox: report.bbox.map(Whole::from),
+            bbox: report.bbox.map(|Rect { x, y, width, height }| Whole { x, y, width, height }),
             fine: report.target,
             confidence: evidence.map(|evidence| rounded(evidence.confidence)),
             ratio: evidence.map(|evidence| rounded(evidence.ratio)),
@@ -201,15 +199,13 @@ struct JsonLine<'a> {
     origin: &'a Origin,
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<&'a str>,
-    /// As the recording counts it: the first is 1.
     frame: usize,
-    /// In seconds.
+    /// Seconds.
     time: Option<f64>,
     state: &'static str,
-    /// In whole pixels.
     #[serde(rename = "box")]
     bbox: Option<Whole>,
-    /// In pixels and fractions of them.
+    /// Pixels and fractions of them.
     fine: Option<BoundingBox>,
     confidence: Option<f64>,
     ratio: Option<f64>,
@@ -218,7 +214,7 @@ struct JsonLine<'a> {
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
-    /// Of the frame that was locked on: how well the target can be told from what lies beside it, 0 to 1.
+    /// Only of a frame that was locked on: 1 if the target differs clearly from its surroundings, 0 if it looks like them.
     quality: Option<f64>,
 }
 
@@ -228,12 +224,6 @@ struct Whole {
     y: i32,
     width: u16,
     height: u16,
-}
-
-impl From<Rect> for Whole {
-    fn from(Rect { x, y, width, height }: Rect) -> Self {
-        Self { x, y, width, height }
-    }
 }
 
 /// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, Data Format), and what is not known is -1.
@@ -251,15 +241,15 @@ fn score(report: &Report) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }
 
-fn csv_line(frame: usize, time: Option<f64>, report: &Report) -> String {
+fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
     let field = |value: Option<String>| value.unwrap_or_default();
     let target = report.target.map(|BoundingBox { x, y, width, height }| format!("{x},{y},{width},{height}"));
-    let evidence = report.evidence.as_ref();
-    let figure =
-        |figure: fn(&Evidence) -> Option<f64>| field(evidence.and_then(figure).map(|value| rounded(value).to_string()));
-    [
-        frame.to_string(),
-        field(time.map(|time| rounded(time).to_string())),
+    let figure = |figure: fn(&Evidence) -> Option<f64>| {
+        field(report.evidence.as_ref().and_then(figure).map(|value| rounded(value).to_string()))
+    };
+    let fields = [
+        answer.frame.to_string(),
+        field(answer.time.map(|time| rounded(time).to_string())),
         target.unwrap_or_else(|| ",,,".to_owned()),
         name_of(report.state).to_owned(),
         figure(|evidence| Some(evidence.confidence)),
@@ -268,11 +258,11 @@ fn csv_line(frame: usize, time: Option<f64>, report: &Report) -> String {
         figure(|evidence| evidence.alpha.map(f64::from)),
         figure(|evidence| Some(evidence.scale)),
         field(report.work.map(|work| work.to_string())),
-    ]
-    .join(",")
+    ];
+    fields.join(",") + "\n"
 }
 
-/// To six digits: microseconds, and more than the 1/65535 that a ratio is made of needs.
+/// Rounds to six digits: microseconds, and more than the 1/65535 that a ratio is made of needs.
 fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
 }
@@ -293,40 +283,9 @@ mod tests {
         Answer { target, frame, time: None, size: (320, 240), report, quality: None }
     }
 
-    fn line(format: Format, method: MethodKind, report: &Report) -> String {
-        printer(format, method, &[None]).line(&answer(0, 7, Some(report))).unwrap()
-    }
-
-    /// What stands first in every line.
-    fn head(method: &str) -> String {
-        format!(
-            r#"{{"version":"{}","method":"{method}","options":{{}},"frame":7,"time":null,"#,
-            env!("CARGO_PKG_VERSION")
-        )
-    }
-
     #[test]
-    fn a_found_target() {
-        let bbox = Rect::new(-2, 5, 10, 20);
-        let report = Report { state: State::Leaving, ..Report::locked(bbox) };
-        let text = |format| line(format, MethodKind::Sad, &report);
-        assert_eq!(text(Format::Tld), "-2,5,8,25\n");
-        assert_eq!(text(Format::Otb), "-1,6,10,20\n");
-        assert_eq!(text(Format::Vot), "-2,5,10,20\n");
-        let csv = text(Format::Csv);
-        assert_eq!(
-            (csv.as_str(), csv.matches(',').count()),
-            ("7,,-2,5,10,20,leaving,,,,,,\n", CSV_NAMES.matches(',').count())
-        );
-        let expected = r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"#;
-        let fine = r#""fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"#;
-        let nothing = r#""confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"#;
-        let end = "\"found_again\":null,\"work\":null,\"quality\":null}\n";
-        assert_eq!(line(Format::Json, MethodKind::Sad, &report), [&head("sad"), expected, fine, nothing, end].concat());
-    }
-
-    #[test]
-    fn a_lost_target() {
+    fn each_format_has_its_line() {
+        let found = Report { state: State::Leaving, ..Report::locked(Rect::new(-2, 5, 10, 20)) };
         let evidence = Evidence {
             confidence: 0.0,
             ratio: 2.0 / 3.0,
@@ -335,16 +294,39 @@ mod tests {
             scale: 1.0,
             found_again: false,
         };
-        let (state, evidence) = (State::Lost, Some(evidence));
-        let report = Report { target: None, bbox: None, state, evidence, work: Some(9) };
-        let text = |format| line(format, MethodKind::Smr, &report);
-        assert_eq!((text(Format::Got10k), text(Format::Mot)), ("0,0,0,0\n".to_owned(), String::new()));
-        assert_eq!(text(Format::Tld), "NaN,NaN,NaN,NaN\n");
-        assert_eq!(text(Format::Vot), "0\n");
-        assert_eq!(text(Format::Csv), "7,,,,,,lost,0,0.666667,0.5,13,1,9\n");
-        let expected = r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"#;
-        let rest = r#""runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null}"#;
-        assert_eq!(line(Format::Json, MethodKind::Smr, &report), [&head("smr"), expected, rest, "\n"].concat());
+        let lost = Report { target: None, bbox: None, state: State::Lost, evidence: Some(evidence), work: Some(9) };
+        let json = |method: &str, rest: &str| {
+            let version = env!("CARGO_PKG_VERSION");
+            format!(r#"{{"version":"{version}","method":"{method}","options":{{}},"frame":7,"time":null,{rest}}}"#)
+                + "\n"
+        };
+        let json_found = json(
+            "sad",
+            r#""state":"leaving","box":{"x":-2,"y":5,"width":10,"height":20},"fine":{"x":-2.0,"y":5.0,"width":10.0,"height":20.0},"confidence":null,"ratio":null,"runner_up_ratio":null,"alpha":null,"scale":null,"found_again":null,"work":null,"quality":null"#,
+        );
+        let json_lost = json(
+            "smr",
+            r#""state":"lost","box":null,"fine":null,"confidence":0.0,"ratio":0.666667,"runner_up_ratio":0.5,"alpha":13,"scale":1.0,"found_again":false,"work":9,"quality":null"#,
+        );
+        // Before the first box only formats with a line for each frame have one.
+        for (format, of_found, of_lost, before) in [
+            (Format::Tld, "-2,5,8,25\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),
+            (Format::Otb, "-1,6,10,20\n", "NaN,NaN,NaN,NaN\n", "NaN,NaN,NaN,NaN\n"),
+            (Format::Vot, "-2,5,10,20\n", "0\n", "0\n"),
+            (Format::Got10k, "-2,5,10,20\n", "0,0,0,0\n", "0,0,0,0\n"),
+            (Format::Mot, "7,1,-1,6,10,20,1,-1,-1,-1\n", "", ""),
+            (Format::Csv, "7,,-2,5,10,20,leaving,,,,,,\n", "7,,,,,,lost,0,0.666667,0.5,13,1,9\n", ""),
+            (Format::Json, &json_found, &json_lost, ""),
+        ] {
+            let line = |method, report| printer(format, method, &[None]).line(&answer(0, 7, report)).unwrap();
+            let lines = [(MethodKind::Sad, Some(&found)), (MethodKind::Smr, Some(&lost)), (MethodKind::Robust, None)];
+            let lines = lines.map(|(method, report)| line(method, report));
+            assert_eq!(lines, [of_found, of_lost, before], "{format:?}");
+        }
+        for format in [Format::Coco, Format::Cvat] {
+            assert_eq!(printer(format, MethodKind::Robust, &[None]).line(&answer(0, 1, None)).unwrap(), "");
+        }
+        assert_eq!(CSV_NAMES.matches(',').count(), 12);
     }
 
     #[test]
@@ -356,15 +338,6 @@ mod tests {
         assert_eq!(named(Format::Csv).line(&of).unwrap(), "car,120,4.8,1,2,3,4,tracking,,,,,,\n");
         assert!(named(Format::Json).line(&of).unwrap().contains(r#""target":"car","frame":120,"time":4.8,"#));
         assert_eq!(named(Format::Mot).line(&of).unwrap(), "120,2,2,3,3,4,1,-1,-1,-1\n");
-    }
-
-    #[test]
-    fn before_the_first_box_only_forms_with_a_line_a_frame_have_one() {
-        let of = |format| printer(format, MethodKind::Robust, &[None]).line(&answer(0, 1, None)).unwrap();
-        assert_eq!((of(Format::Tld), of(Format::Got10k)), ("NaN,NaN,NaN,NaN\n".to_owned(), "0,0,0,0\n".to_owned()));
-        for format in [Format::Csv, Format::Json, Format::Mot, Format::Coco, Format::Cvat] {
-            assert_eq!(of(format), "");
-        }
     }
 
     /// Three frames: `man` is there in the first and the last, `car` from the second on.

@@ -1,5 +1,6 @@
 //! Frames as the initializer of a C array, for firmware without a file system.
 
+use smr_core::Rect;
 use smr_recordings::{BoundingBox, GrayFrame};
 use std::fmt::Write;
 
@@ -39,20 +40,17 @@ pub(super) fn head(name: &str, frame: &GrayFrame, start: Option<&BoundingBox>) -
          #define {large}_WIDTH {width}\n#define {large}_HEIGHT {height}\n",
         env!("CARGO_PKG_VERSION")
     );
-    if let Some(rect) = start.and_then(BoundingBox::to_rect) {
-        text += "/* The box to start from, in the first frame. */\n";
-        for (side, value) in
-            [("X", rect.x), ("Y", rect.y), ("BOX_WIDTH", rect.width.into()), ("BOX_HEIGHT", rect.height.into())]
-        {
-            let _ = writeln!(text, "#define {large}_{side} {value}");
-        }
+    if let Some(Rect { x, y, width, height }) = start.and_then(BoundingBox::to_rect) {
+        text += &format!(
+            "/* The box to start from, in the first frame. */\n#define {large}_X {x}\n#define {large}_Y {y}\n\
+             #define {large}_BOX_WIDTH {width}\n#define {large}_BOX_HEIGHT {height}\n"
+        );
     }
     text + &format!("\nstatic const unsigned char {array}[][{large}_WIDTH * {large}_HEIGHT] = {{\n")
 }
 
 pub(super) fn element(frame: &GrayFrame) -> String {
-    let mut text = String::with_capacity(frame.pixels.len() * 4 + 8);
-    text += "{\n";
+    let mut text = String::from("{\n");
     for line in frame.pixels.chunks(IN_A_LINE) {
         for pixel in line {
             let _ = write!(text, "{pixel},");

@@ -4,7 +4,7 @@
 
 /// A size that is not known: the element goes on to the next of its kind.
 const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
-/// Times are in units of so many nanoseconds.
+/// The unit of times, in nanoseconds.
 const MICROSECOND: u64 = 1000;
 
 pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
@@ -28,7 +28,7 @@ pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
 
 /// A frame of red, green and blue that is shown at this time.
 pub(super) fn frame(microseconds: u64, rgb: &[u8]) -> Vec<u8> {
-    // Of track 1, at the time of its cluster, a key frame.
+    // Track 1, no time after that of the cluster, a key frame.
     let block = [&[0x81, 0, 0, 0x80], rgb].concat();
     element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], microseconds), element(&[0xA3], &block)].concat())
 }
@@ -38,7 +38,7 @@ fn number(identifier: &[u8], value: u64) -> Vec<u8> {
 }
 
 fn element(identifier: &[u8], data: &[u8]) -> Vec<u8> {
-    // With the mark of a size of eight bytes.
+    // The highest bit marks a size of eight bytes.
     let size = (data.len() as u64 | 1 << 56).to_be_bytes();
     [identifier, &size, data].concat()
 }

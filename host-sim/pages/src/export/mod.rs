@@ -1,19 +1,19 @@
 //! Recordings as files: for other programs, for firmware, and to be looked at.
 //!
 //! - [`Writer`]: a recording as a folder of pictures, a Y4M file, a raw dump or a C array, or in the layout of a toolkit.
-//! - [`boxes`]: what trackers answered, as text.
+//! - [`boxes`]: the answers of trackers, as text.
 //! - [`Film`]: a recording with boxes drawn, as a video or a folder of pictures.
 
 pub mod boxes;
 mod c_array;
 mod ffmpeg;
-mod frame_times;
+mod layout;
 mod matroska;
 mod overlay;
-mod toolkit;
 mod video;
 mod writer;
 
+pub use layout::{Format, Written};
 pub use overlay::Overlay;
 pub use video::{ENDINGS as FILM_ENDINGS, Film, Plan};
-pub use writer::{Format, Writer, Written, is_whole};
+pub use writer::{Writer, is_whole};

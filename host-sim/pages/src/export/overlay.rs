@@ -25,12 +25,12 @@ impl Overlay {
         self.0.pixels.as_flattened()
     }
 
-    /// How large a dot of what is drawn is, so that it is seen in large frames, too.
+    /// Width of lines in pixels: large frames have wider ones, so that they are seen.
     fn dot(&self) -> u32 {
         self.0.width.min(self.0.height) / 240 + 1
     }
 
-    /// Lines around the box, a dark one outside so that they are seen on any ground. What is in the box stays to be seen: targets are small.
+    /// Draws lines around the box, with a dark one outside so that they are seen on any ground. Nothing is drawn in the box: targets are small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
         // Far outside nothing is seen anyway.
@@ -43,7 +43,7 @@ impl Overlay {
         }
     }
 
-    /// The same in dashes: the target may not be there.
+    /// Draws the edges of the box in dashes: the target may not be there.
     pub fn dashed_outline(&mut self, target: &BoundingBox, color: Color) {
         let BoundingBox { x, y, width, height } = *target;
         let (right, bottom) = (x + width, y + height);
@@ -57,13 +57,13 @@ impl Overlay {
         line(&mut self.0, &corners, dot, color, Dashes::new(dash, dash));
     }
 
-    /// A line on a dark ground, in the upper left corner.
+    /// Writes a line on a dark ground, in the upper left corner.
     pub fn label(&mut self, text: &str, color: Color) {
         let label = self.lettering(text, color);
         self.0.picture(0, 0, &label);
     }
 
-    /// A line on a dark ground above the box, or in it if there is no room above.
+    /// Writes a line on a dark ground above the box, or in it if there is no room above.
     pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) {
         let label = self.lettering(text, color);
         let gap = f64::from(label.height + self.dot());
@@ -76,8 +76,8 @@ impl Overlay {
     }
 
     fn lettering(&self, text: &str, color: Color) -> Canvas {
-        let letters = (0..).zip(text.chars()).map(|_| FONT_6X10.character_size.width);
-        let mut label = Canvas::new(letters.sum::<u32>() + 4, FONT_6X10.character_size.height + 2, BLACK);
+        let Size { width, height } = FONT_6X10.character_size;
+        let mut label = Canvas::new(text.chars().map(|_| width).sum::<u32>() + 4, height + 2, BLACK);
         label.text(2, 1, text, color, &FONT_6X10);
         label.nearest(label.width * self.dot(), label.height * self.dot())
     }
@@ -92,10 +92,6 @@ mod tests {
         Overlay::new(ColorFrame { width: 20, height: 16, pixels: vec![[100; 3]; 320] })
     }
 
-    fn at(overlay: &Overlay, x: u32, y: u32) -> Color {
-        overlay.0.at(x, y)
-    }
-
     const GROUND: Color = [100; 3];
 
     #[test]
@@ -103,36 +99,36 @@ mod tests {
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: 4.2, y: 5.0, width: 6.0, height: 4.0 }, GREEN);
         for (x, y) in [(3, 4), (10, 4), (3, 9), (10, 9), (6, 4)] {
-            assert_eq!(at(&overlay, x, y), GREEN, "{x},{y}");
+            assert_eq!(overlay.0.at(x, y), GREEN, "{x},{y}");
         }
-        assert_eq!((at(&overlay, 2, 3), at(&overlay, 11, 10)), (BLACK, BLACK));
+        assert_eq!((overlay.0.at(2, 3), overlay.0.at(11, 10)), (BLACK, BLACK));
         for (x, y) in [(4, 5), (9, 8), (12, 11)] {
-            assert_eq!(at(&overlay, x, y), GROUND, "{x},{y}");
+            assert_eq!(overlay.0.at(x, y), GROUND, "{x},{y}");
         }
         let green = overlay.0.pixels.iter().filter(|&&pixel| pixel == GREEN).count();
-        assert_eq!((green, at(&overlay, 0, 0)), (2 * 8 + 2 * 4, GROUND));
+        assert_eq!((green, overlay.0.at(0, 0)), (2 * 8 + 2 * 4, GROUND));
     }
 
     #[test]
     fn what_lies_outside_is_cut() {
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: -5.0, y: -5.0, width: 1000.0, height: 8.0 }, RED);
-        assert_eq!((at(&overlay, 0, 3), at(&overlay, 19, 3), at(&overlay, 0, 0)), (RED, RED, GROUND));
+        assert_eq!((overlay.0.at(0, 3), overlay.0.at(19, 3), overlay.0.at(0, 0)), (RED, RED, GROUND));
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
         overlay.outline(&BoundingBox { x: 2e9, y: -2e9, width: 65535.0, height: 65535.0 }, RED);
         assert!(overlay.0.pixels.iter().all(|&pixel| pixel == GROUND));
         overlay.label("WIDER THAN THE FRAME", WHITE);
-        assert_eq!(at(&overlay, 19, 0), BLACK);
+        assert_eq!(overlay.0.at(19, 0), BLACK);
     }
 
     #[test]
     fn dashes_leave_gaps_and_a_label_stays_in_the_frame() {
         let mut overlay = plain();
         overlay.dashed_outline(&BoundingBox { x: 4.0, y: 5.0, width: 12.0, height: 8.0 }, RED);
-        assert_eq!((at(&overlay, 5, 5), at(&overlay, 11, 5), at(&overlay, 8, 8)), (RED, BLACK, GROUND));
+        assert_eq!((overlay.0.at(5, 5), overlay.0.at(11, 5), overlay.0.at(8, 8)), (RED, BLACK, GROUND));
         overlay.dashed_outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
         overlay.label_box(&BoundingBox { x: 1e9, y: -1e9, width: 5.0, height: 5.0 }, "a", RED);
-        assert_eq!((at(&overlay, 19, 0), at(&overlay, 0, 0)), (BLACK, GROUND));
+        assert_eq!((overlay.0.at(19, 0), overlay.0.at(0, 0)), (BLACK, GROUND));
     }
 }

@@ -1,39 +1,50 @@
 //! Frames that were drawn on, as something to watch: a video (through ffmpeg), or a folder of PNG pictures.
 
-use super::ffmpeg::{Encoded, Kind};
-use super::frame_times::Timeline;
+use super::ffmpeg::Ffmpeg;
+use super::matroska;
 use super::overlay::Overlay;
 use crate::encode::rgb_png;
 use anyhow::{Context, Result, bail};
-use smr_recordings::Moment;
 use smr_recordings::output::{Folder, Output};
+use smr_recordings::{Moment, ffmpeg_input};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
 /// The extensions of films that are files.
 pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
+/// Codecs and container for each of [`ENDINGS`]; the codecs that are not named are ffmpeg's usual ones. Players want the index at the beginning
+/// of a file. VP9 gets options that make it as quick as H.264.
+const CODECS: [&[&str]; 4] = [
+    &["-c:a", "aac", "-movflags", "+faststart", "-f", "mp4"],
+    &["-c:a", "aac", "-movflags", "+faststart", "-f", "mov"],
+    &["-c:a", "aac", "-f", "matroska"],
+    &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"],
+];
+
 /// A film under way. Until [`Film::finish`] nothing has its name.
 pub struct Film {
     name: PathBuf,
+    plan: Plan,
     way: Way,
     timeline: Timeline,
-    /// Of the next frame.
-    number: usize,
 }
 
 enum Way {
-    Encoded(Encoded),
+    /// The first frame starts ffmpeg. It stands before its output: it ends before its file is removed.
+    Video(Option<Ffmpeg>, Output, &'static [&'static str]),
     Pictures(Folder),
 }
 
-/// What a film takes from the recording.
+/// Settings of a film that come from the recording.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The file with the sound. It is left out if the recording has no times.
     pub sound: Option<PathBuf>,
-    pub first: usize,
-    /// How long ffmpeg may do nothing.
+    /// The number of the next frame.
+    pub number: usize,
+    /// The time that ffmpeg may do nothing.
     pub patience: Duration,
 }
 
@@ -43,48 +54,124 @@ impl Film {
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
-        let Plan { sound, first, patience } = plan;
-        let way = match Kind::of(&extension) {
-            Some(kind) => Way::Encoded(Encoded::new(kind, Output::create(out)?, sound, patience)),
+        let way = match ENDINGS.iter().position(|ending| *ending == extension) {
+            Some(kind) => Way::Video(None, Output::create(out)?, CODECS[kind]),
             None if extension.is_empty() => Way::Pictures(Folder::create(out)?),
-            None => {
-                let endings = ENDINGS.join(", .");
-                bail!(
-                    "{}: expected a video that ends in .{endings}, or a folder (no ending, or a / after it)",
-                    out.display()
-                )
-            }
+            None => bail!(
+                "{}: expected a video that ends in .{}, or a folder (no ending, or a / after it)",
+                out.display(),
+                ENDINGS.join(", .")
+            ),
         };
-        Ok(Self { name: out.to_owned(), way, timeline: Timeline::new(), number: first })
+        Ok(Self { name: out.to_owned(), plan, way, timeline: Timeline::new() })
     }
 
-    /// Adds a frame, and when it is shown in the recording, if that is known. All must be of the size of the first.
+    /// Adds a frame, and when it is shown in the recording, if that is known. All frames must have the size of the first.
     pub fn frame(&mut self, overlay: &Overlay, moment: Option<Moment>) -> Result<()> {
-        let time = self.timeline.next(moment);
-        let number = self.number;
-        self.number += 1;
-        let written = match &mut self.way {
-            Way::Encoded(encoded) => encoded.frame(overlay, &self.timeline, time, moment),
+        let (time, number) = (self.timeline.next(moment), self.plan.number);
+        self.plan.number += 1;
+        match &mut self.way {
             Way::Pictures(folder) => {
-                let png = rgb_png(overlay.size(), overlay.rgb())?;
-                return folder.write(&format!("{number:05}.png"), &png);
+                folder.write(&format!("{number:05}.png"), &rgb_png(overlay.size(), overlay.rgb())?)
             }
-        };
-        written.with_context(|| cannot_write(&self.name))
+            Way::Video(ffmpeg, output, codecs) => {
+                let mut write = || {
+                    let mut bytes = matroska::frame(time, overlay.rgb());
+                    if ffmpeg.is_none() {
+                        bytes = [matroska::head(overlay.size()), bytes].concat();
+                        let file = output.path();
+                        let file = file.context("a video cannot be written to a device or a pipe: expected a file")?;
+                        let aspect = moment.map_or((1, 1), |moment| moment.aspect);
+                        let command = command(&self.plan, &self.timeline, aspect, codecs);
+                        *ffmpeg = Some(Ffmpeg::start(command, file, self.plan.patience)?);
+                    }
+                    ffmpeg.as_mut().map_or(Ok(()), |ffmpeg| ffmpeg.write(bytes))
+                };
+                write().with_context(|| cannot_write(&self.name))
+            }
+        }
     }
 
     /// Ends it, and gives it its name.
     pub fn finish(self) -> Result<()> {
-        let context = || cannot_write(&self.name);
         match self.way {
-            Way::Encoded(encoded) => encoded.finish().with_context(context)?.finish(),
             Way::Pictures(folder) => folder.finish(),
+            Way::Video(ffmpeg, output, _) => {
+                ffmpeg.map_or(Ok(()), Ffmpeg::end).with_context(|| cannot_write(&self.name))?;
+                output.finish()
+            }
         }
     }
 }
 
 fn cannot_write(name: &Path) -> String {
     format!("cannot write {}", name.display())
+}
+
+/// The ffmpeg that makes a video of the frames in its standard input, and of the sound of the recording.
+fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]) -> Command {
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-f", "matroska", "-i", "-"]);
+    if let Some((recording, start)) = plan.sound.as_deref().zip(timeline.start()) {
+        command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
+        // Silence behind the sound, so that -shortest cuts the sound and never the picture.
+        command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
+    }
+    command.args(["-fps_mode", "passthrough"]);
+    // Players want color at half the size, and BT.709.
+    let even = "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+    let filter = format!("{even},setsar={}/{},scale=out_color_matrix=bt709", aspect.0, aspect.1);
+    command.args(["-vf", &filter, "-pix_fmt", "yuv420p"]);
+    command.args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"]);
+    let base = timeline.base();
+    command.args(["-enc_time_base", &format!("{}:{}", base.0, base.1)]).args(codecs);
+    command
+}
+
+/// The times of the frames of a film: those of the recording, or 25 a second where it has none.
+struct Timeline {
+    is_begun: bool,
+    first: Option<Moment>,
+    /// The time of the last frame, and its distance from the one before, in microseconds.
+    last: u64,
+    interval: u64,
+}
+
+impl Timeline {
+    const fn new() -> Self {
+        Self { is_begun: false, first: None, last: 0, interval: 40_000 }
+    }
+
+    /// Time of the next frame, in microseconds from the first one.
+    fn next(&mut self, moment: Option<Moment>) -> u64 {
+        if !self.is_begun {
+            (self.is_begun, self.first) = (true, moment);
+            return 0;
+        }
+        let time = match (self.first, moment) {
+            (Some(first), Some(moment)) => microseconds(moment.seconds() - first.seconds()),
+            _ => self.last + self.interval,
+        };
+        // Times must grow: a file that says otherwise is damaged.
+        self.interval = time.saturating_sub(self.last).max(1);
+        self.last += self.interval;
+        self.last
+    }
+
+    /// The unit of the times: a fraction of a second.
+    fn base(&self) -> (u32, u32) {
+        self.first.map_or((1, 25), |first| first.base)
+    }
+
+    /// Time of the first frame in the recording, in seconds; `None` if the times are not those of the recording.
+    fn start(&self) -> Option<f64> {
+        self.first.map(|first| first.seconds())
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+fn microseconds(seconds: f64) -> u64 {
+    (seconds * 1e6).round() as u64
 }
 
 #[cfg(test)]
@@ -96,7 +183,7 @@ mod tests {
     use std::fs;
 
     fn plan() -> Plan {
-        Plan { sound: None, first: 1, patience: Duration::from_secs(60) }
+        Plan { sound: None, number: 1, patience: Duration::from_secs(60) }
     }
 
     /// Odd sides, which MP4 cannot have.
@@ -158,5 +245,17 @@ mod tests {
             "film.avi: expected a video that ends in .mp4, .mov, .mkv, .webm, or a folder (no ending, or a / after it)"
         ));
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn times_of_frames_are_kept() {
+        let at = |time| Some(Moment { time, base: (1, 1000), aspect: (1, 1) });
+        let mut timeline = Timeline::new();
+        let times = [at(500), at(533), at(600), None, at(590), at(700)].map(|moment| timeline.next(moment));
+        assert_eq!(times, [0, 33_000, 100_000, 167_000, 167_001, 200_000]);
+        assert_eq!((timeline.base(), timeline.start()), ((1, 1000), Some(0.5)));
+        let mut unknown = Timeline::new();
+        assert_eq!([None, at(5), None].map(|moment| unknown.next(moment)), [0, 40_000, 80_000]);
+        assert_eq!((unknown.base(), unknown.start()), ((1, 25), None));
     }
 }

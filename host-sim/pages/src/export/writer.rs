@@ -1,61 +1,17 @@
 //! A recording as files that this program, others, and firmware read.
 
-use super::toolkit::{About, configure, enlist};
-use super::{c_array, toolkit};
-use crate::encode::{pgm, png};
+use super::c_array;
+use super::layout::{Format, Written, configure, enlist, files, list, picture};
+use crate::encode::{jpeg, pgm, png};
 use anyhow::Result;
-use serde::Serialize;
 use smr_recordings::boxes::Form;
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::{Folder, Output};
 use smr_recordings::{BoundingBox, GrayFrame};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// What frames are written as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// A folder of PNG pictures, 00001.png ...
-    Png,
-    /// A folder of PGM pictures, 00001.pgm ...
-    Pgm,
-    /// One Y4M file, gray, 25 frames a second
-    Y4m,
-    /// One raw dump: 8-bit gray, row after row, frame after frame
-    Raw,
-    /// One C header with an array of frames
-    H,
-    /// A sequence for the VOT toolkit: color/00000001.png ..., groundtruth.txt, sequence; the frames as they are
-    Vot,
-    /// A sequence for OTB's tools: img/0001.jpg ..., groundtruth_rect.txt; they read JPEG, so pixels differ a little
-    Otb,
-    /// A sequence for the GOT-10k toolkit: 00000001.jpg ..., groundtruth.txt, labels, meta_info.ini; JPEG, too
-    Got10k,
-}
-
-impl Format {
-    /// True if it is a layout with boxes in it, without which it is of no use.
-    pub const fn needs_boxes(self) -> bool {
-        matches!(self, Self::Vot | Self::Otb | Self::Got10k)
-    }
-
-    /// True if it is one file, not one for each frame.
-    pub const fn is_file(self) -> bool {
-        matches!(self, Self::Y4m | Self::Raw | Self::H)
-    }
-
-    /// The extensions of files that hold all frames.
-    pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
-
-    /// That of a file of this name, if the extension tells.
-    pub fn of_file(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "y4m" => Some(Self::Y4m),
-            "raw" | "gray" | "bin" | "y8" => Some(Self::Raw),
-            "h" => Some(Self::H),
-            _ => None,
-        }
-    }
-}
+/// The best quality that JPEG has.
+const QUALITY: u8 = 100;
 
 /// A recording under way. Until [`Writer::finish`] nothing has its name.
 pub struct Writer {
@@ -69,55 +25,33 @@ pub struct Writer {
     written: Written,
 }
 
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Written {
-    pub frames: usize,
-    /// Of a frame; 0 before the first one.
-    pub width: u16,
-    pub height: u16,
-    /// Of all frames, with the headers of their format.
-    pub bytes: u64,
-    /// The files with boxes, and what else a toolkit reads, beside the frames.
-    pub boxes: Vec<&'static str>,
-    /// The list of sequences that it was added to.
-    pub list: Option<PathBuf>,
-    /// The configuration of a workspace of the VOT toolkit, if it made one.
-    pub config: Option<PathBuf>,
-}
-
 impl Writer {
     /// Begins the recording called `name`: a file alone if `out` has the extension of one, else a folder, in which there will be boxes, too.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
-        if Format::of_file(out) != Some(format) {
-            return Self::in_folder(out, format, name, start);
+        let mut writer =
+            Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() };
+        if Format::of_file(out) == Some(format) {
+            writer.file = Some(Output::create(out)?);
+            return Ok(writer);
         }
-        Ok(Self { file: Some(Output::create(out)?), ..Self::new(format, name, start) })
-    }
-
-    /// Begins it in the folder `out`, in which there will be boxes, too.
-    pub fn in_folder(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
-        let mut writer = Self::new(format, name, start);
-        writer.written.list = toolkit::list(format, out);
+        writer.written.list = list(format, out);
         // Files already there would become part of the recording, or be lost.
         let folder = Folder::create(out)?;
-        if let Some(inner) = toolkit::inner(format) {
+        if let Some((inner, _)) = picture(format, 1).split_once('/') {
             folder.folder(inner)?;
         }
-        if format.is_file() {
+        if matches!(format, Format::Y4m | Format::Raw | Format::H) {
             writer.file = Some(folder.file(&format!("{name}.{}", choice_name(&format)))?);
         }
         Ok(Self { folder: Some(folder), ..writer })
-    }
-
-    fn new(format: Format, name: &str, start: Option<BoundingBox>) -> Self {
-        Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() }
     }
 
     pub fn frame(&mut self, frame: &GrayFrame) -> Result<()> {
         let GrayFrame { width, height, pixels } = frame;
         let bytes = match self.format {
             Format::Png | Format::Vot => png(frame)?,
-            Format::Otb | Format::Got10k => toolkit::jpeg(frame)?,
+            // Their toolkits look for files *.jpg alone.
+            Format::Otb | Format::Got10k => jpeg(frame, QUALITY)?,
             Format::Pgm => pgm(frame),
             Format::Y4m => [b"FRAME\n", &pixels[..]].concat(),
             Format::Raw => pixels.clone(),
@@ -140,7 +74,7 @@ impl Writer {
         if let Some(file) = &mut self.file {
             return file.write(bytes);
         }
-        let picture = toolkit::picture(self.format, self.written.frames);
+        let picture = picture(self.format, self.written.frames);
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
@@ -155,19 +89,18 @@ impl Writer {
         file.map_or(Ok(()), Output::finish)?;
         let Some(folder) = folder else { return Ok(written) };
         let line = |entry: &Option<BoundingBox>| Form::Tld.line(entry.as_ref()) + "\n";
-        let mut files = Vec::new();
+        let mut texts = Vec::new();
         if format.needs_boxes() {
             let given = [start];
             let boxes = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
             // For this program; the toolkits start from the ground truth.
-            files.extend((boxes[0] != start).then(|| ("init.txt", line(&start))));
-            let Written { frames, width, height, .. } = written;
-            files.extend(toolkit::files(format, &About { name: &name, frames, width, height, boxes }));
+            texts.extend((boxes[0] != start).then(|| ("init.txt", line(&start))));
+            texts.extend(files(format, &name, &written, boxes));
         } else {
-            files.extend(start.map(|_| ("init.txt", line(&start))));
-            files.extend(truth.map(|truth| ("gt.txt", truth.iter().map(line).collect())));
+            texts.extend(start.map(|_| ("init.txt", line(&start))));
+            texts.extend(truth.map(|truth| ("gt.txt", truth.iter().map(line).collect())));
         }
-        for (file, text) in files {
+        for (file, text) in texts {
             folder.write(file, text.as_bytes())?;
             written.boxes.push(file);
         }
@@ -191,63 +124,52 @@ mod tests {
     use smr_recordings::{OpenOptions, synthetic};
     use std::fs;
 
-    const FORMATS: [Format; 4] = [Format::Png, Format::Pgm, Format::Y4m, Format::Raw];
     const FRAMES: usize = 5;
 
+    /// The box of each frame but the fourth, in which the target is not visible.
     fn truth() -> Vec<Option<BoundingBox>> {
-        (0..FRAMES).map(synthetic::truth).collect()
+        (0..FRAMES).map(|frame| synthetic::truth(frame).filter(|_| frame != 3)).collect()
     }
 
-    fn written(out: &Path, format: Format) -> Written {
-        let mut writer = Writer::create(out, format, "clip", truth()[0]).unwrap();
+    fn written(out: &Path, format: Format, truth: Option<&[Option<BoundingBox>]>) -> Written {
+        let mut writer = Writer::create(out, format, "clip", synthetic::truth(0)).unwrap();
         for frame in synthetic::frames().take(FRAMES) {
             writer.frame(&frame).unwrap();
             assert!(!out.exists());
         }
-        writer.finish(Some(&truth())).unwrap()
+        writer.finish(truth).unwrap()
+    }
+
+    fn read(out: &Path, format: Format) -> smr_recordings::Sequence {
+        let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
+        smr_recordings::open(out, &OpenOptions { size, ..OpenOptions::default() }).unwrap()
     }
 
     #[test]
     fn a_folder_reads_back_with_its_boxes() {
-        for format in FORMATS {
-            let above = tempfile::tempdir().unwrap();
-            let out = above.path().join("clip");
-            let written = written(&out, format);
-            assert_eq!((written.frames, &written.boxes[..]), (FRAMES, &["init.txt", "gt.txt"][..]));
-            let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
-            let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
-            assert_eq!((read.init, read.truth), (truth()[0], Some(truth())), "{format:?}");
-            assert!(read.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames().take(FRAMES)), "{format:?}");
-        }
-    }
-
-    /// Frame 4 without a box: the target is not visible there.
-    fn hidden() -> Vec<Option<BoundingBox>> {
-        (0..FRAMES).map(|frame| synthetic::truth(frame).filter(|_| frame != 3)).collect()
-    }
-
-    fn of_toolkit(out: &Path, format: Format, truth: Option<&[Option<BoundingBox>]>) -> Written {
-        let mut writer = Writer::create(out, format, "clip", hidden()[0]).unwrap();
-        for frame in synthetic::frames().take(FRAMES) {
-            writer.frame(&frame).unwrap();
-        }
-        writer.finish(truth).unwrap()
-    }
-
-    #[test]
-    fn sequences_of_toolkits_read_back() {
-        for (format, first, most) in [
-            (Format::Vot, "color/00000001.png", 0),
-            (Format::Otb, "img/0001.jpg", 2),
-            (Format::Got10k, "00000001.jpg", 2),
+        let own = ["init.txt", "gt.txt"];
+        for (format, frames, boxes, most) in [
+            (Format::Png, "00001.png", &own[..], 0),
+            (Format::Pgm, "00001.pgm", &own, 0),
+            (Format::Y4m, "clip.y4m", &own, 0),
+            (Format::Raw, "clip.raw", &own, 0),
+            (Format::Vot, "color/00000001.png", &["groundtruth.txt", "sequence"], 0),
+            (Format::Otb, "img/0001.jpg", &["groundtruth_rect.txt"], 2),
+            (
+                Format::Got10k,
+                "00000001.jpg",
+                &["groundtruth.txt", "absence.label", "cover.label", "cut_by_image.label", "meta_info.ini"],
+                2,
+            ),
         ] {
             let above = tempfile::tempdir().unwrap();
             let out = above.path().join("clip");
-            let written = of_toolkit(&out, format, Some(&hidden()));
-            assert!(out.join(first).is_file() && written.boxes.iter().all(|name| out.join(name).is_file()));
-            assert_eq!(written.list.is_some(), format != Format::Otb);
-            let read = smr_recordings::open(&out, &OpenOptions::default()).unwrap();
-            assert_eq!((read.init, read.truth), (hidden()[0], Some(hidden())), "{format:?}");
+            let written = written(&out, format, Some(&truth()));
+            assert_eq!((written.frames, &written.boxes[..]), (FRAMES, boxes));
+            assert!(boxes.iter().chain([&frames]).all(|name| out.join(name).is_file()), "{format:?}");
+            assert_eq!(written.list.is_some(), matches!(format, Format::Vot | Format::Got10k));
+            let read = read(&out, format);
+            assert_eq!((read.init, read.truth), (truth()[0], Some(truth())), "{format:?}");
             let frames: Vec<GrayFrame> = read.frames.map(|frame| frame.unwrap().gray).collect();
             assert_eq!(frames.len(), FRAMES);
             for (read, frame) in frames.iter().zip(synthetic::frames()) {
@@ -259,7 +181,7 @@ mod tests {
 
     #[test]
     fn without_ground_truth_a_toolkit_gets_the_box_to_start_from() {
-        let truth = hidden();
+        let truth = truth();
         for truth in [None, Some(&truth[..2]), Some(&[None; FRAMES][..])] {
             for (format, name) in [
                 (Format::Vot, "groundtruth.txt"),
@@ -268,10 +190,10 @@ mod tests {
             ] {
                 let above = tempfile::tempdir().unwrap();
                 let out = above.path().join("clip");
-                let written = of_toolkit(&out, format, truth);
+                let written = written(&out, format, truth);
                 assert!(!written.boxes.contains(&"absence.label"));
                 assert_eq!(fs::read_to_string(out.join(name)).unwrap().lines().count(), 1, "{format:?}");
-                assert_eq!(smr_recordings::open(&out, &OpenOptions::default()).unwrap().init, hidden()[0]);
+                assert_eq!(read(&out, format).init, synthetic::truth(0));
             }
         }
     }
@@ -292,10 +214,10 @@ mod tests {
         assert!(fs::read_to_string(&config).unwrap().contains("\nsequences: sequences\n"));
         fs::write(&config, "the user's own").unwrap();
         fs::remove_dir_all(sequences.join("a")).unwrap();
-        of_toolkit(&sequences.join("a"), Format::Vot, None);
+        written(&sequences.join("a"), Format::Vot, None);
         assert_eq!(fs::read_to_string(&list).unwrap(), "b\na\nclip\n");
         assert_eq!(fs::read_to_string(&config).unwrap(), "the user's own");
-        of_toolkit(&above.path().join("others/a"), Format::Vot, None);
+        written(&above.path().join("others/a"), Format::Vot, None);
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 3, "another folder is not one of a workspace");
     }
 
@@ -304,11 +226,10 @@ mod tests {
         let above = tempfile::tempdir().unwrap();
         for (name, format) in [("a.Y4M", Format::Y4m), ("b.gray", Format::Raw)] {
             let out = above.path().join(name);
-            let written = written(&out, format);
+            let written = written(&out, format, Some(&truth()));
             assert_eq!((written.bytes, written.boxes.len()), (fs::metadata(&out).unwrap().len(), 0));
-            let size = (format == Format::Raw).then_some((synthetic::WIDTH, synthetic::HEIGHT));
-            let read = smr_recordings::open(&out, &OpenOptions { size, ..OpenOptions::default() }).unwrap();
-            assert!(read.frames.map(|frame| frame.unwrap().gray).eq(synthetic::frames().take(FRAMES)), "{format:?}");
+            let frames = read(&out, format).frames.map(|frame| frame.unwrap().gray);
+            assert!(frames.eq(synthetic::frames().take(FRAMES)), "{format:?}");
         }
         assert_eq!(fs::read_dir(above.path()).unwrap().count(), 2, "nothing else is written");
     }
@@ -317,7 +238,7 @@ mod tests {
     fn a_c_array_holds_the_pixels() {
         let above = tempfile::tempdir().unwrap();
         let out = above.path().join("clip.h");
-        let written = written(&out, Format::H);
+        let written = written(&out, Format::H, None);
         let text = fs::read_to_string(&out).unwrap();
         assert_eq!(written.bytes, text.len() as u64);
         let (head, array) = text.split_once("= {\n").unwrap();

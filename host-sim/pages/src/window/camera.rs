@@ -4,7 +4,7 @@
 //! when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a frame of the last seconds is followed from
 //! there on, through every frame, until it has caught up.
 
-use super::{Known, LiveState, Numbered, Source};
+use super::{Known, LiveState, Numbered, SIDE, Source, lock};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
 use smr_recordings::{ColorFrame, Frame, GrayFrame, Live, messages};
@@ -24,12 +24,12 @@ struct Seen {
     /// Counts all frames of the source; the first is 1.
     number: usize,
     gray: GrayFrame,
-    /// Since the first one.
+    /// Time since the first frame.
     seconds: f64,
     color: Color,
 }
 
-/// Makes the frame in color.
+/// Makes a frame in color.
 type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
 
 type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
@@ -49,6 +49,7 @@ fn seen(live: Live) -> impl Iterator<Item = Result<Seen>> {
 pub struct Camera(Arc<Shared>);
 
 struct Shared {
+    begin: Instant,
     kept: Mutex<Kept>,
     came: Condvar,
 }
@@ -59,11 +60,12 @@ struct Came {
     /// Frames taken from the source, this one included.
     count: usize,
     gray: Arc<GrayFrame>,
-    /// Since the first one.
+    /// Time since the first frame.
     seconds: f64,
     arrived: Instant,
 }
 
+#[derive(Default)]
 struct Kept {
     gray: VecDeque<Came>,
     gray_bytes: usize,
@@ -75,7 +77,6 @@ struct Kept {
     /// Frames taken that no tracker got.
     dropped: usize,
     latency_ms: f64,
-    begin: Instant,
     /// Why it ended; `None` while frames come.
     ended: Option<String>,
     stopped: bool,
@@ -107,7 +108,7 @@ impl Kept {
 
 impl Shared {
     fn kept(&self) -> MutexGuard<'_, Kept> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.kept)
     }
 
     fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
@@ -136,7 +137,7 @@ impl Shared {
 
     fn encode(&self, pictures: &Receiver<(usize, Color)>) {
         for (number, color) in pictures {
-            let small = encode::within(&color(), super::pictures::SIDE);
+            let small = encode::within(&color(), SIDE);
             if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
                 self.kept().add_picture(number, picture);
             }
@@ -158,8 +159,8 @@ impl Shared {
             }
             reader.has_caught_up = true;
             if let Some(said) = &kept.ended {
-                let said = said.clone();
-                return reader.tell_end().then(|| Err(anyhow!("{said}")));
+                let is_new = !std::mem::replace(&mut reader.has_told, true);
+                return is_new.then(|| Err(anyhow!("{said}")));
             }
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -180,22 +181,16 @@ impl Shared {
 }
 
 /// One pass of the trackers.
+#[derive(Default)]
 struct Reader {
     next: usize,
     /// Frames taken from the source, up to the one that was answered last.
     count: Option<usize>,
-    /// From then on only the newest frame counts.
+    /// True once it has waited for a frame: from then on it gets only the newest.
     has_caught_up: bool,
-    /// When the frame came that was answered last.
+    /// Arrival of the frame that was answered last.
     arrived: Option<Instant>,
     has_told: bool,
-}
-
-impl Reader {
-    /// Returns true at the first call only.
-    const fn tell_end(&mut self) -> bool {
-        !std::mem::replace(&mut self.has_told, true)
-    }
 }
 
 impl Camera {
@@ -205,20 +200,7 @@ impl Camera {
     }
 
     fn of(frames: Frames) -> Self {
-        let kept = Kept {
-            gray: VecDeque::new(),
-            gray_bytes: 0,
-            pictures: BTreeMap::new(),
-            picture_bytes: 0,
-            newest: 0,
-            taken: 0,
-            dropped: 0,
-            latency_ms: 0.0,
-            begin: Instant::now(),
-            ended: None,
-            stopped: false,
-        };
-        let shared = Arc::new(Shared { kept: Mutex::new(kept), came: Condvar::new() });
+        let shared = Arc::new(Shared { begin: Instant::now(), kept: Mutex::default(), came: Condvar::new() });
         let (sender, pictures) = sync_channel(1);
         let (reader, encoder) = (Arc::clone(&shared), Arc::clone(&shared));
         thread::spawn(move || reader.read(frames, &sender));
@@ -240,7 +222,7 @@ impl Source for Camera {
         }
         drop(kept);
         let shared = Arc::clone(&self.0);
-        let mut reader = Reader { next: number, count: None, has_caught_up: false, arrived: None, has_told: false };
+        let mut reader = Reader { next: number, ..Reader::default() };
         Ok(Box::new(std::iter::from_fn(move || shared.next(&mut reader))))
     }
 
@@ -248,7 +230,7 @@ impl Source for Camera {
         self.0.kept().oldest_gray()
     }
 
-    /// If the frame has no picture, this is the picture before it.
+    /// The picture of the frame, or the one before if it has none.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
         let nearest = kept.pictures.range(..=number).next_back();
@@ -257,7 +239,7 @@ impl Source for Camera {
 
     fn live(&self) -> Option<LiveState> {
         let kept = self.0.kept();
-        let seconds = kept.begin.elapsed().as_secs_f64();
+        let seconds = self.0.begin.elapsed().as_secs_f64();
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let rate = kept.newest as f64 / seconds.max(0.001);
         Some(LiveState {

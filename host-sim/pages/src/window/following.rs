@@ -1,4 +1,4 @@
-//! Following: which frames are answered for which target, and the thread that does it.
+//! Following: the answers of each target, and the thread that finds them.
 //!
 //! A target is locked in one or more frames. From each lock to the next one it is followed in one go: a [`Segment`]. A new correction makes one new
 //! segment; the others keep their answers. Segments that are no longer wanted are kept for a while, so that undo is at once.
@@ -8,7 +8,7 @@
 //! frames end or fail concerns the segments that waited for its next frame, and nobody else: they are tried again after a change.
 
 use super::news::{News, Part};
-use super::{Known, Source};
+use super::{Known, Source, lock};
 use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
@@ -17,7 +17,7 @@ use smr_recordings::{BoundingBox, GrayFrame, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A target as the page knows it.
@@ -55,15 +55,15 @@ impl Lock {
     }
 }
 
-/// What is known of a target in a frame.
+/// The answer for a target in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub report: Report,
     /// The box, or the last one if the target is lost.
     pub shown: BoundingBox,
-    /// In a frame that the target was locked on.
+    /// Only in a frame that the target was locked on.
     pub quality: Option<Quality>,
-    /// Of a camera: when the frame came, in seconds.
+    /// Seconds at which a frame of a camera came.
     pub time: Option<f64>,
 }
 
@@ -72,20 +72,20 @@ pub struct Row {
 struct Key {
     target: u32,
     lock: (usize, Rect),
-    /// The place of the trackers' settings in [`State::editions`].
+    /// Index of the trackers' settings in [`State::editions`].
     edition: usize,
 }
 
 struct Segment {
-    /// The frame of the first row: that of the lock, or of a camera later.
+    /// The frame of the first row: the lock's, or a later one of a camera.
     first: usize,
-    /// One for each frame, with the position of its last change, which grows from row to row; `None` of a frame that was dropped.
+    /// A row for each frame, with the position of its last change, which grows from row to row; `None` of a frame that was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
-    /// The tracker refused a frame, or a camera does not keep that of the lock: nothing follows.
+    /// True if the tracker refused a frame, or a camera does not keep the lock's: nothing follows.
     failed: bool,
-    /// A pass ended before the frame that it waits for.
+    /// True if a pass ended before the frame that it waits for.
     in_vain: bool,
-    /// When targets asked for it last, in changes of the targets.
+    /// The last change of the targets in which one asked for it.
     used: u64,
 }
 
@@ -121,7 +121,7 @@ const MOST_LIVE_ROWS: usize = 18_000;
 struct State {
     targets: Vec<Target>,
     variant: Variant,
-    /// Of all settings that were in use. Who goes back to one finds its answers.
+    /// All settings that were in use. Who goes back to one finds its answers.
     editions: Vec<Origin>,
     edition: usize,
     segments: HashMap<Key, Segment>,
@@ -132,7 +132,7 @@ struct State {
     end: Option<usize>,
     /// The highest number of a frame that was read.
     seen: usize,
-    /// The frame that is followed, and how many a second.
+    /// The frame that is followed, and the number of frames a second.
     at: Option<(usize, f64)>,
     stopped: bool,
 }
@@ -182,11 +182,12 @@ impl State {
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// The rows that changed behind a position: their target, segment and places.
-    fn changed(&self, since: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
+    /// The rows that changed behind the position `since`, up to the position `to`: their target, segment and places.
+    fn changed(&self, since: u64, to: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
         self.plan().filter_map(move |(key, end)| {
             let segment = self.segments.get(&key)?;
-            let places = segment.rows.partition_point(|(at, _)| *at <= since)..segment.places(0, end).end;
+            let place = |position: u64| segment.rows.partition_point(|(at, _)| *at <= position);
+            let places = place(since)..place(to).min(segment.places(0, end).end);
             (!places.is_empty()).then_some((key.target, segment, places))
         })
     }
@@ -215,8 +216,8 @@ impl State {
             if !target.name.is_empty() {
                 checked_name(&target.name)?;
             }
+            let name = &target.name;
             for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
-                let name = &target.name;
                 ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
                 let last = self.frames(known).unwrap_or(usize::MAX);
                 ensure!((1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
@@ -226,20 +227,14 @@ impl State {
             // A segment that was followed already needs no old frame.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
-            if let Some((key, _)) = late {
-                bail!(
-                    "frame {} of {}: trackers can go back to frame {oldest} only: lock in a newer frame",
-                    key.lock.0,
-                    known.unwrap_or(0)
-                );
+            if let Some((Key { lock: (frame, _), .. }, _)) = late {
+                let all = known.unwrap_or(0);
+                bail!("frame {frame} of {all}: trackers can go back to frame {oldest} only: lock in a newer frame");
             }
         }
-        for (at, target) in targets.iter().enumerate() {
-            ensure!(
-                !targets[..at].iter().any(|one| one.id == target.id),
-                "two targets have the id {}: expected one",
-                target.id
-            );
+        let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|one| one.id == targets[at].id));
+        if let Some(at) = twice {
+            bail!("two targets have the id {}: expected one", targets[at].id);
         }
         Ok(targets)
     }
@@ -254,12 +249,11 @@ impl State {
             (segment.used, segment.in_vain) = (self.changes, false);
         }
         let unused = self.segments.iter().filter(|(_, segment)| segment.used < self.changes);
-        let mut spare: Vec<_> =
-            unused.map(|(key, segment)| (Reverse(segment.used), segment.rows.len(), *key)).collect();
-        spare.sort_unstable_by_key(|(used, ..)| *used);
+        let mut spare: Vec<Key> = unused.map(|(key, _)| *key).collect();
+        spare.sort_unstable_by_key(|key| Reverse(self.segments[key].used));
         let mut rows = 0;
-        for (count, (_, more, key)) in spare.into_iter().enumerate() {
-            rows += more;
+        for (count, key) in spare.into_iter().enumerate() {
+            rows += self.segments[&key].rows.len();
             if count >= SPARE || rows > SPARE_ROWS {
                 self.segments.remove(&key);
             }
@@ -291,13 +285,13 @@ pub(super) struct Heard {
     pub void: Vec<Part>,
     /// The parts that have new answers.
     pub changed: Vec<Part>,
-    /// The answers, or none of them if they are to be asked for.
+    /// The answers; empty if the page is to ask for them.
     pub rows: Vec<(u32, usize, Row)>,
     pub said: Vec<String>,
     pub made: Vec<u32>,
     /// True if the number of frames or their times changed.
     pub frames: bool,
-    /// Also the number of their last change.
+    /// The targets and the number of their last change, if they changed.
     pub targets: Option<(Vec<Target>, u64)>,
 }
 
@@ -322,7 +316,7 @@ impl Followed {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state)
     }
 
     /// Changes something and wakes all who wait for it.
@@ -413,7 +407,7 @@ impl Followed {
         self.change(|state| state.stopped = true);
     }
 
-    /// More is known of the source: what ended too early is tried again.
+    /// Tries again what ended too early: more is known of the source.
     pub(super) fn learns(&self, known: Option<usize>) {
         self.change(|state| {
             if known > state.end {
@@ -424,7 +418,7 @@ impl Followed {
         });
     }
 
-    /// A file that is made for the user has progressed.
+    /// Tells that a file that is made for the user has progressed.
     pub(super) fn makes(&self, id: u32) {
         self.change(|state| state.news.makes(id));
     }
@@ -442,21 +436,14 @@ impl Followed {
         let heard = since;
         // A page that was away for long begins anew.
         let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
-        let first = state.changed(since).map(|(_, segment, places)| segment.rows[places.start].0).min();
+        let first = state.changed(since, u64::MAX).map(|(_, segment, places)| segment.rows[places.start].0).min();
         let position = match first.filter(|_| !asks) {
             // Behind a shorter portion, parts would be void that are not remembered.
             Some(first) => news.end().min((first - 1 + PORTION as u64).max(news.forgotten)),
             None => news.end(),
         };
         let is_told = |at: u64| heard < at && at <= position;
-        let changed: Vec<_> = state
-            .changed(since)
-            .map(|(target, segment, places)| {
-                let end = segment.rows.partition_point(|(at, _)| *at <= position).min(places.end);
-                (target, segment, places.start..end)
-            })
-            .filter(|(.., places)| !places.is_empty())
-            .collect();
+        let changed: Vec<_> = state.changed(since, position).collect();
         let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
         let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
             let target = *target;
@@ -483,8 +470,8 @@ impl Followed {
         }
     }
 
-    /// How far all targets are followed: the number of the last frame before the first that lacks an answer. While they are followed, also
-    /// the frame that is read, and how many a second.
+    /// The number of the last frame before the first that lacks an answer. While targets are followed, also the frame that is read, and the number
+    /// of frames a second.
     pub(super) fn reached(&self) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
@@ -500,24 +487,61 @@ impl Followed {
 
     /// Follows what there is to follow, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
-        let mut trackers: HashMap<Key, Follower> = HashMap::new();
-        while let Some(start) = self.wait(source) {
-            if let Some((last, error)) = self.pass(start, &mut trackers, source) {
-                self.ended(start, last, error.as_ref(), source);
+        let is_live = source.live().is_some();
+        let mut thread = Following { followed: self, source, is_live, trackers: HashMap::new() };
+        while let Some(start) = thread.wait() {
+            if let Some((last, error)) = thread.pass(start) {
+                thread.ended(start, last, error.as_ref());
             }
             self.state().at = None;
         }
     }
 
+    /// The number of frames and their times, as far as the source or this thread knows them.
+    pub(super) fn known(&self, source: &dyn Source) -> Known {
+        let known = source.known();
+        let state = self.state();
+        let frames = state.frames(known.frames).filter(|_| source.live().is_none());
+        Known { frames: frames.or(known.frames), ..known }
+    }
+}
+
+/// The thread that reads frames and asks the trackers of the segments that wait for them.
+struct Following<'a> {
+    followed: &'a Followed,
+    source: &'a dyn Source,
+    is_live: bool,
+    trackers: HashMap<Key, Follower>,
+}
+
+impl Following<'_> {
+    /// Waits for work. Returns the frame to begin at; `None` when it is over.
+    fn wait(&self) -> Option<usize> {
+        let mut state = self.followed.state();
+        loop {
+            if state.stopped {
+                return None;
+            }
+            let oldest = self.source.oldest();
+            // After the lock, a tracker may skip frames of a camera.
+            let (late, tasks): (Vec<Task>, _) =
+                state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
+            for Task { key, next } in late {
+                state.news.say(format!("frame {next} is not kept any more: lock in frame {oldest} or a newer one"));
+                state.segments.entry(key).and_modify(|segment| segment.failed = true);
+                self.followed.changed.notify_all();
+            }
+            if let Some(start) = tasks.iter().map(|task| task.next.max(oldest)).min() {
+                return Some(start);
+            }
+            state = self.followed.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
     /// Reads on from a frame for as long as somebody waits for the next one. If the frames end before that: the number of the last one, and
     /// the error that ended them.
-    fn pass(
-        &self,
-        start: usize,
-        trackers: &mut HashMap<Key, Follower>,
-        source: &dyn Source,
-    ) -> Option<(usize, Option<Error>)> {
-        let frames = match source.gray_from(start) {
+    fn pass(&mut self, start: usize) -> Option<(usize, Option<Error>)> {
+        let frames = match self.source.gray_from(start) {
             Ok(frames) => frames,
             Err(error) => return Some((start - 1, Some(error))),
         };
@@ -526,7 +550,7 @@ impl Followed {
             match frame {
                 Ok((number, time, frame)) => {
                     last = number;
-                    if !self.frame((number, time), &frame, trackers, source, pace.next()) {
+                    if !self.frame(number, time, &frame, pace.next()) {
                         return None;
                     }
                 }
@@ -536,33 +560,10 @@ impl Followed {
         Some((last, None))
     }
 
-    /// Waits for work. Returns the frame to begin at; `None` when it is over.
-    fn wait(&self, source: &dyn Source) -> Option<usize> {
-        let mut state = self.state();
-        loop {
-            if state.stopped {
-                return None;
-            }
-            let oldest = source.oldest();
-            // After the lock, a tracker may skip frames of a camera.
-            let (late, tasks): (Vec<Task>, _) =
-                state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
-            for Task { key, next, .. } in late {
-                state.news.say(format!("frame {next} is not kept any more: lock in frame {oldest} or a newer one"));
-                state.segments.entry(key).and_modify(|segment| segment.failed = true);
-                self.changed.notify_all();
-            }
-            if let Some(start) = tasks.iter().map(|task| task.next.max(oldest)).min() {
-                return Some(start);
-            }
-            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
     /// The frames of a pass from `start` on ended behind `last`. That is the recording's end only if it knows of no more.
-    fn ended(&self, start: usize, last: usize, error: Option<&Error>, source: &dyn Source) {
-        let known = source.known().frames;
-        self.change(|state| {
+    fn ended(&self, start: usize, last: usize, error: Option<&Error>) {
+        let known = self.source.known().frames;
+        self.followed.change(|state| {
             for Task { key, .. } in state.tasks().into_iter().filter(|task| task.next <= last + 1) {
                 state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
             }
@@ -581,24 +582,16 @@ impl Followed {
     }
 
     /// Asks the trackers that wait for this frame. False if another frame than the next one is to be read.
-    fn frame(
-        &self,
-        (number, time): (usize, Option<f64>),
-        frame: &GrayFrame,
-        trackers: &mut HashMap<Key, Follower>,
-        source: &dyn Source,
-        rate: f64,
-    ) -> bool {
-        let is_live = source.live().is_some();
-        let (due, variant): (Vec<Task>, Variant) = {
-            let state = self.state();
-            let waits = |task: &Task| task.next == number || is_live && task.has_begun() && task.next < number;
-            let due = state.tasks().into_iter().filter(waits).collect();
-            (due, state.variant.clone())
+    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame, rate: f64) -> bool {
+        let (followed, is_live) = (self.followed, self.is_live);
+        let (mut due, variant) = {
+            let state = followed.state();
+            (state.tasks(), state.variant.clone())
         };
-        let answers: Vec<(Task, Result<Option<Answer>>)> =
-            due.into_iter().map(|task| (task, answer(task.key, number, frame, trackers, &variant))).collect();
-        self.change(|state| {
+        due.retain(|task| task.next == number || is_live && task.has_begun() && task.next < number);
+        let answers: Vec<_> =
+            due.into_iter().map(|task| (task, self.answer(task.key, number, frame, &variant))).collect();
+        followed.change(|state| {
             let State { segments, news, .. } = state;
             for (task, answer) in answers {
                 let Some(segment) = segments.get_mut(&task.key).filter(|segment| segment.next() == task.next) else {
@@ -623,7 +616,7 @@ impl Followed {
                     }
                 }
             }
-            trackers.retain(|key, _| segments.contains_key(key));
+            self.trackers.retain(|key, _| segments.contains_key(key));
             state.at = Some((number, rate));
             state.seen = state.seen.max(number);
             state.end = state.end.filter(|&end| number <= end);
@@ -636,32 +629,22 @@ impl Followed {
         })
     }
 
-    pub(super) fn known(&self, source: &dyn Source) -> Known {
-        let known = source.known();
-        let state = self.state();
-        let frames = state.frames(known.frames).filter(|_| source.live().is_none());
-        Known { frames: frames.or(known.frames), ..known }
+    /// The answer of a segment's tracker, which is made in the frame of the lock, and there also the quality of the target.
+    fn answer(
+        &mut self,
+        key: Key,
+        number: usize,
+        frame: &GrayFrame,
+        variant: &Variant,
+    ) -> Result<Option<(Report, Option<Quality>)>> {
+        let locks = number == key.lock.0;
+        if locks {
+            self.trackers.insert(key, Follower::new(variant.build()?, vec![key.lock]));
+        }
+        let Some(tracker) = self.trackers.get_mut(&key) else { return Ok(None) };
+        let report = tracker.step(number, frame)?;
+        Ok(report.map(|report| (report, tracker.quality().filter(|_| locks))))
     }
-}
-
-/// What a tracker says of a frame, and of a lock how well the target can be told from what lies beside it.
-type Answer = (Report, Option<Quality>);
-
-/// The answer of a segment's tracker, which is made in the frame of the lock.
-fn answer(
-    key: Key,
-    number: usize,
-    frame: &GrayFrame,
-    trackers: &mut HashMap<Key, Follower>,
-    variant: &Variant,
-) -> Result<Option<Answer>> {
-    let locks = number == key.lock.0;
-    if locks {
-        trackers.insert(key, Follower::new(variant.build()?, vec![key.lock]));
-    }
-    let Some(tracker) = trackers.get_mut(&key) else { return Ok(None) };
-    let report = tracker.step(number, frame)?;
-    Ok(report.map(|report| (report, tracker.quality().filter(|_| locks))))
 }
 
 /// Frames a second, over the last half second.
@@ -684,12 +667,6 @@ impl Pace {
         }
         self.rate
     }
-}
-
-/// Follows `followed` on a thread of its own.
-pub(super) fn start(followed: &Arc<Followed>, source: &Arc<dyn Source>) {
-    let (followed, source) = (Arc::clone(followed), Arc::clone(source));
-    std::thread::spawn(move || followed.run(source.as_ref()));
 }
 
 #[cfg(test)]

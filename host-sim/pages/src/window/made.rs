@@ -1,5 +1,6 @@
-//! What is made for the user to take away: host-sim itself makes it, by the command line that the page shows.
+//! Files for the user to take away. Another host-sim makes each, by the command line that the page shows.
 
+use super::lock;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use smr_recordings::cleanup::Process;
@@ -9,26 +10,26 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 
 /// A file to be made by a program.
 pub struct Job {
-    /// What the file is called when it is saved: letters, digits and `-_.` only.
+    /// The name under which the file is saved: letters, digits and `-_.` only.
     pub name: String,
     /// The words of the command line behind `host-sim`; the name of the file to write follows the last of them.
     pub words: Vec<OsString>,
-    /// How many lines the program prints until it is done; 0 if it prints none.
+    /// The number of lines that the program prints until it is done; 0 if it prints none.
     pub lines: usize,
 }
 
-/// How far a file is.
+/// The progress of a file.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Progress {
     id: u32,
-    /// From 0 to 1; `None` where it is not known.
+    /// The part that is done, 0 to 1; `None` where it is not known.
     done: Option<f64>,
     /// The name of the file, when it is there.
     file: Option<String>,
@@ -51,18 +52,19 @@ impl Made {
     }
 
     fn progress(&self) -> MutexGuard<'_, BTreeMap<u32, Progress>> {
-        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.progress)
     }
 
     pub(super) fn of(&self, id: u32) -> Option<Progress> {
         self.progress().get(&id).cloned()
     }
 
-    /// The file, and what it is called.
-    pub(super) fn file(&self, id: u32) -> Option<(PathBuf, String)> {
-        let name = self.of(id)?.file?;
-        // The ending of the file tells what is written.
-        Some((self.folder.path().join(format!("{id}-{name}")), name))
+    /// The bytes of a file that is ready, and its name.
+    pub(super) fn file(&self, id: u32) -> Result<(String, Vec<u8>)> {
+        let name = self.of(id).and_then(|one| one.file).context("there is no such file, or it is not ready")?;
+        let file = self.folder.path().join(format!("{id}-{name}"));
+        let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
+        Ok((name, bytes))
     }
 
     /// A page that leads to `address`, for this user's browser alone: all users see what a program is started with.
@@ -83,6 +85,7 @@ impl Made {
         let running = all.values().filter(|one| one.file.is_none() && one.error.is_none()).count();
         ensure!(running < MOST, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
+        // The ending of the file says its format.
         let place = self.folder.private(&format!("{id}-{name}"), &[])?;
         let program = std::env::current_exe().context("cannot find host-sim itself")?;
         let mut command = Command::new(program);
@@ -125,9 +128,4 @@ impl Made {
         ensure!(status.success(), "{}", said.trim().trim_start_matches("error: "));
         Ok(())
     }
-}
-
-/// A file that was made, as bytes.
-pub(super) fn bytes(file: &Path) -> Result<Vec<u8>> {
-    fs::read(file).with_context(|| format!("cannot read {}", file.display()))
 }

@@ -2,41 +2,47 @@
 //!
 //! ```text
 //! page  -- targets, wishes -->  routes  -->  following: a thread that reads frames and asks the trackers
-//! page  <-- news, pictures --   routes  <--  news, pictures
+//! page  <-- news, pictures --   routes  <--  news; pictures of the recording or camera
 //! ```
 //!
 //! `server` lets in the page and nobody else. A page sends all targets and their corrections after each change, which the other pages are told;
-//! `following` finds out what is to be followed again. What changed is `news`; where many answers did, a page asks for parts of them. `pictures`
-//! gives any frame as a JPEG, and `growing` opens a file anew that has grown.
+//! `following` finds out what is to be followed again. Changes are `news`; where many answers changed, a page asks for parts of them. Frames come
+//! from a `recording` or a `camera`.
 //! The page itself is core/web/page/window.html.
 
 mod camera;
 mod following;
-mod growing;
 mod made;
 mod news;
-mod pictures;
+mod recording;
 mod routes;
 mod server;
 
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
-pub use growing::Growing;
 pub use made::{Job, Made};
-use pictures::Recorded;
+pub use recording::Growing;
 pub use routes::{Window, Wish};
 pub use server::Server;
 
 use anyhow::Result;
 use smr_recordings::GrayFrame;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The longest side of a picture, in pixels.
+const SIDE: u16 = 1280;
+
+/// Locks also what a thread left that panicked: each change is complete.
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Frames with their numbers, from some number on, and with their times in seconds, if they have any.
 pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
 
-/// Where the frames of a window come from: a recording, or a camera.
+/// The source of a window: a recording, or a camera.
 pub trait Source: Send + Sync {
-    /// Returns the number of frames, as far as that is known, and their times in seconds. Both only grow.
+    /// Returns the number of frames and their times. Both only grow.
     fn known(&self) -> Known;
 
     /// The frames from `number` on.
@@ -51,7 +57,7 @@ pub trait Source: Send + Sync {
     /// The frame as a JPEG, in color if there is color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
-    /// Of a camera: what is kept, and how well trackers keep up.
+    /// The state of a camera; `None` of a recording.
     fn live(&self) -> Option<LiveState> {
         None
     }
@@ -60,24 +66,25 @@ pub trait Source: Send + Sync {
     fn stop(&self) {}
 }
 
+/// The number of frames, and their times in seconds, as far as they are known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     pub frames: Option<usize>,
     pub times: Vec<f64>,
 }
 
-/// What is said of a camera.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+/// The frames of a camera that are kept, and how well trackers keep up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LiveState {
     /// The numbers of the oldest frame that is kept, and of the newest.
     pub oldest: usize,
     pub newest: usize,
     /// Frames of the source that no tracker got.
     pub dropped: usize,
-    /// From the arrival of a frame to its answer.
+    /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,
-    /// Frames that came in a second, on average.
+    /// Mean number of frames a second.
     pub rate: f64,
-    /// No more frames will come.
+    /// True if no more frames will come.
     pub has_ended: bool,
 }

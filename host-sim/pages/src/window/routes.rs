@@ -1,7 +1,7 @@
-//! What is behind each address of the window: the page, its modules, frames, news, and what the user wishes.
+//! The addresses of the window: the page, its modules, frames, news, and the wishes of the user.
 
-use super::following::{self, Followed, Heard, Row, Target};
-use super::made::{self, Job, Made};
+use super::following::{Followed, Heard, Row, Target};
+use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Source};
@@ -15,36 +15,37 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// How long a page waits for news before it asks again.
+/// The time that a page waits for news before it asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
 /// News is gathered for this long, so that one reply tells of several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
-/// What the command line does for a window.
+/// The command line's part of a window.
 pub trait Wish: Send + Sync {
     /// The trackers of a method with these options.
-    /// Errors: What the command line says of them.
+    /// Errors: Those of the command line.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// The boxes as a file: its name and its bytes.
-    fn boxes(&self, format: &str, followed: &Followed, known: &Known) -> Result<(String, Vec<u8>)>;
+    fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)>;
 
-    /// What makes a video with boxes (`mp4`, ...), or the report (`html`).
-    fn made(&self, ending: &str, followed: &Followed) -> Result<Job>;
+    /// The command line that makes a video with boxes (`mp4`, ...), or the report (`html`).
+    fn made(&self, window: &Window, ending: &str) -> Result<Job>;
 
     /// Settings for firmware, as text.
     fn firmware(&self, variant: &Variant) -> String;
 }
 
-/// A window and what it shows.
+/// A window: a source, its targets, and the page that shows them.
 pub struct Window {
     pub name: String,
-    /// Of the frames.
+    /// Width and height of the frames.
     pub size: (u16, u16),
     /// The source and its options, as they are typed.
     pub words: String,
-    /// The formats of boxes and of videos.
+    /// The formats of boxes.
     pub formats: Vec<String>,
+    /// The formats of videos.
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
@@ -63,14 +64,10 @@ impl Window {
     /// Follows and answers the page until the program ends.
     /// Errors: The server's.
     pub fn serve(self, server: Server) -> Result<()> {
-        following::start(&self.followed, &self.source);
-        self.watch_source();
-        server.run(move |request| self.answered(&request))
-    }
-
-    /// Tells the page when more of the source is known.
-    fn watch_source(&self) {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
+        thread::spawn(move || followed.run(source.as_ref()));
+        let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
+        // Tells the page when more of the source is known.
         thread::spawn(move || {
             let mut told = Known::default();
             loop {
@@ -82,10 +79,8 @@ impl Window {
                 }
             }
         });
-    }
-
-    fn answered(&self, request: &Request) -> Reply {
-        self.routed(request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error)))
+        server
+            .run(move |request| self.routed(&request).unwrap_or_else(|error| Reply::error(400, &messages::of(&error))))
     }
 
     fn routed(&self, Request { posts, path, query, revision, body }: &Request) -> Result<Reply> {
@@ -111,13 +106,12 @@ impl Window {
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
-                let (name, bytes) = self.wish.boxes(format, &self.followed, &self.known())?;
+                let (name, bytes) = self.wish.boxes(self, format)?;
                 Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
             }
             (false, "made", id) => {
-                let file = self.made.file(id.parse().context("expected a number")?);
-                let (place, name) = file.context("there is no such file, or it is not ready")?;
-                Reply { file: Some(name), ..Reply::new("application/octet-stream", made::bytes(&place)?) }
+                let (name, bytes) = self.made.file(id.parse().context("expected a number")?)?;
+                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
             }
             (false, "firmware", "") => {
                 Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
@@ -150,7 +144,8 @@ impl Window {
         })
     }
 
-    fn known(&self) -> Known {
+    /// The number of frames and their times, as far as they are known.
+    pub fn known(&self) -> Known {
         self.followed.known(self.source.as_ref())
     }
 
@@ -233,7 +228,7 @@ impl Window {
     }
 
     fn make(&self, ending: &str) -> Result<Reply> {
-        let job = self.wish.made(ending, &self.followed)?;
+        let job = self.wish.made(self, ending)?;
         let followed = Arc::clone(&self.followed);
         let id = self.made.begin(job, move |id| followed.makes(id))?;
         Ok(json_reply(&json!({ "id": id })))

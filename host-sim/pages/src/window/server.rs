@@ -10,6 +10,7 @@
 //! nothing of a reply is read. Of connections that have not shown the token, a new one ends the oldest when they are too many: they cannot keep
 //! out who has it.
 
+use super::lock;
 use anyhow::{Context, Result};
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Bytes, Incoming};
@@ -21,7 +22,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::net::{Ipv4Addr, TcpListener};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 use tokio::task::AbortHandle;
 use tokio_io_timeout::TimeoutStream;
@@ -30,12 +31,12 @@ use tokio_io_timeout::TimeoutStream;
 const MOST_STRANGERS: usize = 128;
 /// The longest time in which a connection sends a header or a body.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// The longest time without reading a reply, in multiples of [`PATIENCE`].
+/// The longest time in which a connection reads nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
 /// The most bytes of a body: a list of targets with thousands of corrections.
 const MOST_BYTES: usize = 1 << 20;
 
-/// What every reply says to the browser: nothing of it is kept, shown inside another page, or read by one.
+/// Headers of every reply: a browser keeps nothing of it, shows it in no other page, and lets no other page read it.
 const HEADERS: [(&str, &str); 6] = [
     ("cache-control", "no-store"),
     ("x-content-type-options", "nosniff"),
@@ -49,10 +50,10 @@ const HEADERS: [(&str, &str); 6] = [
     ),
 ];
 
-/// What is asked for.
+/// A request that was let in.
 pub(super) struct Request {
     pub posts: bool,
-    /// Behind the token, without the slash: `frames/7.jpg`. Empty for the page.
+    /// The path behind the token, without the slash: `frames/7.jpg`. Empty for the page.
     pub path: String,
     pub query: String,
     /// The number in `If-Match`: the change that the page has seen.
@@ -60,7 +61,7 @@ pub(super) struct Request {
     pub body: Vec<u8>,
 }
 
-/// What is answered.
+/// The answer to a request.
 pub(super) struct Reply {
     pub status: u16,
     /// The media type.
@@ -81,7 +82,7 @@ impl Reply {
     }
 }
 
-/// Where the server listens. Dropped, it is not reached any more.
+/// A listening server. Dropped, it is not reached any more.
 pub struct Server {
     listener: TcpListener,
     port: u16,
@@ -129,7 +130,7 @@ impl Server {
                     });
                     let mut server = http1::Builder::new();
                     server.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(1 << 16);
-                    // That a browser goes away is no error.
+                    // A browser may go away: that is no error.
                     let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
                     served.strangers().remove(&id);
                 });
@@ -147,21 +148,19 @@ impl Server {
     }
 }
 
-type Answer = Box<dyn Fn(Request) -> Reply + Send + Sync>;
-
 /// Lets in those who have the token and come from this server's own page.
 struct Door {
     port: u16,
     token: String,
     patience: Duration,
-    answer: Answer,
+    answer: Box<dyn Fn(Request) -> Reply + Send + Sync>,
     /// The connections that have not shown the token, the oldest first.
     strangers: Mutex<BTreeMap<u64, AbortHandle>>,
 }
 
 impl Door {
     fn strangers(&self) -> MutexGuard<'_, BTreeMap<u64, AbortHandle>> {
-        self.strangers.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.strangers)
     }
 
     /// The reply to a request of the connection `id`.
@@ -229,7 +228,7 @@ mod tests {
     /// The bytes of a reply that no system keeps for a reader.
     const LARGE: usize = 64 << 20;
 
-    /// A server that answers with the path, and what it is reached by.
+    /// The address and the token of a server that answers with the path.
     fn served() -> (SocketAddr, String) {
         let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());

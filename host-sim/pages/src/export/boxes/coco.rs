@@ -5,7 +5,7 @@ use super::{About, Answer, score};
 use anyhow::Result;
 use serde_json::json;
 
-/// The frames that annotations belong to, and how many of these there are.
+/// The frames that annotations belong to, and the number of annotations.
 #[derive(Default)]
 pub(super) struct Images {
     frames: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) fn head(about: &About) -> String {
 }
 
 impl Images {
-    /// An annotation with what parts it from the one before; nothing of a target that is not seen.
+    /// An annotation, with the comma behind the one before; empty if the target is not seen.
     pub fn annotation(&mut self, answer: &Answer<'_>) -> Result<String> {
         let &Answer { target, frame, size, report, .. } = answer;
         if self.frames.last() != Some(&frame) {

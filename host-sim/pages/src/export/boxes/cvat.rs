@@ -15,7 +15,7 @@ pub(super) struct Tracks {
 #[derive(Clone, Default)]
 struct Track {
     boxes: String,
-    /// Where it was seen last.
+    /// The box in which it was seen last.
     last: Option<BoundingBox>,
     is_outside: bool,
 }
@@ -45,14 +45,10 @@ impl Tracks {
 
     pub fn text(&self, about: &About) -> String {
         let ((width, height), frames, name) = (self.size, self.frames, escaped(&about.name));
-        let labels: String = (0..self.tracks.len())
-            .map(|target| {
-                format!(
-                    "        <label><name>{}</name><attributes></attributes></label>\n",
-                    escaped(about.label(target))
-                )
-            })
-            .collect();
+        let label = |target| escaped(about.label(target));
+        let element =
+            |target| format!("        <label><name>{}</name><attributes></attributes></label>\n", label(target));
+        let labels: String = (0..self.tracks.len()).map(element).collect();
         let mut text = format!(
             r#"<?xml version="1.0" encoding="utf-8"?>
 <annotations>
@@ -73,9 +69,8 @@ impl Tracks {
             frames.saturating_sub(1)
         );
         for (target, track) in self.tracks.iter().enumerate() {
-            let label = escaped(about.label(target));
-            text +=
-                &format!("  <track id=\"{target}\" label=\"{label}\" source=\"auto\">\n{}  </track>\n", track.boxes);
+            let (label, boxes) = (label(target), &track.boxes);
+            let _ = write!(text, "  <track id=\"{target}\" label=\"{label}\" source=\"auto\">\n{boxes}  </track>\n");
         }
         text + "</annotations>\n"
     }

@@ -1,0 +1,244 @@
+//! A recording as the source of a window. Any frame is a JPEG soon: the latest pictures are kept, and the next ones are read in order. A recording
+//! that is still copied or written is opened anew when it has grown.
+
+use super::{Known, Numbered, SIDE, Source, lock};
+use crate::encode;
+use anyhow::Result;
+use smr_recordings::{ColorFrame, INNER, OpenOptions, Seekable, Sequence};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use std::{fs, thread};
+
+/// The time between two looks at the size of the file.
+const LOOKS: Duration = Duration::from_secs(1);
+/// The most bytes of pictures that are kept.
+const MOST_BYTES: usize = 96 << 20;
+/// A frame at most this far ahead is reached by reading on; others need a seek.
+const NEAR: usize = 24;
+/// A user who steps back will want earlier frames, so the seek goes this much further.
+const BEFORE: usize = 12;
+
+/// A recording that may grow.
+pub struct Growing {
+    path: PathBuf,
+    options: OpenOptions,
+    opened: Arc<Mutex<Opened>>,
+}
+
+struct Opened {
+    recorded: Arc<Recorded>,
+    /// The most that was known: an index that is still made knows less.
+    known: Known,
+    /// Bytes when it was opened.
+    size: u64,
+    /// Bytes at the last look.
+    seen: u64,
+    looked: Instant,
+}
+
+/// A recording as it was when it was opened.
+struct Recorded {
+    recording: Seekable,
+    pictures: Mutex<Pictures>,
+}
+
+#[derive(Default)]
+struct Pictures {
+    kept: BTreeMap<usize, Arc<Vec<u8>>>,
+    bytes: usize,
+    /// The number of the next frame, and the frames from there on.
+    reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
+    last: usize,
+}
+
+impl Growing {
+    /// Opens the recording at `path`, and also gives it as it is read in order.
+    /// Errors: Those of [`Seekable::open`].
+    pub fn open(path: &Path, options: OpenOptions) -> Result<(Self, Sequence)> {
+        let size = size(path);
+        let (recording, sequence) = Seekable::open(path, &options)?;
+        let recorded = Recorded::new(recording);
+        let opened = Opened { recorded, known: Known::default(), size, seen: size, looked: Instant::now() };
+        Ok((Self { path: path.to_owned(), options, opened: Arc::new(Mutex::new(opened)) }, sequence))
+    }
+
+    fn recorded(&self) -> Arc<Recorded> {
+        let mut opened = lock(&self.opened);
+        if opened.looked.elapsed() >= LOOKS {
+            let before = std::mem::replace(&mut opened.seen, size(&self.path));
+            opened.looked = Instant::now();
+            // The writer has ended, or rests.
+            if opened.seen > opened.size && opened.seen == before {
+                opened.size = opened.seen;
+                self.open_anew(opened.size);
+            }
+        }
+        Arc::clone(&opened.recorded)
+    }
+
+    /// Opens it on a thread of its own: ffmpeg may take long.
+    fn open_anew(&self, size: u64) {
+        let (path, options, opened) = (self.path.clone(), self.options.clone(), Arc::clone(&self.opened));
+        thread::spawn(move || {
+            if let Ok((recording, _)) = Seekable::open(&path, &options) {
+                let mut opened = lock(&opened);
+                if opened.size == size {
+                    opened.recorded = Recorded::new(recording);
+                }
+            }
+        });
+    }
+}
+
+impl Source for Growing {
+    fn known(&self) -> Known {
+        let (frames, times) = self.recorded().recording.known();
+        let known = &mut lock(&self.opened).known;
+        known.frames = known.frames.max(frames);
+        if times.len() > known.times.len() {
+            known.times = times;
+        }
+        known.clone()
+    }
+
+    fn gray_from(&self, number: usize) -> Result<Numbered> {
+        let frames = self.recorded().recording.gray_from(number)?;
+        Ok(Box::new(frames.map(|frame| frame.map(|frame| (frame.number, frame.seconds, frame.gray)))))
+    }
+
+    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
+        self.recorded().picture(number)
+    }
+}
+
+/// The bytes of a file, or the files of a folder; 0 of a built-in recording.
+fn size(path: &Path) -> u64 {
+    let files = |folder: &str| fs::read_dir(path.join(folder)).map_or(0, |files| files.count() as u64);
+    match fs::metadata(path) {
+        Ok(data) if data.is_dir() => files("") + INNER.map(files).iter().sum::<u64>(),
+        Ok(data) => data.len(),
+        Err(_) => 0,
+    }
+}
+
+impl Recorded {
+    fn new(recording: Seekable) -> Arc<Self> {
+        Arc::new(Self { recording, pictures: Mutex::default() })
+    }
+
+    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
+        let mut pictures = lock(&self.pictures);
+        if let Some(picture) = pictures.kept.get(&number) {
+            return Some(Arc::clone(picture));
+        }
+        let next = pictures.reader.as_ref().map(|(next, _)| *next);
+        if !next.is_some_and(|next| (next..next + NEAR).contains(&number)) {
+            let steps_back = number < pictures.last && pictures.last - number < NEAR;
+            let from = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
+            // This ends the former ffmpeg before the next one starts.
+            pictures.reader = None;
+            pictures.reader = Some((from, self.recording.color_from(from, SIDE).ok()?));
+        }
+        pictures.last = number;
+        pictures.read_to(number)
+    }
+}
+
+impl Pictures {
+    fn read_to(&mut self, number: usize) -> Option<Arc<Vec<u8>>> {
+        loop {
+            let (next, frames) = self.reader.as_mut()?;
+            let at = *next;
+            let Some(frame) = frames.next() else {
+                self.reader = None;
+                return None;
+            };
+            *next += 1;
+            let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
+            self.keep(at, &picture);
+            if at == number {
+                return Some(picture);
+            }
+        }
+    }
+
+    /// Keeps a picture. If there are too many bytes, the pictures farthest from it go.
+    fn keep(&mut self, number: usize, picture: &Arc<Vec<u8>>) {
+        self.bytes += picture.len();
+        if let Some(before) = self.kept.insert(number, Arc::clone(picture)) {
+            self.bytes -= before.len();
+        }
+        while self.bytes > MOST_BYTES && self.kept.len() > 1 {
+            let (&first, &last) = (self.kept.keys().next().unwrap_or(&0), self.kept.keys().next_back().unwrap_or(&0));
+            let farthest = if number - first > last - number { first } else { last };
+            self.bytes -= self.kept.remove(&farthest).map_or(0, |picture| picture.len());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_one_level_down_count() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("img")).unwrap();
+        let before = size(folder.path());
+        fs::write(folder.path().join("img/1.pgm"), b"").unwrap();
+        assert_eq!(size(folder.path()), before + 1);
+    }
+
+    #[test]
+    fn a_folder_that_has_grown_is_opened_anew_when_it_rests() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |number: u8| {
+            fs::write(folder.path().join(format!("{number}.pgm")), [b"P5 4 2 255\n", &[number; 8][..]].concat())
+        };
+        (1..=3).try_for_each(write).unwrap();
+        let (source, sequence) = Growing::open(folder.path(), OpenOptions::default()).unwrap();
+        assert_eq!((sequence.frames.count(), source.known().frames), (3, Some(3)));
+        (4..=5).try_for_each(write).unwrap();
+        let begin = Instant::now();
+        while source.known().frames == Some(3) {
+            assert!(begin.elapsed() < Duration::from_secs(20));
+            thread::sleep(Duration::from_millis(50));
+        }
+        assert_eq!(source.known().frames, Some(5));
+        assert!(begin.elapsed() > LOOKS && source.picture(5).is_some());
+        assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().2.pixels[0], 5);
+        let index = Known { frames: Some(7), times: vec![0.5; 7] };
+        lock(&source.opened).known = index.clone();
+        assert_eq!(source.known(), index, "it does not fall while an index is made");
+        fs::remove_file(folder.path().join("5.pgm")).unwrap();
+        thread::sleep(2 * LOOKS);
+        assert_eq!(source.known().frames, Some(7), "what is shorter for a while is not");
+    }
+
+    #[test]
+    fn any_frame_is_there_and_no_other() {
+        let recorded = Growing::open(Path::new("synthetic"), OpenOptions::default()).unwrap().0;
+        let order = [1, 2, 200, 199, 198, 150, 3];
+        let seen: Vec<_> = order.iter().map(|&number| recorded.picture(number).unwrap()).collect();
+        let mut sorted = seen.clone();
+        sorted.dedup();
+        assert_eq!(sorted.len(), order.len());
+        assert_eq!(recorded.picture(200).unwrap(), seen[2]);
+        let count = recorded.known().frames.unwrap();
+        assert!(recorded.picture(count).is_some() && recorded.picture(count + 1).is_none());
+        assert!(recorded.picture(1).is_some());
+    }
+
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let mut pictures = Pictures::default();
+        let picture = Arc::new(vec![0; 10 << 20]);
+        for number in (1..20).chain([3]) {
+            pictures.keep(number, &picture);
+            assert!(pictures.bytes <= MOST_BYTES && pictures.kept.contains_key(&number));
+        }
+        assert_eq!(pictures.bytes, pictures.kept.values().map(|one| one.len()).sum::<usize>());
+    }
+}
