@@ -310,8 +310,11 @@ fn check_pictures(folder: &Path) -> Result<()> {
     pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
 
-/// The ground truth that lies in a folder, an entry a frame, and the box to start from.
-fn boxes_in(folder: &Path) -> Result<(Option<Vec<Option<BoundingBox>>>, Option<BoundingBox>)> {
+/// The box of each frame; `None` where the target is not visible.
+type Truth = Vec<Option<BoundingBox>>;
+
+/// The ground truth that lies in a folder, and the box to start from.
+fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
     let init = boxes::find_init(folder)?.or(first);
