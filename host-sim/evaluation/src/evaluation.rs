@@ -131,20 +131,19 @@ impl Evaluation {
     ///
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
     pub fn tables(all: &[Self]) -> Tables {
-        let head = |key: &str, title: &str| Head::new(key, title, 0);
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();
-        let names = vec![head("tracker", "tracker"), head("sequence", "sequence")];
+        let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence")]);
         let mut measured = Table::new(TableName::Measured, 2, [names, figures, origin.clone()].concat());
         // For people means are remarks below what was measured.
-        let names = vec![head("tracker", ""), head("recordings", "")];
+        let names = Head::list(&[("tracker", ""), ("recordings", "")]);
         let with_errors = Head::with_errors(with_mean().map(|figure| figure.key));
         let mut means_of_all = Table::new(TableName::Means, 0, [names, with_errors, origin].concat());
-        let keys = ["tracker", "sequence", "correct"].map(|key| head(key, ""));
-        let mut printed = Table::new(TableName::Printed, 0, keys.to_vec());
-        let across = all.iter().map(|one| head("", &format!("{} /{}", one.sequence, one.visible)));
-        let names = ["correct frames", "source"].map(|title| head("", title));
-        let mut correct = Table::new(None, 2, names.into_iter().chain(across).collect());
+        let heads = Head::list(&[("tracker", ""), ("sequence", ""), ("correct", "")]);
+        let mut printed = Table::new(TableName::Printed, 0, heads);
+        let mut heads = Head::list(&[("", "correct frames"), ("", "source")]);
+        heads.extend(all.iter().map(|one| Head::new("", &format!("{} /{}", one.sequence, one.visible), 0)));
+        let mut correct = Table::new(None, 2, heads);
 
         let is_known = all.iter().any(|one| published::is_known(&one.sequence));
         for row in published::TABLE.iter().filter(|_| is_known) {
@@ -251,17 +250,16 @@ mod tests {
     }
 
     fn evaluated(sequence: Sequence, files: &[PathBuf]) -> Result<Evaluation> {
-        evaluate(sequence, &variants(), files, || ())
+        let frames = Cell::new(0);
+        let evaluation = evaluate(sequence, &variants(), files, || frames.set(frames.get() + 1));
+        assert!(evaluation.is_err() || frames.get() == 4);
+        evaluation
     }
 
     #[test]
     fn all_methods_see_all_frames() {
-        let frames = Cell::new(0);
-        let progress = || frames.set(frames.get() + 1);
-        let evaluation = evaluate(sequence(), &variants(), &[], progress).unwrap();
-        assert_eq!(frames.get(), 4);
-        assert_eq!(evaluation.visible, 4);
-        assert!(evaluation.failures.is_empty());
+        let evaluation = evaluated(sequence(), &[]).unwrap();
+        assert_eq!((evaluation.visible, evaluation.failures.len()), (4, 0));
         let correct = |(who, score): &(Contestant, Score)| (who.clone(), score.correct, score.correct_50);
         let methods = variants().map(|variant| (Contestant::of(&variant), 4, 4));
         assert_eq!(evaluation.scores.iter().map(correct).collect::<Vec<_>>(), methods);
@@ -335,15 +333,6 @@ mod tests {
         Contestant { name: name.to_owned(), origin: Some(Origin::new(MethodKind::Smr, Map::new())) }
     }
 
-    fn two() -> [Evaluation; 2] {
-        let (smr, sad) = (method("smr"), method("sad"));
-        let file = |name: &str| Contestant::file(name.to_owned());
-        [
-            evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
-            evaluation("06_car", &[(smr, 2), (sad, 0), (file("t2"), 2), (file("smr"), 1)]),
-        ]
-    }
-
     #[test]
     fn every_score_in_full_and_the_table_of_the_paper() {
         let expected = "\
@@ -375,7 +364,13 @@ smr                                        measured        -          1
 t2                                         measured        -          2
 t10                                        measured        3          -
 ";
-        assert_eq!(Evaluation::tables(&two()).text(Layout::Text), expected);
+        let (smr, sad) = (method("smr"), method("sad"));
+        let file = |name: &str| Contestant::file(name.to_owned());
+        let both = [
+            evaluation("mine", &[(smr.clone(), 4), (sad.clone(), 1), (file("t10"), 3)]),
+            evaluation("06_car", &[(smr, 2), (sad, 0), (file("t2"), 2), (file("smr"), 1)]),
+        ];
+        assert_eq!(Evaluation::tables(&both).text(Layout::Text), expected);
         let other = Evaluation::tables(&[evaluation("mine", &[(method("smr"), 4)])]).text(Layout::Text);
         assert!(
             other.ends_with("\n\ncorrect frames  source    mine /4\nsmr             measured        4\n"),
@@ -400,29 +395,5 @@ t10                                        measured        3          -
         let text = Evaluation::tables(&[unseen("c")]).text(Layout::Text);
         let row = text.lines().nth(1).unwrap();
         assert!(row.ends_with("1        0            0          -       -  -         -              -        -        -      -          -"), "{row}");
-    }
-
-    #[test]
-    fn json_has_what_was_measured_and_what_is_printed() {
-        let json = serde_json::to_value(Evaluation::tables(&two())).unwrap();
-        let expected = serde_json::json!({
-            "version": env!("CARGO_PKG_VERSION"), "method": "smr", "options": "{}",
-            "tracker": "smr", "sequence": "06_car", "frames": 4, "visible": 4, "answered": 2, "correct": 2,
-            "correct_50": 2, "precision": 1.0, "recall": 0.5, "f": 2.0 / 3.0, "mean_iou": 0.5, "first_failure": 3,
-            "otb_auc": 10.0 / 21.0, "otb_precision": 0.5,
-            "vot_f": 2.0 / 3.0, "vot_precision": 1.0, "vot_recall": 0.5, "vot_threshold": null,
-        });
-        assert_eq!(json["measured"][1], expected);
-        assert!(json["measured"][0]["first_failure"].is_null() && json["measured"][6]["options"].is_null());
-        // Collins has no figure for the one sequence of the table.
-        let rows = |name: &str| json[name].as_array().unwrap().len();
-        assert_eq!((rows("measured"), rows("printed"), rows("means")), (7, 5, 2));
-        let lim =
-            serde_json::json!({ "tracker": "Lim 2004 (incremental subspace)", "sequence": "06_car", "correct": 163 });
-        assert_eq!(json["printed"][0], lim);
-        // 1 and 1/2: the mean is 3/4, and each is 1/4 from it: sqrt(2 / 16 / 1 / 2).
-        let smr = &json["means"][0];
-        assert_eq!((&smr["tracker"], &smr["method"], &smr["recordings"]), (&"smr".into(), &"smr".into(), &2.into()));
-        assert_eq!((&smr["recall"], &smr["recall_standard_error"]), (&0.75.into(), &0.25.into()));
     }
 }

@@ -32,7 +32,7 @@ struct Row {
     origin: Origin,
     /// `None` for the same runs without a fault.
     fault: Option<Fault>,
-    /// Only those whose box was right in the frame before the fault.
+    /// Counts of the runs whose box was right in the frame before the fault.
     runs: Vec<Counts>,
 }
 
@@ -69,8 +69,7 @@ pub fn measure(
     faults: &[Fault],
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Measured {
-    let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
-    let faults = Faults { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest };
+    let faults = Faults::new(faults);
     let (records, failures) = matrix::measure(&faults, paths.len(), |place| open(&paths[place]), variants, progress);
     let rows = faults.rows(&records, variants);
     let origins = rows.iter().map(|row| Some(row.origin.clone()));
@@ -79,7 +78,17 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: records.is_empty() }
 }
 
-impl Faults<'_> {
+impl<'f> Faults<'f> {
+    fn new(faults: &'f [Fault]) -> Self {
+        let longest = faults.iter().map(Fault::frames).max().unwrap_or(0);
+        Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
+    }
+
+    /// The frame after a fault at `place`. Without a fault as many frames are counted as with the longest.
+    fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
+        place + fault.map_or(self.longest, Fault::frames)
+    }
+
     /// A row for each variant and fault; none if nothing was measured.
     fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<Row> {
         let cases = variants.iter().flat_map(|variant| self.cases.iter().map(move |&fault| (variant, fault.copied())));
@@ -117,13 +126,6 @@ impl Protocol for Faults<'_> {
     fn figures(&self, _: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Option<Counts>> {
         let place = case.frame + LEAD;
         Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), &recording.truth))
-    }
-}
-
-impl Faults<'_> {
-    /// The frame after a fault at `place`. Without a fault as many frames are counted as with the longest.
-    fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
-        place + fault.map_or(self.longest, Fault::frames)
     }
 }
 
@@ -171,7 +173,7 @@ impl Counts {
     }
 }
 
-/// Frames until the box was right are in the median of the runs in which it was, and in the worst.
+/// Columns of a fault. Frames until the box was right are those of the median of the runs in which it became so, and of the worst.
 const COLUMNS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
@@ -203,7 +205,7 @@ const COLUMNS: &[Column<Row>] = &[
     }),
 ];
 
-/// `None` of nothing.
+/// Returns a part as percent; `None` of nothing.
 fn percent(part: usize, whole: usize) -> Option<String> {
     (100 * part + whole / 2).checked_div(whole).map(|percent| format!("{percent} %"))
 }
@@ -224,7 +226,7 @@ impl Row {
         all
     }
 
-    /// The share of each state in the frames that came during the fault.
+    /// Returns the share of each state in the frames that came during the fault.
     fn states(&self) -> Value {
         let of = |state: State| self.runs.iter().map(|run| run.states[state as usize]).sum::<usize>();
         let all = State::ALL.into_iter().map(of).sum();
@@ -255,10 +257,8 @@ mod tests {
 
     /// Also that nothing panics: overflow checks are on in tests.
     fn every_fault_on(name: &str) {
-        let faults = Fault::all();
-        let longest = faults.iter().map(Fault::frames).max().unwrap();
-        let faults = Faults { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest };
-        let variants = variants();
+        let (all, variants) = (Fault::all(), variants());
+        let faults = Faults::new(&all);
         let (records, failures) = matrix::measure(&faults, 1, |_| open(Path::new(name)), &variants, &|_| ());
         let rows = faults.rows(&records, &variants);
         assert_eq!((rows.len(), failures.len()), (2 * 13, 0));

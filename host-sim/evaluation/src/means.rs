@@ -1,17 +1,17 @@
-//! The mean over recordings, and how sure it is: recordings are drawn from all that there could be.
+//! Means over recordings and their standard errors: recordings are a sample of all that there could be.
 
-/// What `of` makes of each figure of all recordings; each has all figures.
+/// Applies `of` to each figure over all recordings; each recording has all figures.
 fn over(recordings: &[Vec<f64>], of: fn(&[f64]) -> f64) -> Vec<f64> {
     let values = |figure: usize| recordings.iter().map(|one| one[figure]).collect::<Vec<_>>();
     (0..recordings.first().map_or(0, Vec::len)).map(|figure| of(&values(figure))).collect()
 }
 
-/// Of each figure.
+/// Returns the mean of each figure.
 pub fn means(recordings: &[Vec<f64>]) -> Vec<f64> {
     over(recordings, mean)
 }
 
-/// Of the means: the standard deviation (over n - 1) over the square root of n. `None` of fewer than two.
+/// Returns the standard error of each mean: the standard deviation (over n - 1) over the square root of n. `None` of fewer than two recordings.
 pub fn standard_errors(recordings: &[Vec<f64>]) -> Option<Vec<f64>> {
     (recordings.len() > 1).then(|| over(recordings, standard_error))
 }

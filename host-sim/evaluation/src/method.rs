@@ -1,4 +1,4 @@
-//! What all trackers that can be run here have in common: the trait [`Method`], their names, and what they report of a frame.
+//! The trait of all trackers that run here, their names, and their report of a frame.
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -15,19 +15,19 @@ pub trait Method {
     /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
-    /// How well the target can be told from what lies beside it; `None` before the first lock, and from the baselines.
+    /// A measure of how distinct the target is from its surroundings; `None` before the first lock, and from the baselines.
     fn quality(&self) -> Option<Quality> {
         None
     }
 
-    /// What a baseline will compare the next frame with; `None` before the first lock, and from smr-core's trackers, which show more than
-    /// that: see `report`.
+    /// The pixels that a baseline compares the next frame with; `None` before the first lock, and from smr-core's trackers, which show more: see
+    /// `report`.
     fn template(&self) -> Option<Image<'_>> {
         None
     }
 }
 
-/// What a method says about one frame.
+/// The answer of a method in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// The target's box, to fractions of a pixel; `None` when it is lost.
@@ -35,7 +35,7 @@ pub struct Report {
     /// The same in whole pixels.
     pub bbox: Option<Rect>,
     pub state: State,
-    /// What smr-core decided on; `None` in the frame that was locked on, and from the baselines.
+    /// The figures of smr-core's decision; `None` in the frame that was locked on, and from the baselines.
     pub evidence: Option<Evidence>,
     /// The work that the answer took, at most, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from the baselines.
     pub work: Option<u32>,
@@ -59,12 +59,11 @@ impl Report {
         Self::of_baseline(target.into(), true)
     }
 
-    /// `None` where nothing is known of it.
     pub fn confidence(&self) -> Option<f64> {
         self.evidence.map(|evidence| evidence.confidence)
     }
 
-    /// What a baseline knows: its best box, inside the frame or not.
+    /// The report of a baseline: its best box, inside the frame or not.
     pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
         let state = if inside { State::Tracking } else { State::Leaving };
         Self { target: Some(target), bbox: target.to_rect(), state, evidence: None, work: None }
@@ -74,23 +73,14 @@ impl Report {
 impl From<Answer> for Report {
     fn from(answer: Answer) -> Self {
         let Answer { state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, .. } = answer;
-        let evidence = Evidence {
-            confidence: of_one(confidence),
-            ratio: of_one(ratio),
-            runner_up_ratio: runner_up_ratio.map(of_one),
-            alpha,
-            scale: f64::from(scale) / 65536.0,
-            found_again,
-        };
+        let of_one = |ratio: u16| f64::from(ratio) / f64::from(u16::MAX);
+        let (confidence, ratio, scale) = (of_one(confidence), of_one(ratio), f64::from(scale) / 65536.0);
+        let runner_up_ratio = runner_up_ratio.map(of_one);
+        let evidence = Evidence { confidence, ratio, runner_up_ratio, alpha, scale, found_again };
         let believed = state != State::Lost;
         let (target, bbox) = (believed.then_some(answer.fine.into()), believed.then_some(answer.bbox));
         Self { target, bbox, state, evidence: Some(evidence), work: None }
     }
-}
-
-/// A ratio with 1.0 as 1.0.
-fn of_one(ratio: u16) -> f64 {
-    f64::from(ratio) / f64::from(u16::MAX)
 }
 
 pub const fn name_of(state: State) -> &'static str {
@@ -102,7 +92,7 @@ pub const fn name_of(state: State) -> &'static str {
     }
 }
 
-/// The methods that there are, under their names on the command line.
+/// Methods, by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MethodKind {
     /// The Similarity Matching Ratio, as in the paper
@@ -120,7 +110,7 @@ pub enum MethodKind {
 }
 
 impl MethodKind {
-    /// As in results, and on the command line.
+    /// The name in results and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Smr => "smr",
@@ -136,7 +126,7 @@ impl MethodKind {
         matches!(self, Self::Smr | Self::Robust)
     }
 
-    /// The states that it can be in, the best one first.
+    /// The states that it can report, the best one first.
     pub const fn states(self) -> &'static [State] {
         match self {
             Self::Smr => &[State::Tracking, State::Leaving, State::Lost],

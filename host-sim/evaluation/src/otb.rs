@@ -11,6 +11,7 @@
 //! benchmark's own code.
 
 use super::Trajectory;
+use super::means::means;
 use smr_recordings::BoundingBox;
 
 /// Steps between the thresholds of the success curve, which has one point more.
@@ -31,7 +32,7 @@ pub struct Otb {
 }
 
 impl Otb {
-    /// Of trajectories of the same length.
+    /// The figures of trajectories of the same length.
     pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let passed: u32 = counts.above.iter().sum();
@@ -51,7 +52,7 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// Of trajectories of the same length.
+    /// The curves of trajectories of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
@@ -60,10 +61,7 @@ impl Curves {
 
     /// The mean over recordings, each counting the same; `None` of none.
     pub fn mean(of: &[&Self]) -> Option<Self> {
-        let mean = |curve: fn(&Self) -> &Vec<f64>| {
-            let at = |point: usize| of.iter().map(|one| curve(one)[point]).sum::<f64>() / of.len() as f64;
-            (0..of.first().map_or(0, |first| curve(first).len())).map(at).collect()
-        };
+        let mean = |curve: fn(&Self) -> &Vec<f64>| means(&of.iter().map(|one| curve(one).clone()).collect::<Vec<_>>());
         (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })
     }
 
@@ -131,38 +129,31 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_tracker_passes_all_thresholds_but_the_last() {
-        let truth = [at(0.0, 0.0), at(5.0, 5.0), None];
-        let expected = Otb { otb_auc: 20.0 / 21.0, otb_precision: 1.0 };
-        assert_eq!(Otb::new(&truth, &truth), expected);
-        // What is answered while the target is hidden does not count.
-        assert_eq!(Otb::new(&[truth[0], truth[1], at(9.0, 9.0)], &truth), expected);
-    }
-
-    #[test]
-    fn nothing_answered_and_nothing_visible_are_zero() {
-        assert_eq!(Otb::new(&[None, None], &[at(0.0, 0.0); 2]), Otb::default());
-        assert_eq!(Otb::new(&[at(0.0, 0.0); 2], &[None, None]), Otb::default());
-        assert_eq!(Otb::new(&[], &[]), Otb::default());
-    }
-
-    #[test]
-    fn half_right() {
-        // Two frames right, one far away, one without an answer.
-        let answers = [at(0.0, 0.0), at(0.0, 0.0), at(300.0, 0.0), None];
-        let expected = Otb { otb_auc: 10.0 / 21.0, otb_precision: 0.5 };
-        assert_eq!(Otb::new(&answers, &[at(0.0, 0.0); 4]), expected);
-    }
-
-    #[test]
     fn thresholds_by_hand() {
-        // 5 to the right: 50 of 150, above 0, 0.05, ... 0.30.
-        assert_eq!(Otb::new(&[at(5.0, 0.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 7.0 / 21.0, otb_precision: 1.0 });
-        // 6 to the right: 40 of 160. 0.25 is not above 0.25.
-        assert_eq!(Otb::new(&[at(6.0, 0.0)], &[at(0.0, 0.0)]).otb_auc, 5.0 / 21.0);
-        // Centres 20 pixels apart are near, and further ones are not; nothing is shared, so no threshold is passed.
-        assert_eq!(Otb::new(&[at(12.0, 16.0)], &[at(0.0, 0.0)]), Otb { otb_auc: 0.0, otb_precision: 1.0 });
-        assert_eq!(Otb::new(&[at(12.0, 16.1)], &[at(0.0, 0.0)]), Otb::default());
+        let (near, far) = (at(0.0, 0.0), at(300.0, 0.0));
+        let cases: [(&[_], &[_], f64, f64); 11] = [
+            // A perfect tracker passes all thresholds but the last. An answer while the target is hidden does not count.
+            (&[near, at(5.0, 5.0), None], &[near, at(5.0, 5.0), None], 20.0, 1.0),
+            (&[near, at(5.0, 5.0), at(9.0, 9.0)], &[near, at(5.0, 5.0), None], 20.0, 1.0),
+            // Nothing answered, nothing visible, and nothing.
+            (&[None, None], &[near; 2], 0.0, 0.0),
+            (&[near; 2], &[None, None], 0.0, 0.0),
+            (&[], &[], 0.0, 0.0),
+            // Two frames right, one far away, one without an answer.
+            (&[near, near, far, None], &[near; 4], 10.0, 0.5),
+            // 5 to the right: 50 of 150, above 0, 0.05, ... 0.30.
+            (&[at(5.0, 0.0)], &[near], 7.0, 1.0),
+            // 6 to the right: 40 of 160. 0.25 is not above 0.25.
+            (&[at(6.0, 0.0)], &[near], 5.0, 1.0),
+            // Centres 20 pixels apart are near, and further ones are not; nothing is shared, so no threshold is passed.
+            (&[at(12.0, 16.0)], &[near], 0.0, 1.0),
+            (&[at(12.0, 16.1)], &[near], 0.0, 0.0),
+            (&[far], &[near], 0.0, 0.0),
+        ];
+        for (answers, truth, passed, otb_precision) in cases {
+            let expected = Otb { otb_auc: passed / 21.0, otb_precision };
+            assert_eq!(Otb::new(answers, truth), expected, "{answers:?} {truth:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The paper's Table 2 as it is printed: published figures, nothing that was measured here.
 
-/// What marks a figure that is not ours.
+/// The source of these figures in tables.
 pub(super) const SOURCE: &str = "printed";
 
 /// The recordings of the table, known by the names of their folders.

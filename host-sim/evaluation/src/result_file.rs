@@ -8,14 +8,14 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 pub struct ResultFile {
-    /// The file's, without its extension.
+    /// Name of the file, without its extension.
     pub name: String,
     pub answers: Vec<Option<BoundingBox>>,
     pub note: Option<String>,
 }
 
 impl ResultFile {
-    /// The answers for `frames` frames, those of `part` if only a part of the recording is shown. A file that ends early has no
+    /// Reads the answers for `frames` frames, those of `part` if only a part of the recording is shown. A file that ends early has no
     /// answer from there on; lines beyond the last frame are ignored. Published files have both faults.
     /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {

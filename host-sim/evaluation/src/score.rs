@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 use smr_recordings::BoundingBox;
 
-/// The boxes of a target over a recording, one entry a frame: the ground truth, or what a tracker answered. `None` where the target is
+/// The boxes of a target over a recording, one entry a frame: the ground truth, or a tracker's answers. `None` where the target is
 /// not visible (ground truth) or the tracker gave no answer.
 pub type Trajectory = [Option<BoundingBox>];
 
@@ -27,7 +27,7 @@ pub struct Score {
     pub visible: usize,
     pub answered: usize,
     pub correct: usize,
-    /// Correct frames, were 0.5 of intersection over union needed.
+    /// Correct frames by the stricter count.
     pub correct_50: usize,
     /// `correct / answered`; 0 if nothing was answered.
     pub precision: Option<f64>,
@@ -51,13 +51,13 @@ impl Serialize for Score {
     }
 }
 
-/// A figure of a score: all that CSV, tables, means and the page need to know of it.
+/// The description of a figure, for tables, means and the page of `report`.
 pub struct Figure {
-    /// Its key in JSON and CSV.
+    /// Key in JSON and CSV.
     pub key: &'static str,
-    /// Its column in tables; empty if it has none.
+    /// Heading in tables; empty if it has no column there.
     pub title: &'static str,
-    /// Its column on the page of `report`; empty if it has none.
+    /// Heading on the page; empty if it has no column there.
     pub page: &'static str,
     pub digits: usize,
     pub has_mean: bool,
@@ -150,7 +150,7 @@ impl Score {
         Ok(score.with_means(iou_sum))
     }
 
-    /// All frames of all `parts` as one, but for those in which the target is never visible; what has no meaning then is none.
+    /// All frames of all `parts` as one, but for those in which the target is never visible. Figures that have no total are `None`.
     pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         let mut iou_sum = 0.0;
@@ -225,20 +225,14 @@ mod tests {
 
     #[test]
     fn counts_and_means_by_hand() {
-        let truth = [
-            at(0.0, 0.0, 10.0, 10.0),
-            at(0.0, 0.0, 10.0, 10.0),
-            at(0.0, 0.0, 10.0, 10.0),
-            at(0.0, 0.0, 10.0, 10.0),
-            None,
-            None,
-        ];
+        let shown = at(0.0, 0.0, 10.0, 10.0);
+        let truth = [shown, shown, shown, shown, None, None];
         let answers = [
-            at(0.0, 0.0, 10.0, 10.0), // 1
+            shown,                    // 1
             at(5.0, 0.0, 10.0, 10.0), // 50 of 150: correct, but not at 0.5
             at(0.0, 6.0, 10.0, 10.0), // 40 of 160: exactly 0.25 is not more than 0.25
             None,                     // 0
-            at(0.0, 0.0, 10.0, 10.0), // the target is not visible
+            shown,                    // the target is not visible
             None,
         ];
         let expected = Score {
@@ -283,10 +277,7 @@ mod tests {
     fn nothing_answered_is_zero_and_nothing_visible_is_unknown() {
         let one = at(0.0, 0.0, 1.0, 1.0);
         let silent = Score::with_confidence(&[None, None], &[None, None], &[one, one]).unwrap();
-        assert_eq!(
-            (silent.precision, silent.recall, silent.f, silent.mean_iou),
-            (Some(0.0), Some(0.0), Some(0.0), Some(0.0))
-        );
+        assert_eq!([silent.precision, silent.recall, silent.f, silent.mean_iou], [Some(0.0); 4]);
         assert_eq!(silent.first_failure, Some(1));
         let unseen = Score::with_confidence(&[one, one], &[None, None], &[None, None]).unwrap();
         let value = serde_json::to_value(unseen).unwrap();

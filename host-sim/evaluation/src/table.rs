@@ -56,6 +56,11 @@ impl Head {
         Self { key: key.to_owned(), title: title.to_owned(), digits }
     }
 
+    /// Columns of whole numbers or texts, by key and title.
+    pub fn list(columns: &[(&str, &str)]) -> Vec<Self> {
+        columns.iter().map(|(key, title)| Self::new(key, title, 0)).collect()
+    }
+
     pub fn all<T>(columns: &[Column<T>]) -> Vec<Self> {
         columns.iter().map(|&(key, title, digits, _)| Self::new(key, title, digits)).collect()
     }

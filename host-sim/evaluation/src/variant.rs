@@ -1,7 +1,7 @@
 //! A tracker with its settings under the name that it has in results, and how it is built.
 
 use super::Paper;
-use super::baseline::{Baseline, Flow, Measure};
+use super::baseline::Baseline;
 use super::method::{Method, MethodKind, Report};
 use super::table::Column;
 use anyhow::Result;
@@ -106,15 +106,11 @@ impl Variant {
 
     /// Trackers for `count` targets of one recording. Those of smr-core share one workspace, as in firmware.
     pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
-        let Configs { paper, robust, step } = self.configs;
-        let baseline = |measure| several(count, || Ok(Baseline::new(measure, &paper)));
-        match self.kind {
-            MethodKind::Smr => stepped::<Paper>(self.kind, count, paper, step),
-            MethodKind::Robust => stepped::<Robust>(self.kind, count, robust, step),
-            MethodKind::Sad => baseline(Measure::Absolute),
-            MethodKind::Ssd => baseline(Measure::Squared),
-            MethodKind::Ncc => baseline(Measure::Correlation),
-            MethodKind::Lk => several(count, || Ok(Flow::new(&paper))),
+        let (kind, Configs { paper, robust, step }) = (self.kind, self.configs);
+        match kind {
+            MethodKind::Smr => stepped::<Paper>(kind, count, paper, step),
+            MethodKind::Robust => stepped::<Robust>(kind, count, robust, step),
+            _ => several(count, || Ok(Baseline::new(kind, &paper))),
         }
     }
 }

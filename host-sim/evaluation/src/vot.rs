@@ -24,7 +24,7 @@ pub struct Vot {
 }
 
 impl Vot {
-    /// Of trajectories of the same length, and of the confidence in each frame, if one was reported.
+    /// The figure of trajectories of the same length, with the confidence in each frame, if one was reported.
     pub(super) fn new(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Self {
         let visible = truth.iter().flatten().count() as f64;
         let answers = answers.iter().zip(truth).zip(confidences).filter_map(|((answer, truth), confidence)| {
@@ -61,31 +61,26 @@ mod tests {
     }
 
     #[test]
-    fn a_perfect_tracker_is_at_one() {
-        let truth = [at(0.0), at(3.0), None];
+    fn the_best_threshold_is_taken() {
+        let (right, wrong) = (at(0.0), at(300.0));
+        let truth = [right, at(3.0), None];
         let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
-        assert_eq!(Vot::new(&truth, &[None; 3], &truth), perfect);
-        let unsure = Vot::new(&truth, &[None, Some(0.2), Some(0.1)], &truth);
-        assert_eq!(unsure, Vot { vot_threshold: Some(0.2), ..perfect });
-    }
-
-    #[test]
-    fn nothing_answered_and_nothing_visible_are_zero() {
-        assert_eq!(Vot::new(&[None, None], &[None, Some(0.0)], &[at(0.0); 2]), Vot::default());
-        assert_eq!(Vot::new(&[at(0.0); 2], &[None, Some(0.9)], &[None, None]), Vot::default());
-        assert_eq!(Vot::new(&[], &[], &[]), Vot::default());
-    }
-
-    #[test]
-    fn half_right() {
-        let (truth, answers) = ([at(0.0); 4], [at(0.0), at(0.0), at(300.0), at(300.0)]);
-        // All answers count: precision 1/2, recall 1/2.
+        let half = [right, right, wrong, wrong];
+        // All answers count: precision 1/2, recall 1/2. The wrong ones are less sure, so they can be left out: precision 1, recall 1/2.
         let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
-        assert_eq!(Vot::new(&answers, &[None; 4], &truth), all);
-        // The wrong ones were less sure, so they can be left out: precision 1, recall 1/2.
-        let sure = [None, Some(0.75), Some(0.5), Some(0.25)];
         let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
-        assert_eq!(Vot::new(&answers, &sure, &truth), without);
+        let cases: [(&[_], &[_], &[_], Vot); 7] = [
+            (&truth, &[None; 3], &truth, perfect),
+            (&truth, &[None, Some(0.2), Some(0.1)], &truth, Vot { vot_threshold: Some(0.2), ..perfect }),
+            (&[None, None], &[None, Some(0.0)], &[right; 2], Vot::default()),
+            (&[right; 2], &[None, Some(0.9)], &[None, None], Vot::default()),
+            (&[], &[], &[], Vot::default()),
+            (&half, &[None; 4], &[right; 4], all),
+            (&half, &[None, Some(0.75), Some(0.5), Some(0.25)], &[right; 4], without),
+        ];
+        for (answers, confidences, truth, expected) in cases {
+            assert_eq!(Vot::new(answers, confidences, truth), expected, "{answers:?} {confidences:?}");
+        }
     }
 
     #[test]

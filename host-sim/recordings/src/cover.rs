@@ -1,20 +1,17 @@
-//! What a camera shows while something covers its lens, or while it delivers another scene's frame: nothing of the target.
+//! Covers of a camera's lens: frames that show nothing of the target.
 
 use super::GrayFrame;
 use super::random::Random;
 
-/// What every frame shows while the target cannot be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cover {
-    /// All pixels are 0.
     Black,
-    /// All pixels are 255.
     White,
-    /// All pixels are 128.
+    /// 128
     Gray,
-    /// Every pixel of every frame is random by itself, 0 to 255.
+    /// Random pixels, others in every frame.
     Noise,
-    /// The same frame of another scene, again and again.
+    /// One frame of another scene, again and again.
     Frozen,
 }
 
@@ -24,7 +21,6 @@ const SEED: u64 = 0xC0FE_0000;
 impl Cover {
     pub const ALL: [Self; 5] = [Self::Black, Self::White, Self::Gray, Self::Noise, Self::Frozen];
 
-    /// As in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Black => "black",
@@ -35,7 +31,7 @@ impl Cover {
         }
     }
 
-    /// Frame `index` of the covered ones, counted from 0. `other` is a frame of another scene, of the size that all have.
+    /// Returns covered frame `index`, counted from 0. `other` is a frame of another scene, of the same size.
     pub fn frame(self, index: usize, other: &GrayFrame) -> GrayFrame {
         let mut made = other.clone();
         match self {

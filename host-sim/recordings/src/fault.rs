@@ -8,60 +8,45 @@ use clap::ValueEnum;
 use std::fmt;
 use std::str::FromStr;
 
-/// What a fault does to the frames of a recording.
+/// A fault of a camera, or a change of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     kind: Kind,
-    /// How much of it: frames of the kinds that are of a length, else as the kind says.
+    /// N of NAME:N: frames of the kinds that have a length, else as the kind says.
     amount: u16,
 }
 
+/// Kinds, as the help of `eval --fault` explains them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// So many frames never come, every second one.
     Dropped,
-    /// The frame before it comes again, so many times.
     Repeated,
-    /// The rows below some row are those of the frame before.
     Torn,
-    /// All pixels are 0.
     Black,
-    /// All pixels are 255.
     White,
-    /// So many columns are stuck at some value.
     Columns,
-    /// A bit is wrong in so many of 1000 pixels.
     Bits,
-    /// Pixels are so many hundredths of what they should be.
     Gain,
-    /// Noise of this standard deviation, in gray levels.
     Noise,
-    /// The window was read out so many pixels too far to the left, and half as many too high.
     Origin,
-    /// No frame comes for so many.
     Gap,
-    /// The picture is so many hundredths as bright, with noise of one gray level.
     Light,
-    /// The same, but the light changes step by step.
     Dusk,
-    /// The same as `Light`, from the lock on.
     Night,
-    /// The picture has so many hundredths of its contrast, around a light gray.
     Fog,
-    /// Pixels are raised to a power of so many hundredths.
     Gamma,
-    /// Pixels are so many gray levels brighter.
     Offset,
 }
 
-/// How long a fault is that has another amount.
+/// Frames of a fault whose amount is another.
 const FRAMES: usize = 10;
 
-/// How long a change of light lasts, and how long dusk takes.
+/// Frames of a change of light.
 const LIT: usize = 150;
+/// Frames until dusk has reached its level.
 const DUSK: i64 = 100;
 
-/// The seed of all that is random in a fault; with the number of the frame.
+/// Seed of the random numbers of a fault, with the number of the frame.
 const SEED: u64 = 0xFA17_0000;
 
 impl Fault {
@@ -82,7 +67,7 @@ impl Fault {
         self.kind == Kind::Night
     }
 
-    /// How many frames of the recording it goes over.
+    /// Frames of the recording that it goes over.
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
         match self.kind {
@@ -93,7 +78,7 @@ impl Fault {
         }
     }
 
-    /// What comes in place of frame `index` of its [`Fault::frames`], counted from 0; `None` if nothing comes. `before` is the last
+    /// Returns the frame that comes in place of frame `index` of [`Fault::frames`], counted from 0; `None` if none comes. `before` is the last
     /// frame before the fault, `former` the one before this one.
     pub fn of(
         &self,
@@ -142,7 +127,7 @@ impl Fault {
                 dim(pixels, 100 + (i64::from(amount) - 100) * step / DUSK, &mut random);
             }
             Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
-            Kind::Gamma => pixels.iter_mut().for_each(|pixel| *pixel = raised(*pixel, f64::from(amount) / 100.0)),
+            Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => shift(frame, pixels, usize::from(amount), usize::from(amount / 2)),
         }
@@ -155,7 +140,7 @@ fn listed(faults: &str) -> Vec<Fault> {
     faults.split(' ').map(|fault| fault.parse().expect("it is a fault")).collect()
 }
 
-/// What stands so far to the left and above; the edges go on.
+/// Moves the picture to the right and down; the edges go on.
 fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
     let width = usize::from(frame.width);
     for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
@@ -166,26 +151,22 @@ fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
     }
 }
 
-/// The gray of fog.
+/// Gray level of fog.
 const FOG: i64 = 110;
 
-/// Every pixel in other light.
+/// Gives every pixel another level.
 fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
-    pixels.iter_mut().for_each(|pixel| *pixel = clamped(light((*pixel).into())));
+    pixels.iter_mut().for_each(|pixel| *pixel = u8::try_from(light((*pixel).into()).clamp(0, 255)).unwrap_or(u8::MAX));
 }
 
-/// So many hundredths as bright, with noise of one gray level.
+/// Scales brightness by `hundredths`, and adds noise of one gray level.
 fn dim(pixels: &mut [u8], hundredths: i64, random: &mut Random) {
     relight(pixels, |level| level * hundredths / 100 + normal(random, 1));
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255
-fn raised(level: u8, power: f64) -> u8 {
-    (255.0 * (f64::from(level) / 255.0).powf(power)).round() as u8
-}
-
-fn clamped(level: i64) -> u8 {
-    u8::try_from(level.clamp(0, 255)).unwrap_or(u8::MAX)
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // 0 to 255
+fn raised(level: i64, power: f64) -> i64 {
+    (255.0 * (level as f64 / 255.0).powf(power)).round() as i64
 }
 
 /// Nearly normal: the sum of eight uniform bytes, less its mean, scaled.
@@ -281,19 +262,20 @@ mod tests {
 
     #[test]
     fn light_is_what_it_is_called() {
-        let frame = frame(3);
-        let pairs = |fault: &str, index| frame.pixels.clone().into_iter().zip(made(fault, index).unwrap().pixels);
-        let near = |level: u8, expected: f64| (f64::from(level) - expected.min(255.0)).abs() < 5.0;
-        let holds = |fault: &str, index, expected: fn(f64) -> f64| {
-            assert!(pairs(fault, index).all(|(was, is)| near(is, expected(was.into()))), "{fault}");
-        };
-        holds("light:20", 0, |level| level / 5.0);
-        holds("night:200", 0, |level| 2.0 * level);
-        holds("dusk:20", 49, |level| 0.6 * level);
-        holds("dusk:20", 120, |level| level / 5.0);
-        holds("fog:20", 0, |level| 110.0 + (level - 110.0) / 5.0);
-        holds("gamma:50", 0, |level| (level * 255.0).sqrt());
-        holds("offset:60", 0, |level| level + 60.0);
+        let cases: [(&str, usize, fn(f64) -> f64); 7] = [
+            ("light:20", 0, |level| level / 5.0),
+            ("night:200", 0, |level| 2.0 * level),
+            ("dusk:20", 49, |level| 0.6 * level),
+            ("dusk:20", 120, |level| level / 5.0),
+            ("fog:20", 0, |level| 110.0 + (level - 110.0) / 5.0),
+            ("gamma:50", 0, |level| (level * 255.0).sqrt()),
+            ("offset:60", 0, |level| level + 60.0),
+        ];
+        for (fault, index, expected) in cases {
+            for (was, is) in frame(3).pixels.into_iter().zip(made(fault, index).unwrap().pixels) {
+                assert!((f64::from(is) - expected(was.into()).min(255.0)).abs() < 5.0, "{fault}: {was} {is}");
+            }
+        }
     }
 
     #[test]

@@ -5,8 +5,7 @@ use super::random::Random;
 use super::synthetic::{Keys, PIXEL, Texture, between};
 use super::{BoundingBox, GrayFrame, Sequence};
 
-/// Frames in each.
-pub const LENGTH: usize = 120;
+const LENGTH: usize = 120;
 const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 /// Width and height of the target, in pixels.
@@ -20,9 +19,9 @@ struct Kind {
     name: &'static str,
     /// Pixels between the random levels of its texture, coarse and fine.
     grain: (i32, i32),
-    /// Its darkest and its brightest level.
+    /// The darkest and the brightest level.
     levels: (i32, i32),
-    /// How much of the sensor's noise there is; 1 is a standard deviation of 2.3 gray levels.
+    /// Noise of the sensor; 1 is a standard deviation of 2.3 gray levels.
     noise: i32,
 }
 
@@ -42,7 +41,7 @@ pub fn sequence(number: usize) -> Sequence {
     KINDS[number].sequence(number as u64)
 }
 
-/// Where the target is in frame `index`, in sixteenths of a pixel.
+/// Left and top edge of the target in frame `index`, in sixteenths of a pixel.
 fn place(index: usize) -> (i32, i32) {
     let frame = i32::try_from(index).unwrap_or(i32::MAX);
     (between(X, frame, PIXEL), between(Y, frame, PIXEL))

@@ -10,7 +10,7 @@ use smr_evaluation::robustness::{self, Former, Starts};
 use smr_evaluation::{Layout, Measured, MethodKind, Progress, TableName, Tables, Variant, covers, faults, published};
 use smr_recordings::fault::{Fault, Faults};
 use smr_recordings::output::complain;
-use smr_recordings::{Sequence, cleanup};
+use smr_recordings::{Sequence, cleanup, slow};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -60,8 +60,8 @@ pub struct Eval {
     /// is compared with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
-    /// Put faults of the camera, or changes of light, into the recordings, or cover the lens, and measure what the trackers do; several faults are
-    /// separated by commas, `all` and `light` are lists [default methods: smr,robust]
+    /// Put faults of the camera, or changes of light, into the recordings, or cover the lens, and measure what the trackers do; several faults
+    /// are separated by commas, `all` and `light` are lists [default methods: smr,robust]
     ///
     /// NAME:N is one of dropped:N (every second of 2 N frames never comes), repeated:N (the frame before comes N times more), torn:N (the
     /// lower part of N frames is that of the frame before), black:N, white:N (N frames), columns:N (N columns are stuck), bits:N (a bit is
@@ -73,17 +73,17 @@ pub struct Eval {
     /// power of N hundredths), offset:N (N gray levels brighter).
     ///
     /// Each fault is put in at up to 8 places of a recording, each a run of its own: locked on the ground truth 10 frames before it, watched
-    /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, in how many
-    /// of its frames the box was right, how many were right again and after how many frames, how many were right at the end, and in how many of all frames from the fault on *tracking* was said and
-    /// wrong. `none` are the same runs without a fault. What is random is the same each time.
+    /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, in how many of its frames
+    /// the box was right, how many were right again and after how many frames, how many were right at the end, and in how many of all frames
+    /// from the fault on *tracking* was said and wrong. `none` are the same runs without a fault. What is random is the same each time.
     ///
-    /// With `cover`, from the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of another scene: the first
-    /// frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the recording goes on where it was
-    /// interrupted. The recordings are those that are given, and five that are generated: a dark, a bright, a textured, a smooth and a
-    /// noisy target. Of each tracker and cover: recordings; those in which the box was right (IoU > 0.25) in the frame before; how many of the
-    /// 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in how many it was
-    /// *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one of these is
-    /// named. What is random is the same each time.
+    /// `cover` stands alone. From the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of
+    /// another scene: the first frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the
+    /// recording goes on where it was interrupted. The recordings are those that are given, and five that are generated: a dark, a bright, a
+    /// textured, a smooth and a noisy target. Of each tracker and cover: recordings; those in which the box was right in the frame before;
+    /// how many of the 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in
+    /// how many it was *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one
+    /// of these is named.
     #[arg(long, value_name = "NAME:N|all|light|cover", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
     #[command(flatten)]
@@ -169,7 +169,8 @@ impl Eval {
         let found = self.recording.find(&self.paths)?;
 
         let bar = progress::bar(NAME, Some(0));
-        let expected = Expected::of(&bar, found.len());
+        let generated = if matches!(protocol, Protocol::Cover) { slow::COUNT } else { 0 };
+        let expected = Expected::of(&bar, found.len() + generated);
         cleanup::stop_first();
         let progress = |progress| match progress {
             Progress::Expected { frames, recordings } => expected.add(frames, recordings),

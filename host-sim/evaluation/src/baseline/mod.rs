@@ -1,172 +1,152 @@
-//! The trackers of the paper's comparison: SMR's window, padding, tie rule and template update, another cost.
+//! The baselines of the paper's comparison: SMR's window, padding, tie rule and template update, another cost.
 //!
-//! - here: the search that they share, SAD and SSD.
-//! - `correlation`: NCC.
-//! - `flow`: Lucas-Kanade, which follows gradients in place of a search.
-//!
-//! They always answer: they have no gate, so they are never lost and their window never grows.
+//! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least, NCC the largest correlation coefficient of F and G, 0 where either is constant.
+//! Lucas-Kanade follows gradients in place of a search: see `flow`. They always answer: they have no gate, so they are never lost and their window
+//! never grows.
 
-mod correlation;
 mod flow;
-
-pub(super) use flow::Flow;
 
 use super::method::{Method, MethodKind, Report};
 use anyhow::Result;
-use correlation::Correlation;
+use flow::{Plane, floor, levels};
 use smr_core::paper::{Config, Radius};
 use smr_core::unstable::Window;
 use smr_core::{Frame, Image, LockError, Rect, UpdateError};
-use std::ops::Range;
-
-/// How a baseline compares a patch with the template.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Measure {
-    /// SAD: the sum of |F - G|, the least wins.
-    Absolute,
-    /// SSD: the sum of (F - G)^2, the least wins.
-    Squared,
-    /// NCC: the correlation coefficient of F and G, the largest wins; 0 where either is constant.
-    Correlation,
-}
+use smr_recordings::BoundingBox;
 
 /// The most pixels of a box, 1024x1024: all sums are exact.
 pub(super) const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
-    measure: Measure,
+    kind: MethodKind,
     radius: Radius,
     padding: u16,
-    target: Rect,
     /// Of the frame that was locked on; empty before the first lock.
     bounds: Rect,
+    /// Width and height of the target.
+    size: (u16, u16),
+    /// Left and top edge of the target; whole numbers, but of Lucas-Kanade.
+    place: [f64; 2],
     template: Vec<u8>,
 }
 
 impl Baseline {
-    pub(super) fn new(measure: Measure, config: &Config) -> Self {
-        let nothing = Rect::default();
+    pub(super) fn new(kind: MethodKind, config: &Config) -> Self {
         let (radius, padding) = (config.window, config.padding);
-        Self { measure, radius, padding, target: nothing, bounds: nothing, template: Vec::new() }
+        Self { kind, radius, padding, bounds: Rect::default(), size: (0, 0), place: [0.0; 2], template: Vec::new() }
     }
 
-    fn best(&self, window: &Window, canvas: &Canvas) -> (i32, i32) {
-        let template = Patch { pixels: &self.template, width: self.target.width.into() };
-        match self.measure {
-            Measure::Absolute => search(window, self.target, |x, y, best| {
-                difference(canvas.rows_at(x, y), template, best, |f, g| u32::from(f.abs_diff(g)))
-            }),
-            Measure::Squared => search(window, self.target, |x, y, best| {
-                difference(canvas.rows_at(x, y), template, best, |f, g| u32::from(f.abs_diff(g)).pow(2))
-            }),
-            Measure::Correlation => {
-                let correlation = Correlation::new(canvas, template);
-                search(window, self.target, |x, y, _| -correlation.at(x, y))
+    /// Returns the place of the best score in the window.
+    fn search(&self, image: Image<'_>) -> [f64; 2] {
+        let (width, height) = self.size;
+        let last = Rect::new(floor(self.place[0]), floor(self.place[1]), width, height);
+        let window = Window::new(last, self.radius, self.bounds, self.padding);
+        let (left, top) = (*window.xs().start(), *window.ys().start());
+        let size = (window.xs().end() + i32::from(width) - left, window.ys().end() + i32::from(height) - top);
+        // All pixels that the boxes of the window cover.
+        let canvas: Vec<u8> = levels(image, (left, top), size).collect();
+        let rows = |x: i32, y: i32| {
+            let (column, row, stride) = (index(x - left), index(y - top), index(size.0));
+            let below = canvas[row * stride..].chunks_exact(stride).map(move |row| &row[column..]);
+            below.zip(self.template.chunks_exact(width.into()))
+        };
+        let (x, y) = match self.kind {
+            MethodKind::Ncc => {
+                let spread = Spread::new(&self.template);
+                best(&window, last, |x, y, _| -spread.correlation(rows(x, y)))
             }
-        }
+            MethodKind::Ssd => {
+                best(&window, last, |x, y, least| difference(rows(x, y), least, |f, g| u32::from(f.abs_diff(g)).pow(2)))
+            }
+            _ => best(&window, last, |x, y, least| difference(rows(x, y), least, |f, g| f.abs_diff(g).into())),
+        };
+        [x.into(), y.into()]
+    }
+
+    /// Returns the place to which gradients lead, at most as far as the window reaches.
+    fn flow(&self, image: Image<'_>) -> [f64; 2] {
+        let limits = |place: f64, radius: u16, size: u16, frame: u16| {
+            let (radius, padding) = (f64::from(radius), f64::from(self.padding));
+            let (least, most) = (-padding, f64::from(frame) + padding - f64::from(size));
+            ((place - radius).max(least), (place + radius).min(most))
+        };
+        let xs = limits(self.place[0], self.radius.x, self.size.0, self.bounds.width);
+        let ys = limits(self.place[1], self.radius.y, self.size.1, self.bounds.height);
+        flow::find(image, &self.template, self.size, self.place, [xs, ys])
     }
 }
 
 impl Method for Baseline {
     fn kind(&self) -> MethodKind {
-        match self.measure {
-            Measure::Absolute => MethodKind::Sad,
-            Measure::Squared => MethodKind::Ssd,
-            Measure::Correlation => MethodKind::Ncc,
-        }
+        self.kind
     }
 
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()> {
-        self.template = first_template(frame, target)?;
-        (self.target, self.bounds) = (target, frame.bounds());
+        let error = match target {
+            target if target.is_empty() => Some(LockError::BoxEmpty),
+            target if !frame.bounds().contains(target) => Some(LockError::BoxOutsideFrame),
+            target if target.area() > MAX_PIXELS => Some(LockError::BoxTooLarge),
+            _ => None,
+        };
+        error.map_or(Ok(()), Err)?;
+        let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
+        self.template = patch.rows().flatten().copied().collect();
+        (self.size, self.bounds) = ((target.width, target.height), frame.bounds());
+        self.place = [target.x.into(), target.y.into()];
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        check_size(frame, self.bounds)?;
-        let window = Window::new(self.target, self.radius, self.bounds, self.padding);
-        let (width, height) = (i32::from(self.target.width), i32::from(self.target.height));
-        let xs = *window.xs().start()..*window.xs().end() + width;
-        let ys = *window.ys().start()..*window.ys().end() + height;
-        let canvas = Canvas::new(frame, xs, ys).ok_or(UpdateError::WindowNotInMemory)?;
-
-        let (x, y) = self.best(&window, &canvas);
-        self.target = Rect { x, y, ..self.target };
-        let patch = frame.patch(self.target);
-        if let Some(patch) = patch {
-            self.template.clear();
-            self.template.extend(patch.rows().flatten());
+        match self.bounds {
+            bounds if bounds.is_empty() => return Err(UpdateError::NotLocked.into()),
+            bounds if bounds != frame.bounds() => return Err(UpdateError::FrameSizeChanged.into()),
+            _ => {}
         }
-        Ok(Report::of_baseline(self.target.into(), patch.is_some()))
+        let image = frame.patch(self.bounds).ok_or(UpdateError::WindowNotInMemory)?;
+        self.place = if self.kind == MethodKind::Lk { self.flow(image) } else { self.search(image) };
+        let ([x, y], (width, height)) = (self.place, self.size);
+        let target = BoundingBox { x, y, width: width.into(), height: height.into() };
+        let (right, lower) = (x + target.width, y + target.height);
+        let inside = x >= 0.0 && y >= 0.0 && right <= self.bounds.width.into() && lower <= self.bounds.height.into();
+        if inside {
+            let (left, top) = (floor(x), floor(y));
+            let found = Plane::new(image, (left, top), (i32::from(width) + 1, i32::from(height) + 1));
+            self.template = found.patch([x - f64::from(left), y - f64::from(top)], self.size).map(byte).collect();
+        }
+        Ok(Report::of_baseline(target, inside))
     }
 
     fn template(&self) -> Option<Image<'_>> {
-        Image::new(&self.template, self.target.width, self.target.height).ok()
+        Image::new(&self.template, self.size.0, self.size.1).ok()
     }
 }
 
-/// The pixels of the box that is locked on.
-fn first_template(frame: &Frame<'_>, target: Rect) -> Result<Vec<u8>> {
-    if target.is_empty() {
-        return Err(LockError::BoxEmpty.into());
-    }
-    if !frame.bounds().contains(target) {
-        return Err(LockError::BoxOutsideFrame.into());
-    }
-    if target.area() > MAX_PIXELS {
-        return Err(LockError::BoxTooLarge.into());
-    }
-    let patch = frame.patch(target).ok_or(LockError::LockWindowNotInMemory)?;
-    Ok(patch.rows().flatten().copied().collect())
-}
-
-/// Errors: The frame that was locked on, if one was, did not have the size of `bounds`.
-fn check_size(frame: &Frame<'_>, bounds: Rect) -> Result<(), UpdateError> {
-    match bounds {
-        bounds if bounds.is_empty() => Err(UpdateError::NotLocked),
-        bounds if bounds != frame.bounds() => Err(UpdateError::FrameSizeChanged),
-        _ => Ok(()),
-    }
-}
-
-/// The position of least cost, of equal ones the closest to `last`, then the upper, then the left one.
+/// Returns the position of least cost, of equal ones the closest to `last`, then the upper, then the left one.
 ///
 /// `cost` is told the least cost so far, and may stop and give anything larger once it is past that.
-fn search(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
-    let distance = |x: i32, y: i32| {
-        let (dx, dy) = (u64::from(x.abs_diff(last.x)), u64::from(y.abs_diff(last.y)));
-        dx * dx + dy * dy
-    };
+fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
+    let distance = |(x, y): (i32, i32)| u64::from(x.abs_diff(last.x)).pow(2) + u64::from(y.abs_diff(last.y)).pow(2);
     // The last position comes first: it is in the window, and mostly gives a bound that stops the others early.
     let (mut best, mut least) = ((last.x, last.y), cost(last.x, last.y, f64::INFINITY));
     // Rows from the top, columns from the left: of equally close ones the first to come is the one that wins. The last
     // position loses to none of them, for it alone is at distance 0.
-    for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
-        let here = cost(x, y, least);
-        if here < least || (here == least && distance(x, y) < distance(best.0, best.1)) {
-            (best, least) = ((x, y), here);
+    for at in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
+        let here = cost(at.0, at.1, least);
+        if here < least || (here == least && distance(at) < distance(best)) {
+            (best, least) = (at, here);
         }
     }
     best
 }
 
-/// Rows of pixels without a gap.
-#[derive(Clone, Copy)]
-struct Patch<'a> {
-    pixels: &'a [u8],
-    width: usize,
-}
+/// A row of a box, and that of the template, which may be shorter.
+type Pair<'a> = (&'a [u8], &'a [u8]);
 
-/// The sum of `pixel` over all pairs, row by row until it is more than `enough`.
+/// Returns the sum of `pixel` over all pairs, row by row until it is more than `enough`.
 #[inline]
-fn difference<'a>(
-    rows: impl Iterator<Item = &'a [u8]>,
-    template: Patch<'_>,
-    enough: f64,
-    pixel: impl Fn(u8, u8) -> u32,
-) -> f64 {
+fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl Fn(u8, u8) -> u32) -> f64 {
     let mut sum = 0.0;
-    for (f, g) in rows.zip(template.pixels.chunks_exact(template.width)) {
+    for (f, g) in rows {
         // Sums of u32 below 2^53: exact in f64.
         sum += f64::from(f.iter().zip(g).map(|(&f, &g)| pixel(f, g)).sum::<u32>());
         if sum > enough {
@@ -176,46 +156,51 @@ fn difference<'a>(
     sum
 }
 
-/// All pixels that the boxes of one window cover, with the padding's zeroes written out: speed, not memory, counts here.
-struct Canvas {
-    pixels: Vec<u8>,
-    stride: usize,
-    left: i32,
-    top: i32,
+/// The sum of the template's pixels, and `pixels`^2 times their variance. All such sums are at most 2^40 * 255 * 255 < 2^56.
+struct Spread {
+    pixels: i64,
+    sum: i64,
+    spread: i64,
 }
 
-impl Canvas {
-    /// `None` if the frame is not wholly in memory.
-    fn new(frame: &Frame<'_>, xs: Range<i32>, ys: Range<i32>) -> Option<Self> {
-        let image = frame.patch(frame.bounds())?;
-        let (stride, width) = (xs.len(), i32::from(image.width()));
-        let mut pixels = vec![0; stride * ys.len()];
-        let seen = xs.start.max(0)..xs.end.min(width);
-        if !seen.is_empty() {
-            let (from, to) = (index(seen.start), index(seen.end));
-            let at = index(seen.start - xs.start);
-            for (y, line) in ys.clone().zip(pixels.chunks_exact_mut(stride)) {
-                let row = u16::try_from(y).map_or(&[][..], |y| image.row(y));
-                if let Some(row) = row.get(from..to) {
-                    line[at..at + row.len()].copy_from_slice(row);
-                }
-            }
+impl Spread {
+    fn new(template: &[u8]) -> Self {
+        let [sum, squares, _] = sums(template, template);
+        let pixels = template.len() as i64;
+        Self { pixels, sum, spread: pixels * squares - sum * sum }
+    }
+
+    /// Returns the correlation coefficient: exact sums, divided in f64.
+    fn correlation<'a>(&self, rows: impl Iterator<Item = Pair<'a>>) -> f64 {
+        let of_rows = rows.map(|(f, g)| sums(f, g));
+        let [sum, squares, products] = of_rows.fold([0; 3], |all, row| [0, 1, 2].map(|i| all[i] + row[i]));
+        let common = self.pixels * products - sum * self.sum;
+        let spreads = (self.pixels * squares - sum * sum) as f64 * self.spread as f64;
+        if spreads == 0.0 { 0.0 } else { common as f64 / spreads.sqrt() }
+    }
+}
+
+/// Sums of f, f f and f g.
+fn sums(f: &[u8], g: &[u8]) -> [i64; 3] {
+    let mut sums = [0; 3];
+    // Sums over 2^16 pixels fit in 32 bits.
+    for (f, g) in f[..g.len()].chunks(1 << 16).zip(g.chunks(1 << 16)) {
+        let (mut sum, mut squares, mut products) = (0, 0, 0);
+        for (&f, &g) in f.iter().zip(g) {
+            let (f, g) = (u32::from(f), u32::from(g));
+            (sum, squares, products) = (sum + f, squares + f * f, products + f * g);
         }
-        Some(Self { pixels, stride, left: xs.start, top: ys.start })
+        sums = [sums[0] + i64::from(sum), sums[1] + i64::from(squares), sums[2] + i64::from(products)];
     }
-
-    fn locate(&self, x: i32, y: i32) -> (usize, usize) {
-        (index(x - self.left), index(y - self.top))
-    }
-
-    /// From the pixel at (`x`, `y`) of the frame to the end of its row, then the same of the rows below.
-    fn rows_at(&self, x: i32, y: i32) -> impl Iterator<Item = &[u8]> {
-        let (column, row) = self.locate(x, y);
-        self.pixels[row * self.stride..].chunks_exact(self.stride).map(move |row| &row[column..])
-    }
+    sums
 }
 
-/// What is known not to be negative as an index.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // means of bytes
+fn byte(level: f64) -> u8 {
+    level.round() as u8
+}
+
+/// The index of a place that is not before the canvas.
 fn index(value: i32) -> usize {
     usize::try_from(value).expect("the canvas begins where the window does")
 }
@@ -227,7 +212,7 @@ mod tests {
     use smr_core::State;
     use smr_recordings::GrayFrame;
 
-    const ALL: [Measure; 3] = [Measure::Absolute, Measure::Squared, Measure::Correlation];
+    const ALL: [MethodKind; 3] = [MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc];
 
     /// A plain picture with a 6x5 target, no two rows or columns of which are alike, at (`left`, `top`).
     fn picture(left: i32, top: i32) -> GrayFrame {
@@ -246,22 +231,22 @@ mod tests {
         config
     }
 
-    fn locked(measure: Measure, config: &Config, frame: &GrayFrame, target: Rect) -> Baseline {
-        let mut baseline = Baseline::new(measure, config);
+    fn locked(kind: MethodKind, config: &Config, frame: &GrayFrame, target: Rect) -> Baseline {
+        let mut baseline = Baseline::new(kind, config);
         baseline.lock(&frame.frame(), target).unwrap();
         baseline
     }
 
     #[test]
     fn a_target_is_followed_out_of_the_picture_and_its_template_is_kept() {
-        for measure in ALL {
-            let mut baseline = locked(measure, &config(6, 20), &picture(5, 10), Rect::new(5, 10, 6, 5));
+        for kind in ALL {
+            let mut baseline = locked(kind, &config(6, 20), &picture(5, 10), Rect::new(5, 10, 6, 5));
             let inside = baseline.update(&picture(1, 12).frame()).unwrap();
-            assert_eq!(inside, Report::locked(Rect::new(1, 12, 6, 5)), "{measure:?}");
+            assert_eq!(inside, Report::locked(Rect::new(1, 12, 6, 5)), "{kind:?}");
             let template = baseline.template.clone();
             let leaving = baseline.update(&picture(-2, 13).frame()).unwrap();
-            assert_eq!(leaving.state, State::Leaving, "{measure:?}");
-            assert_eq!(baseline.template, template, "{measure:?}");
+            assert_eq!(leaving.state, State::Leaving, "{kind:?}");
+            assert_eq!(baseline.template, template, "{kind:?}");
         }
     }
 
@@ -269,9 +254,9 @@ mod tests {
     fn without_texture_the_box_stays_where_it_was() {
         let plain = GrayFrame { width: 20, height: 20, pixels: vec![90; 400] };
         let target = Rect::new(7, 6, 4, 3);
-        for measure in ALL {
-            let mut baseline = locked(measure, &config(3, 0), &plain, target);
-            assert_eq!(baseline.update(&plain.frame()).unwrap().target, Some(target.into()), "{measure:?}");
+        for kind in ALL {
+            let mut baseline = locked(kind, &config(3, 0), &plain, target);
+            assert_eq!(baseline.update(&plain.frame()).unwrap().target, Some(target.into()), "{kind:?}");
         }
     }
 
@@ -279,41 +264,49 @@ mod tests {
     fn correlation_does_not_see_brightness_and_contrast() {
         let mut darker = picture(12, 9);
         darker.pixels.iter_mut().for_each(|pixel| *pixel = *pixel / 3 + 1);
-        let mut baseline = locked(Measure::Correlation, &config(6, 0), &picture(10, 10), Rect::new(10, 10, 6, 5));
+        let mut baseline = locked(MethodKind::Ncc, &config(6, 0), &picture(10, 10), Rect::new(10, 10, 6, 5));
         assert_eq!(baseline.update(&darker.frame()).unwrap().target, Some(Rect::new(12, 9, 6, 5).into()));
     }
 
     #[test]
     fn what_cannot_be_followed_is_an_error() {
         let frame = picture(5, 5);
-        let mut baseline = Baseline::new(Measure::Absolute, &config(3, 0));
-        assert_eq!(baseline.update(&frame.frame()).unwrap_err().downcast_ref(), Some(&UpdateError::NotLocked));
-        let mut refused = |target| baseline.lock(&frame.frame(), target).unwrap_err().downcast::<LockError>().unwrap();
-        assert_eq!(refused(Rect::default()), LockError::BoxEmpty);
-        assert_eq!(refused(Rect::new(36, 0, 6, 5)), LockError::BoxOutsideFrame);
-        let large = GrayFrame { width: 1025, height: 1024, pixels: vec![0; 1025 * 1024] };
-        let too_large = baseline.lock(&large.frame(), Rect::new(0, 0, 1025, 1024)).unwrap_err();
-        assert_eq!(too_large.downcast_ref(), Some(&LockError::BoxTooLarge));
-        baseline.lock(&large.frame(), Rect::new(0, 0, 1024, 1024)).unwrap();
+        for kind in [MethodKind::Sad, MethodKind::Lk] {
+            let mut baseline = Baseline::new(kind, &config(3, 0));
+            assert_eq!(baseline.update(&frame.frame()).unwrap_err().downcast_ref(), Some(&UpdateError::NotLocked));
+            let large = GrayFrame { width: 1025, height: 1024, pixels: vec![0; 1025 * 1024] };
+            for (frame, target, expected) in [
+                (&frame, Rect::default(), LockError::BoxEmpty),
+                (&frame, Rect::new(36, 0, 6, 5), LockError::BoxOutsideFrame),
+                (&large, Rect::new(0, 0, 1025, 1024), LockError::BoxTooLarge),
+            ] {
+                assert_eq!(baseline.lock(&frame.frame(), target).unwrap_err().downcast_ref(), Some(&expected));
+            }
+            baseline.lock(&large.frame(), Rect::new(0, 0, 1024, 1024)).unwrap();
+            assert_eq!(
+                baseline.update(&frame.frame()).unwrap_err().downcast_ref(),
+                Some(&UpdateError::FrameSizeChanged)
+            );
+        }
     }
 
     #[test]
     fn the_largest_sums_are_exact() {
         let frame = |pixel: u8| GrayFrame { width: 1024, height: 1024, pixels: vec![pixel; 1 << 20] };
         let target = Rect::new(0, 0, 1024, 1024);
-        let canvas = Canvas::new(&frame(255).frame(), 0..1024, 0..1024).unwrap();
-        let black = frame(0);
-        let template = Patch { pixels: &black.pixels, width: 1024 };
-        let squares = difference(canvas.rows_at(0, 0), template, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
+        let (white, black) = (frame(255).pixels, frame(0).pixels);
+        let rows = white.chunks_exact(1024).zip(black.chunks_exact(1024));
+        let squares = difference(rows, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
         assert_eq!(squares, 1_048_576.0 * 255.0 * 255.0);
-        for measure in ALL {
-            let mut baseline = locked(measure, &config(0, 0), &frame(255), target);
+        assert_eq!(sums(&white, &black), [255 << 20, 255 * 255 << 20, 0]);
+        for kind in ALL {
+            let mut baseline = locked(kind, &config(0, 0), &frame(255), target);
             assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target.into()));
         }
     }
 
     /// Everything anew, pixel by pixel: what a box at (`x`, `y`) costs.
-    fn plain_cost(measure: Measure, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
+    fn plain_cost(kind: MethodKind, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
         let pixel = |x: i32, y: i32| {
             let inside = (0..i32::from(frame.width)).contains(&x) && (0..i32::from(frame.height)).contains(&y);
             if inside { f64::from(frame.pixels[index(y * i32::from(frame.width) + x)]) } else { 0.0 }
@@ -321,10 +314,10 @@ mod tests {
         let places = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| (x, y)));
         let pairs: Vec<(f64, f64)> = places.map(|(x, y)| pixel(x, y)).zip(template.iter().map(|&g| g.into())).collect();
         let sum = |of: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|&(f, g)| of(f, g)).sum::<f64>();
-        match measure {
-            Measure::Absolute => sum(&|f, g| (f - g).abs()),
-            Measure::Squared => sum(&|f, g| (f - g).powi(2)),
-            Measure::Correlation => {
+        match kind {
+            MethodKind::Sad => sum(&|f, g| (f - g).abs()),
+            MethodKind::Ssd => sum(&|f, g| (f - g).powi(2)),
+            _ => {
                 let (f_mean, g_mean) = (sum(&|f, _| f) / pairs.len() as f64, sum(&|_, g| g) / pairs.len() as f64);
                 let common = sum(&|f, g| (f - f_mean) * (g - g_mean));
                 let spreads = sum(&|f, _| (f - f_mean).powi(2)) * sum(&|_, g| (g - g_mean).powi(2));
@@ -346,24 +339,24 @@ mod tests {
             frames in frames(),
             (width, height, x, y) in (1..5_u16, 1..5_u16, 0..7_i32, 0..5_i32),
             (radius, padding) in (0..6_u16, 0..8_u16),
-            measure in prop::sample::select(&ALL[..]),
+            kind in prop::sample::select(&ALL[..]),
         ) {
             let mut target = Rect::new(x, y, width, height);
             let config = config(radius, padding);
-            let mut baseline = locked(measure, &config, &frames[0], target);
+            let mut baseline = locked(kind, &config, &frames[0], target);
             for frame in &frames[1..] {
                 let window = Window::new(target, config.window, frame.frame().bounds(), padding);
-                let cost = |x, y| plain_cost(measure, frame, &baseline.template, Rect { x, y, ..target });
+                let cost = |x, y| plain_cost(kind, frame, &baseline.template, Rect { x, y, ..target });
                 // As core states it: the least cost, then the closest, then the upper, then the left one.
                 let rank = |(x, y): (i32, i32)| (x.abs_diff(target.x).pow(2) + y.abs_diff(target.y).pow(2), y, x);
                 let all: Vec<_> = window.ys().flat_map(|y| window.xs().map(move |x| (x, y))).collect();
                 let least = all.iter().map(|&(x, y)| cost(x, y)).fold(f64::INFINITY, f64::min);
                 // A plain correlation is not exact: what is equal but for its last digits may be the best.
-                let slack = if measure == Measure::Correlation { 1e-9 } else { 0.0 };
+                let slack = if kind == MethodKind::Ncc { 1e-9 } else { 0.0 };
                 let best: Vec<_> = all.into_iter().filter(|&(x, y)| cost(x, y) <= least + slack).collect();
 
                 let found = baseline.update(&frame.frame()).unwrap().target.unwrap().to_rect().unwrap();
-                if measure == Measure::Correlation {
+                if kind == MethodKind::Ncc {
                     prop_assert!(best.contains(&(found.x, found.y)));
                 } else {
                     prop_assert_eq!(Some((found.x, found.y)), best.into_iter().min_by_key(|&at| rank(at)));

@@ -7,24 +7,15 @@ use serde_json::Value;
 use smr_core::State;
 use std::time::Duration;
 
-/// Counts of one run: one method from one start.
+/// Figures of one run: one method from one start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunFigures {
     pub score: Score,
+    /// The counts of the run; the means are those over starts.
+    counts: Figures,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
-    /// Times that the target came back after it was hidden, and of these the ones after which it was soon followed.
-    returns: usize,
-    found_again: usize,
-    /// From here on without the frame that was locked on. Frames in which it was *tracking*, and of these the ones in which the target is
-    /// hidden or the box is wrong.
-    said: usize,
-    said_wrongly: usize,
-    /// All frames in which the target is hidden or the box is wrong.
-    wrong: usize,
-    /// Frames in which the box is right, and of these the ones in which it was anything but *tracking*.
-    right: usize,
-    right_unsaid: usize,
+    /// Frames without the one that was locked on.
     updates: u64,
     /// `None` if that of one update was not counted.
     work: Option<u64>,
@@ -36,35 +27,31 @@ impl RunFigures {
     /// Errors: It is of another length.
     pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
-        let overlaps = overlaps(&answers, truth)?;
+        let (overlaps, score) = (overlaps(&answers, truth)?, Score::new(&answers, truth)?);
+        let answered_visible =
+            answers.iter().zip(truth).filter(|(answer, truth)| answer.and(**truth).is_some()).count();
         let (returns, found_again) = returns(&overlaps);
-        let mut figures = Self {
-            score: Score::new(&answers, truth)?,
-            answered_visible: answers.iter().zip(truth).filter(|(answer, truth)| answer.and(**truth).is_some()).count(),
-            returns,
-            found_again,
-            updates: run.updates().len() as u64,
-            work: run.updates().iter().map(|report| report.work.map(u64::from)).sum(),
-            time: run.time,
-            ..Self::default()
-        };
+        let (hidden, answered_hidden) = (score.frames - score.visible, score.answered - answered_visible);
+        let mut counts = Figures { hidden, answered_hidden, returns, found_again, ..Figures::default() };
         for (report, overlap) in run.updates().iter().zip(&overlaps[1..]) {
             let said = report.state == State::Tracking;
             let right = overlap.is_some_and(|overlap| overlap > CORRECT);
-            figures.said += usize::from(said);
-            figures.said_wrongly += usize::from(said && !right);
-            figures.wrong += usize::from(!right);
-            figures.right += usize::from(right);
-            figures.right_unsaid += usize::from(right && !said);
+            counts.tracking += usize::from(said);
+            counts.tracking_wrong += usize::from(said && !right);
+            counts.wrong += usize::from(!right);
+            counts.right += usize::from(right);
+            counts.right_unsaid += usize::from(right && !said);
         }
-        Ok(figures)
+        let work = run.updates().iter().map(|report| report.work.map(u64::from)).sum();
+        let updates = run.updates().len() as u64;
+        Ok(Self { score, counts, answered_visible, updates, work, time: run.time })
     }
 }
 
 /// The target is found again if an answer is correct in so many frames from the one in which it came back.
 const SOON: usize = 50;
 
-/// How often the target came back, and how often it was found again, by the overlaps of all frames: `None` where it is hidden.
+/// Returns how often the target came back, and how often it was found again, by the overlaps of all frames: `None` where it is hidden.
 fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
     let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
@@ -83,7 +70,7 @@ macro_rules! figures {
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
         /// Figures of a method on a recording over all starts, or on several recordings on average.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub(super) struct Figures {
+        pub(crate) struct Figures {
             $($(#[$doc])* pub $figure: $type,)*
         }
 
@@ -164,12 +151,10 @@ impl Figures {
     /// are of all frames of all starts together.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
+        let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;
         // The target is visible in a frame of each run: recordings without one are not measured.
         let recalls = || runs.iter().filter_map(|run| run.score.recall);
         let iou_sum = runs.iter().filter_map(|run| Some(run.score.mean_iou? * run.score.visible as f64)).sum();
-        let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>();
-        let answered_visible = sum(|run| run.answered_visible);
-        let answered = sum(|run| run.score.answered);
         let updates = runs.iter().map(|run| run.updates).sum::<u64>() as f64;
         let work: Option<u64> = runs.iter().map(|run| run.work).sum();
         let time: Duration = runs.iter().map(|run| run.time).sum();
@@ -178,19 +163,11 @@ impl Figures {
             worst_correct: recalls().reduce(f64::min).unwrap_or(0.0),
             mean_correct_50: mean(|score| ratio(score.correct_50 as f64, score.visible as f64)),
             f: mean(|score| score.f.unwrap_or(0.0)),
-            mean_iou: ratio(iou_sum, answered_visible as f64),
-            precision: ratio(sum(|run| run.score.correct) as f64, answered as f64),
-            hidden: sum(|run| run.score.frames - run.score.visible),
-            answered_hidden: answered - answered_visible,
-            returns: sum(|run| run.returns),
-            found_again: sum(|run| run.found_again),
-            tracking: sum(|run| run.said),
-            tracking_wrong: sum(|run| run.said_wrongly),
-            wrong: sum(|run| run.wrong),
-            right: sum(|run| run.right),
-            right_unsaid: sum(|run| run.right_unsaid),
+            mean_iou: ratio(iou_sum, sum(|run| run.answered_visible)),
+            precision: ratio(sum(|run| run.score.correct), sum(|run| run.score.answered)),
             work_per_frame: work.map(|work| ratio(work as f64, updates)),
             microseconds_per_frame: ratio(time.as_secs_f64() * 1e6, updates),
+            ..Self::over_recordings(&runs.iter().map(|run| run.counts).collect::<Vec<_>>())
         }
     }
 
@@ -266,35 +243,17 @@ mod tests {
         };
         assert!((figures.mean_iou - expected.mean_iou).abs() < 1e-12);
         assert_eq!(Figures { mean_iou: expected.mean_iou, ..figures }, expected);
-    }
-
-    #[test]
-    fn what_is_not_counted_has_no_mean() {
-        let figures = Figures::over_starts(&runs(None));
-        assert_eq!(figures.work_per_frame, None);
-        assert_eq!(Figures::over_recordings(&[figures, Figures::over_starts(&runs(Some(1)))]).work_per_frame, None);
+        // Work that is not counted in one run has no mean.
+        let uncounted = Figures::over_starts(&self::runs(None));
+        assert_eq!(uncounted.work_per_frame, None);
+        assert_eq!(Figures::over_recordings(&[uncounted, figures]).work_per_frame, None);
     }
 
     #[test]
     fn recordings_count_alike() {
-        let part = |mean: f64, sum: usize| Figures {
-            mean_correct: mean,
-            worst_correct: mean,
-            mean_correct_50: mean,
-            f: mean,
-            mean_iou: mean,
-            precision: mean,
-            hidden: sum,
-            answered_hidden: sum,
-            returns: sum,
-            found_again: sum,
-            tracking: sum,
-            tracking_wrong: sum,
-            wrong: sum,
-            right: sum,
-            right_unsaid: sum,
-            work_per_frame: Some(mean),
-            microseconds_per_frame: mean,
+        let part = |mean_iou: f64, wrong: usize| {
+            let work_per_frame = Some(mean_iou);
+            Figures { mean_iou, wrong, work_per_frame, microseconds_per_frame: mean_iou, ..Figures::default() }
         };
         assert_eq!(Figures::over_recordings(&[part(0.25, 10), part(0.75, 2)]), part(0.5, 12));
     }

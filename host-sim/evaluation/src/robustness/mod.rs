@@ -74,16 +74,15 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Of each method its recordings, their starts in the same order, and the means over all recordings and, if they lie in several folders, by folder.
+/// Returns the tables of the recordings of each method, of their starts in the same order, and of the means over all recordings and, if they lie in
+/// several folders, by folder.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
-    let head = |(key, title)| Head::new(key, title, 0);
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
-    let names = [("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")];
-    let mut measured =
-        Table::new(TableName::Measured, 2, [names.map(head).to_vec(), figures.clone(), origin.clone()].concat());
-    let names = [("tracker", ""), ("sequence", ""), ("folder", "")].map(head).to_vec();
+    let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
+    let mut measured = Table::new(TableName::Measured, 2, [names, figures.clone(), origin.clone()].concat());
+    let names = Head::list(&[("tracker", ""), ("sequence", ""), ("folder", "")]);
     let mut starts = Table::new(TableName::Starts, 0, [names, Head::all(START)].concat());
-    let names = [("tracker", ""), ("folder", ""), ("recordings", "")].map(head).to_vec();
+    let names = Head::list(&[("tracker", ""), ("folder", ""), ("recordings", "")]);
     // For people means are remarks below what was measured.
     let mut figures = figures;
     figures.iter_mut().for_each(Head::hide);

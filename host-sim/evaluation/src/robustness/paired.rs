@@ -96,8 +96,8 @@ impl FormerRow {
 /// Sets every method of `tables` against the one of its name in `former`, else against the first there; without it, against the first method here.
 /// Errors: The former measurement is from other starts, or on no recording that is here.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
-    let names = [("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")];
-    let names = names.map(|(key, title)| Head::new(key, title, 0)).to_vec();
+    let names =
+        Head::list(&[("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")]);
     let for_people = HEADLINE.iter().map(|(_, title)| Head::new("", title, 3)).collect();
     let mut table =
         Table::new(TableName::Paired, 1, [names, Head::with_errors(HEADLINE.map(|(key, _)| key)), for_people].concat());

@@ -130,7 +130,7 @@ mod tests {
         starts.into_iter().map(|start| start.target).collect()
     }
 
-    /// Near the given one: rounded once, and what lies outside the frame is cut off.
+    /// They are rounded once, and the part outside the frame is cut off.
     #[test]
     fn five_boxes_near_the_given_one() {
         let near = |given: &str, expected: [[i32; 4]; 5]| {
