@@ -22,13 +22,11 @@ pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     runs
 }
 
-/// True if a command succeeds, whatever it prints.
 pub fn runs(command: &mut Command) -> bool {
     let command = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
 }
 
-/// True if ffmpeg runs. If not, the test is skipped.
 pub fn has_ffmpeg(test: &str) -> bool {
     has(test, "ffmpeg", &["-version"])
 }

@@ -1,6 +1,6 @@
 //! `host-sim` with input that `tests/cases` cannot make: videos, links, pipes, odd names, and the recordings of the paper.
 
-use crate::missing::{has_ffmpeg, recordings};
+use crate::missing::{has_ffmpeg, recordings, runs};
 use crate::program::{PROGRAM, host_sim, utf8};
 use std::fs;
 use std::path::Path;
@@ -9,8 +9,7 @@ use std::process::Command;
 /// Makes a video with ffmpeg.
 fn film(file: &Path, arguments: &[&str]) {
     let source = ["-v", "error", "-f", "lavfi", "-i"];
-    let made = Command::new("ffmpeg").args(source).args(arguments).arg(file).status();
-    assert!(made.unwrap().success(), "{arguments:?}");
+    assert!(runs(Command::new("ffmpeg").args(source).args(arguments).arg(file)), "{arguments:?}");
 }
 
 /// A video as phones make it: rotated by metadata, with a varying frame rate.
@@ -24,8 +23,7 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     let (plain, turned, uneven) = (file("plain.mp4"), file("turned.mp4"), file("uneven.mp4"));
     film(&plain, &["testsrc=size=320x240:rate=30:duration=1", "-pix_fmt", "yuv420p"]);
     let note = ["-c", "copy", "-metadata:s:v:0", "rotate=90"];
-    let copied = Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned).status();
-    assert!(copied.unwrap().success());
+    assert!(runs(Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&plain)]).args(note).arg(&turned)));
     let size = |video: &Path| {
         let said = host_sim(&["convert", utf8(video), "-o", utf8(&file("clip.y4m")), "--json"]).json();
         (said["width"].as_u64().unwrap(), said["height"].as_u64().unwrap())

@@ -18,9 +18,8 @@ fn folder(test: &str) -> PathBuf {
 fn page(test: &str, arguments: &[&str]) -> PathBuf {
     static MADE: Mutex<BTreeMap<String, PathBuf>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().unwrap();
-    let count = made.len();
     let report = made.entry(arguments.join(" ")).or_insert_with(|| {
-        let report = folder(&format!("made-{count}")).join("report.html");
+        let report = folder(&format!("for-{test}")).join("report.html");
         let said = host_sim(&[&["report", "--out", utf8(&report)], arguments].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         report

@@ -1,7 +1,7 @@
 //! The commands of the READMEs run as they stand there. Each line of a block ```sh that calls host-sim is run in a folder that has the files that
 //! the READMEs speak of: `clip.mp4`, `video.mp4`, `sequences`, a flight record. A line that is not run stands in `NOT_RUN`, with the reason.
 
-use crate::missing::{has_ffmpeg, skipped};
+use crate::missing::{has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
 use smr_core::record::Recorder;
 use smr_core::{Robust, Tracker, robust};
@@ -83,9 +83,7 @@ fn clip(folder: &Path) {
         Some(0)
     );
     let clip = folder.join("clip.mp4");
-    let made =
-        Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)]).stdin(Stdio::null()).status();
-    assert!(made.unwrap().success());
+    assert!(runs(Command::new("ffmpeg").args(["-v", "error", "-i", utf8(&frames), utf8(&clip)])));
     fs::remove_file(&frames).unwrap();
     fs::copy(&clip, folder.join("video.mp4")).unwrap();
 }

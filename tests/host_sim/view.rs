@@ -17,7 +17,6 @@ struct Window {
     process: Child,
     place: String,
     token: String,
-    /// Folder for its temporary files.
     folder: TempDir,
 }
 

@@ -65,7 +65,6 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
     /// The configuration with this backend; `None` for the fastest.
     fn by(config: Self::Config, backend: Option<Backend>) -> Self::Config;
 
-    /// A valid configuration.
     fn usual() -> Self::Config;
 
     /// The configuration with the plain loops.
