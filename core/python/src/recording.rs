@@ -116,10 +116,8 @@ impl Recording {
             Ok(mut live) if self.is_live => live.get()?.take(),
             _ => None,
         };
-        let opened = || {
-            let sequence = kept.map_or_else(|| open(&self.path), Ok)?;
-            Ok(if self.color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence })
-        };
+        let in_color = |sequence: Sequence| if self.color { sequence.in_color(FFMPEG_PATIENCE) } else { sequence };
+        let opened = || kept.map_or_else(|| open(&self.path), Ok).map(in_color);
         Ok(Decoded(Mutex::new(OfProcess::new(py.detach(opened).map_err(refused)?))))
     }
 

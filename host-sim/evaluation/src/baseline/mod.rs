@@ -166,8 +166,7 @@ struct Spread {
 impl Spread {
     fn new(template: &[u8]) -> Self {
         let [sum, squares, _] = sums(template, template);
-        #[allow(clippy::cast_possible_wrap)] // at most 2^20
-        let pixels = template.len() as i64;
+        let pixels = i64::try_from(template.len()).expect("a template has at most 2^20 pixels");
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
