@@ -262,16 +262,16 @@ mod tests {
 
     #[test]
     fn light_is_what_it_is_called() {
-        let cases: [(&str, usize, fn(f64) -> f64); 7] = [
-            ("light:20", 0, |level| level / 5.0),
+        type Expected = fn(f64) -> f64;
+        for (fault, index, expected) in [
+            ("light:20", 0, (|level| level / 5.0) as Expected),
             ("night:200", 0, |level| 2.0 * level),
             ("dusk:20", 49, |level| 0.6 * level),
             ("dusk:20", 120, |level| level / 5.0),
             ("fog:20", 0, |level| 110.0 + (level - 110.0) / 5.0),
             ("gamma:50", 0, |level| (level * 255.0).sqrt()),
             ("offset:60", 0, |level| level + 60.0),
-        ];
-        for (fault, index, expected) in cases {
+        ] {
             for (was, is) in frame(3).pixels.into_iter().zip(made(fault, index).unwrap().pixels) {
                 assert!((f64::from(is) - expected(was.into()).min(255.0)).abs() < 5.0, "{fault}: {was} {is}");
             }

@@ -298,7 +298,7 @@ mod tests {
         let rows = white.chunks_exact(1024).zip(black.chunks_exact(1024));
         let squares = difference(rows, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
         assert_eq!(squares, 1_048_576.0 * 255.0 * 255.0);
-        assert_eq!(sums(&white, &black), [255 << 20, 255 * 255 << 20, 0]);
+        assert_eq!(sums(&white, &black), [255 << 20, (255 * 255) << 20, 0]);
         for kind in ALL {
             let mut baseline = locked(kind, &config(0, 0), &frame(255), target);
             assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target.into()));
