@@ -179,7 +179,7 @@ fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Er
 /// A recording with all its frames in memory, so that many runs read it and it is decoded once.
 pub(super) struct Recording {
     pub name: String,
-    /// As many as there are entries of the truth; at least one.
+    /// One for each entry of the truth; at least one.
     pub frames: Vec<GrayFrame>,
     pub init: BoundingBox,
     pub truth: Vec<Option<BoundingBox>>,

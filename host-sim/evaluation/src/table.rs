@@ -91,7 +91,7 @@ pub fn blank() -> Value {
     "".into()
 }
 
-/// What is printed for an unknown value.
+/// The text for an unknown value.
 const UNKNOWN: &str = "-";
 
 pub struct Table {
@@ -167,7 +167,7 @@ impl Table {
     }
 }
 
-/// What a command measured: in JSON an object with an array of objects for each table.
+/// Results of a command: in JSON an object with an array of objects for each table.
 #[derive(Default)]
 pub struct Tables {
     pub tables: Vec<Table>,

@@ -34,7 +34,7 @@ impl BoundingBox {
         (!rect.is_empty()).then_some(rect)
     }
 
-    /// The same box in whole pixels.
+    /// The box in whole pixels.
     /// Errors: There is none. The words follow after "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {

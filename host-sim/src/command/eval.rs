@@ -242,7 +242,7 @@ impl Eval {
         self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
     }
 
-    /// What is published is of all frames: a part of a recording has a name of its own.
+    /// Published figures are of all frames, so a part of a recording has a name of its own.
     fn open_part(&self, path: &Path) -> Result<Sequence> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {
