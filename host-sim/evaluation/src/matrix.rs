@@ -257,7 +257,7 @@ mod tests {
     fn sequence() -> Sequence {
         let frame = GrayFrame { width: 1024, height: 512, pixels: vec![0; 1 << 19] };
         let at: BoundingBox = "3,4,5,6".parse().unwrap();
-        Sequence::made("mine", vec![frame; 3].into_iter(), vec![Some(at), None, Some(at)])
+        Sequence::made("moving", vec![frame; 3].into_iter(), vec![Some(at), None, Some(at)])
     }
 
     #[test]
