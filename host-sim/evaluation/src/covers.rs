@@ -1,7 +1,7 @@
-//! A covered lens: from the middle of a recording on, 300 frames show nothing of the target, and then the recording goes on where it was interrupted.
+//! A covered lens: in the middle of a recording, 300 frames show nothing of the target; then the recording goes on.
 //!
-//! A tracker shall say so: *tracking* in at most `TRACKING` of these frames, *lost* by frame `LOST_BY` of them. And it shall follow the target
-//! again within `AGAIN` frames, if it was right in the frame before.
+//! The goals of a tracker: *tracking* in at most `TRACKING` covered frames, *lost* by covered frame `LOST_BY`, and a
+//! right box within `AGAIN` frames after the cover, if the box was right before it.
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Recording};
 use super::robustness::whole;
@@ -14,13 +14,13 @@ use smr_recordings::{GrayFrame, OpenOptions, Resize, Sequence, slow, synthetic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Covered frames.
+/// Number of covered frames.
 const FRAMES: usize = 300;
 /// The most covered frames that may be called *tracking*.
 const TRACKING: usize = 2;
-/// The covered frame by which the target is to be lost, counted from 1.
+/// Covered frame by which the target must be lost, counted from 1.
 const LOST_BY: usize = 30;
-/// Frames after the cover in which the box is to become right.
+/// Frames after the cover within which the box must become right.
 const AGAIN: usize = 10;
 
 /// Counts of one tracker, cover and recording.
@@ -29,24 +29,24 @@ struct Counts {
     tracker: String,
     cover: &'static str,
     sequence: String,
-    /// True if the box was right in the frame before.
+    /// True if the box was right in the frame before the cover.
     right_before: bool,
-    /// Covered frames that it called *tracking*.
+    /// Covered frames with the state *tracking*.
     tracking: usize,
-    /// The first covered frame that it called *lost*, counted from 1.
+    /// The first covered frame with the state *lost*, counted from 1.
     lost_at: Option<usize>,
-    /// The first frame after the cover in which the box was right, counted from 1, of the first ten.
+    /// Number of the first frame after the cover in which the box was right, from 1 to `AGAIN`.
     right_again: Option<usize>,
 }
 
-/// A goal: in words, what misses it, and a check for that.
+/// A goal: words for missing it, and a check that is true if a recording misses it.
 type Goal = (&'static str, fn(&Counts) -> bool);
 
 const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > TRACKING);
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
-/// A tracker and a cover, over all recordings.
+/// Counts of a tracker and a cover, over all recordings.
 struct Row {
     tracker: String,
     origin: Origin,
@@ -54,7 +54,7 @@ struct Row {
     recordings: Vec<Counts>,
 }
 
-/// Runs every variant through every cover in the middle of the recordings at `paths`, and of those that are generated.
+/// Runs every variant through every cover, in the middle of the recordings at `paths` and of the generated ones.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -77,9 +77,9 @@ struct Covers<'a> {
 }
 
 impl Covers<'_> {
-    /// A frame of another scene, in the size of the recording at `place`.
+    /// Returns a frame of another scene, in the size of the recording at `place`.
     fn other(&self, place: usize, width: u16, height: u16) -> Result<GrayFrame> {
-        // The scene half the list away: neighbours by name are often of the same one.
+        // The recording half the list away: neighbours by name often show the same scene.
         let path = match self.paths.len() {
             count if count > 1 && place < count => &self.paths[(place + count / 2) % count],
             _ => Path::new(synthetic::NAME),
@@ -158,7 +158,7 @@ impl Row {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
 
-    /// Frames called *tracking* in the median of the recordings, and in the worst.
+    /// Returns the frames with the state *tracking* in the median of the recordings, and in the worst.
     fn tracking(&self) -> (usize, usize) {
         let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
         all.sort_unstable();
@@ -177,7 +177,7 @@ impl Row {
         self.recordings.iter().filter(|of| misses(of)).map(|of| of.sequence.as_str()).collect()
     }
 
-    /// A line for each goal that is missed, with the recordings that miss it.
+    /// Returns a line for each goal that is missed, with the recordings that miss it.
     fn missed(&self) -> Vec<String> {
         let missed = [NOT_TRACKING, LOST, RIGHT_AGAIN].map(|goal| (goal.0, self.missing(goal)));
         let missed = missed.iter().filter(|(_, which)| !which.is_empty());
@@ -187,7 +187,7 @@ impl Row {
     }
 }
 
-/// The counts of each recording, the rows over them, and what misses a goal.
+/// Makes the tables of counts and of rows over recordings, and a line for each missed goal.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover.name())));
     let row = |(variant, cover): (&Variant, &'static str)| {

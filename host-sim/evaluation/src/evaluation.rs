@@ -1,4 +1,4 @@
-//! Scores of whole recordings from one start: the trackers here, and the results of others, in tables with the paper's.
+//! Scores of whole recordings from one start: trackers run here and results of others, in tables with the paper's.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub struct Contestant {
     /// Name in tables and in JSON.
     pub name: String,
-    /// The tracker that was run here; `None` of another tracker's result file.
+    /// The tracker that was run here; `None` for the result file of another tracker.
     pub origin: Option<Origin>,
 }
 
@@ -37,12 +37,12 @@ pub struct Evaluation {
     /// Frames in which the target is visible.
     pub visible: usize,
     pub scores: Vec<(Contestant, Score)>,
-    /// Errors of those without a score.
+    /// Errors of contestants without a score.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
 }
 
-/// Evaluates the recordings at `paths` in parallel, each on one thread; with other trackers' results beside them, if `compares`.
+/// Evaluates recordings in parallel, each on one thread; if `compares`, also other trackers' results beside them.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -79,11 +79,11 @@ pub fn measure(
     }
 }
 
-/// Runs `variants` over the sequence, and scores `files`, other trackers' results on it, too.
+/// Runs `variants` over the sequence, and scores the results of other trackers in `files`.
 ///
-/// One thread; each frame is decoded once and dropped when all methods have seen it. `progress` is called after each.
-/// Errors: No ground truth or one of another length, no box to start from, or a frame that cannot be read. An error of one
-/// contestant only is one of [`Evaluation::failures`].
+/// One thread decodes each frame once and drops it when all methods have seen it; then `progress` is called.
+/// Errors: No ground truth or one of another length, no box to start from, or a frame that cannot be read. The error of
+/// a single contestant goes to [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,
     variants: &[Variant],
@@ -127,7 +127,7 @@ impl Evaluation {
         }
     }
 
-    /// Tables of all scores, contestant by contestant, with means over several recordings, and of correct frames beside those of the paper.
+    /// Makes tables of all scores and their means over recordings, and one of correct frames beside the paper's.
     ///
     /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
     pub fn tables(all: &[Self]) -> Tables {
@@ -135,7 +135,7 @@ impl Evaluation {
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();
         let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence")]);
         let mut measured = Table::new(TableName::Measured, 2, [names, figures, origin.clone()].concat());
-        // For people means are remarks below what was measured.
+        // For people, means are remarks below the measured rows.
         let names = Head::list(&[("tracker", ""), ("recordings", "")]);
         let with_errors = Head::with_errors(with_mean().map(|figure| figure.key));
         let mut means_of_all = Table::new(TableName::Means, 0, [names, with_errors, origin].concat());
@@ -170,7 +170,7 @@ impl Evaluation {
             if scores.len() < 2 {
                 continue;
             }
-            // Recordings count alike; those in which the target is never visible are in no mean.
+            // Recordings count alike; a recording in which the target is never visible is in no mean.
             let known = scores.iter().filter(|score| score.visible > 0);
             let known: Vec<Vec<f64>> =
                 known.map(|score| with_mean().map(|figure| (figure.of)(score).unwrap_or(0.0)).collect()).collect();
@@ -193,7 +193,7 @@ fn with_mean() -> impl Iterator<Item = &'static Figure> {
     Score::FIGURES.iter().filter(|figure| figure.has_mean)
 }
 
-/// Everyone who has a score on at least one sequence.
+/// Returns all contestants with a score on at least one sequence.
 fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
     let mut all: Vec<Contestant> = Vec::new();
     for (contestant, _) in evaluations.iter().flat_map(|e| &e.scores) {
@@ -209,7 +209,7 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
     all
 }
 
-/// Runs the followers side by side. One that fails is not asked again; the others go on.
+/// Runs the followers side by side. After an error a follower gets no more frames; the others go on.
 fn follow(
     frames: impl Iterator<Item = Result<Frame>>,
     followers: Vec<Follower>,

@@ -1,8 +1,8 @@
 //! Faults of the camera: the state during one, how soon the box is right again, and how often *tracking* was said and wrong.
 //!
 //! A fault is put into a recording at several places. Each is a run of its own: the tracker is locked on the ground truth's box
-//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. Without a fault the same runs are made once more, to
-//! tell apart what goes wrong anyway.
+//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. The same runs are repeated without a
+//! fault, to show what goes wrong anyway.
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Record, Recording};
 use super::table::{Column, Table, TableName, Tables};
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 const LEAD: usize = 10;
 /// Frames after the fault in which the box may become right again.
 const WATCHED: usize = 50;
-/// Places in a recording, at most.
+/// Most places of a fault in a recording.
 const PLACES: usize = 8;
 
 /// The default trackers: both of smr-core.
@@ -42,20 +42,20 @@ struct Counts {
     states: [usize; 4],
     /// Frames that came during the fault with the target visible.
     visible: usize,
-    /// Of these, the ones in which the box was right.
+    /// Frames during the fault in which the box was right.
     right: usize,
-    /// Frames after the fault until the box was right again, within those that were watched.
+    /// Frames after the fault until the box was right again; `None` if it was not in the frames watched.
     until_right: Option<usize>,
     /// True if the box was right in the last frame in which the target is visible.
     right_at_the_end: bool,
     /// Frames from the first of the fault to the last that was watched.
     frames: usize,
-    /// Of these, the ones in which *tracking* was said although the box was wrong or the target hidden.
+    /// Frames in which *tracking* was said although the box was wrong or the target hidden.
     tracking_while_wrong: usize,
 }
 
 struct Faults<'a> {
-    /// Each case of a place: no fault, and each of the faults.
+    /// Cases at each place: first no fault, then each of the faults.
     cases: Vec<Option<&'a Fault>>,
     /// Frames of the longest fault.
     longest: usize,
@@ -84,12 +84,12 @@ impl<'f> Faults<'f> {
         Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
     }
 
-    /// The frame after a fault at `place`. Without a fault as many frames are counted as with the longest.
+    /// Returns the frame after a fault at `place`. A run without a fault counts as many frames as the longest fault.
     fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
         place + fault.map_or(self.longest, Fault::frames)
     }
 
-    /// A row for each variant and fault; none if nothing was measured.
+    /// Returns a row for each variant and fault; none if nothing was measured.
     fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<Row> {
         let cases = variants.iter().flat_map(|variant| self.cases.iter().map(move |&fault| (variant, fault.copied())));
         let row = |(variant, fault): (&Variant, Option<Fault>)| {
@@ -104,7 +104,7 @@ impl<'f> Faults<'f> {
 }
 
 impl Protocol for Faults<'_> {
-    /// `None` where the box was not right before the fault.
+    /// `None` if the box was not right in the frame before the fault.
     type Figures = Option<Counts>;
     const IS_COMMON: bool = true;
 
@@ -129,8 +129,8 @@ impl Protocol for Faults<'_> {
     }
 }
 
-/// Returns the frames in which faults begin, and the box to lock on before each: evenly over the recording, where the target is visible from the
-/// lock to the first frame of the fault.
+/// Returns the frames in which faults begin, spread evenly over the recording, and the box to lock on before each. The
+/// target is visible at the lock and where the fault begins.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
@@ -173,7 +173,7 @@ impl Counts {
     }
 }
 
-/// Columns of a fault. Frames until the box was right are those of the median of the runs in which it became so, and of the worst.
+/// Columns of a fault. Frames until the box was right: the median and the most, over the runs in which it became right.
 const COLUMNS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
@@ -205,7 +205,7 @@ const COLUMNS: &[Column<Row>] = &[
     }),
 ];
 
-/// Returns a part as percent; `None` of nothing.
+/// Returns `part` in percent of `whole`; `None` if `whole` is 0.
 fn percent(part: usize, whole: usize) -> Option<String> {
     (100 * part + whole / 2).checked_div(whole).map(|percent| format!("{percent} %"))
 }
@@ -219,7 +219,7 @@ impl Row {
         self.runs.iter().map(of).sum()
     }
 
-    /// Frames until the box was right again, of the runs in which it was, sorted.
+    /// Returns the frames until the box was right again, sorted, for the runs in which it became right.
     fn until_right(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.runs.iter().filter_map(|run| run.until_right).collect();
         all.sort_unstable();
@@ -245,7 +245,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // Two of the built-in ones have none. What they have here is not right everywhere, but no tracker may panic for it.
+        // Two built-in recordings have no truth. This one is not always right, but no tracker may panic for it.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)
@@ -255,7 +255,7 @@ mod tests {
         METHODS.map(|kind| Variant::new(kind, &Config::camera().into()))
     }
 
-    /// Also that nothing panics: overflow checks are on in tests.
+    /// Runs every fault. Overflow checks are on in tests, so a panic is found, too.
     fn every_fault_on(name: &str) {
         let (all, variants) = (Fault::all(), variants());
         let faults = Faults::new(&all);

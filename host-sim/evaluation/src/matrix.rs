@@ -1,5 +1,5 @@
-//! The driver of all measurements: recordings x trackers x cases, each a run, give a record each. A [`Protocol`] says which runs a recording takes, and
-//! what is kept of one.
+//! Driver of all measurements: a tracker makes a run for each case of a recording. A [`Protocol`] says which cases a
+//! recording has, and which figures of a run are kept.
 
 use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -11,17 +11,17 @@ use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The most bytes of frames of one recording in memory: 1 GiB, some 14000 frames of 320x240 pixels. When recordings in memory have as much
-/// together, no more are read before these are measured.
+/// Most bytes of frames of one recording in memory: 1 GiB, some 14000 frames of 320x240 pixels. When the recordings in
+/// memory reach it together, they are measured before more are read.
 const MOST_BYTES: u64 = 1 << 30;
 const MIB: u64 = 1 << 20;
 
 /// Results of a measurement.
 pub struct Measured {
     pub tables: Result<Tables>,
-    /// Errors of what could not be measured; none after a signal has asked to stop.
+    /// Errors of runs and recordings that could not be measured; none after a signal has asked to stop.
     pub failures: Vec<Error>,
-    /// Remarks on what was read.
+    /// Remarks on the recordings.
     pub notes: Vec<String>,
     /// True if there is no result.
     pub is_empty: bool,
@@ -29,9 +29,9 @@ pub struct Measured {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// These frames more will come, of these recordings more.
+    /// More frames and recordings are about to be measured.
     Expected { frames: u64, recordings: usize },
-    /// One of them is done.
+    /// One frame is done.
     Done,
 }
 
@@ -65,9 +65,9 @@ pub(super) struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// From the first to before the second of these frames the camera has a fault.
+    /// The camera has a fault from the first of these frames to before the second.
     Fault(usize, usize, Fault),
-    /// Before the frame of the first number come as many as the second says that show only the cover, or the frame of another scene.
+    /// Frames of the cover, or of another scene, come before a frame: its number, and how many frames come.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
 }
 
@@ -76,7 +76,7 @@ impl Intervention {
         if let Self::Fault(.., fault) = *self { Some(fault) } else { None }
     }
 
-    /// Returns the frames that come for the one at `place`.
+    /// Returns the frames that the tracker gets for the one at `place`.
     fn shown<'a>(&'a self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
         let own = std::iter::once(Cow::Borrowed(&frames[place]));
         match *self {
@@ -107,11 +107,11 @@ struct Held {
     cases: Vec<Case>,
 }
 
-/// Runs every variant through the cases of each of `count` recordings, which `open` opens by their place.
+/// Runs every variant through the cases of each of `count` recordings; `open` opens a recording by its place.
 ///
-/// Recordings, variants and cases are all spread over the threads that there are. A recording is decoded once and kept in memory, where it may have
-/// 1 GiB. Records come recording by recording, in the order of `variants`. If one case fails, there is no record of this variant and recording. If
-/// a signal asks to stop, there are the records that are whole.
+/// Recordings, variants and cases are spread over all threads. A recording is decoded once and kept in memory. Records
+/// come recording by recording, in the order of `variants`. A case that fails leaves no record of its variant and
+/// recording. After a signal only complete records are returned.
 pub(super) fn measure<'a, P: Protocol>(
     protocol: &P,
     count: usize,
@@ -179,7 +179,7 @@ fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Er
 /// A recording with all its frames in memory, so that many runs read it and it is decoded once.
 pub(super) struct Recording {
     pub name: String,
-    /// One for each entry of the truth; at least one.
+    /// Frames, one for each entry of the truth; at least one.
     pub frames: Vec<GrayFrame>,
     pub init: BoundingBox,
     pub truth: Vec<Option<BoundingBox>>,
@@ -222,7 +222,7 @@ impl Recording {
     }
 
     /// Follows the target of a case. `progress` is called for each frame of the recording.
-    /// Errors: A tracker that cannot be built, the tracker's, or a signal that asks to stop.
+    /// Errors: The tracker cannot be built or fails, or a signal asks to stop.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, case.target)]);
         let mut run = Run::default();
@@ -245,7 +245,7 @@ impl Recording {
     }
 }
 
-/// The ground truth of the sequence called `name`, without which nothing can be measured.
+/// Returns the ground truth of the sequence called `name`; nothing can be measured without it.
 pub(super) fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
     truth.with_context(|| format!("{name}: no ground truth beside it: expected gt.txt, groundtruth_rect.txt or groundtruth.txt (`track` needs none)"))
 }

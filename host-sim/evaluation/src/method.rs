@@ -9,19 +9,19 @@ use smr_recordings::BoundingBox;
 pub trait Method {
     fn kind(&self) -> MethodKind;
 
-    /// Starts on the target in `target`.
+    /// Locks on the target in the box `target`.
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()>;
 
     /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
-    /// A measure of how distinct the target is from its surroundings; `None` before the first lock, and from the baselines.
+    /// Returns how well the target differs from its surroundings; `None` before the first lock, and from the baselines.
     fn quality(&self) -> Option<Quality> {
         None
     }
 
-    /// The pixels that a baseline compares the next frame with; `None` before the first lock, and from smr-core's trackers, which show more: see
-    /// `report`.
+    /// Returns the pixels that a baseline compares the next frame with. `None` before the first lock, and from
+    /// smr-core's trackers, whose larger models `report` shows.
     fn template(&self) -> Option<Image<'_>> {
         None
     }
@@ -32,16 +32,16 @@ pub trait Method {
 pub struct Report {
     /// The target's box, to fractions of a pixel; `None` when it is lost.
     pub target: Option<BoundingBox>,
-    /// The same in whole pixels.
+    /// The target's box in whole pixels; `None` when it is lost.
     pub bbox: Option<Rect>,
     pub state: State,
-    /// The figures of smr-core's decision; `None` in the frame that was locked on, and from the baselines.
+    /// The figures of smr-core's decision; `None` in the frame of a lock, and from the baselines.
     pub evidence: Option<Evidence>,
-    /// The work that the answer took, at most, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from the baselines.
+    /// Most work, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from the baselines.
     pub work: Option<u32>,
 }
 
-/// The figures behind an answer of smr-core, with 1.0 as 1.0: see [`Answer`].
+/// The figures behind an answer of smr-core, as fractions: see [`Answer`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Evidence {
     pub confidence: f64,
@@ -54,7 +54,7 @@ pub struct Evidence {
 }
 
 impl Report {
-    /// The frame that was locked on: the box is the one that was given.
+    /// Makes the report of a frame that was locked on: its box is the given one.
     pub fn locked(target: Rect) -> Self {
         Self::of_baseline(target.into(), true)
     }
@@ -63,7 +63,7 @@ impl Report {
         self.evidence.map(|evidence| evidence.confidence)
     }
 
-    /// The report of a baseline: its best box, inside the frame or not.
+    /// Makes the report of a baseline from its best box, inside the frame or not.
     pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
         let state = if inside { State::Tracking } else { State::Leaving };
         Self { target: Some(target), bbox: target.to_rect(), state, evidence: None, work: None }
@@ -126,7 +126,7 @@ impl MethodKind {
         matches!(self, Self::Smr | Self::Robust)
     }
 
-    /// The states that it can report, the best one first.
+    /// Returns the states that the method can report, the best one first.
     pub const fn states(self) -> &'static [State] {
         match self {
             Self::Smr => &[State::Tracking, State::Leaving, State::Lost],

@@ -1,23 +1,23 @@
 //! The figures of OTB: Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013, one run from the first frame.
 //!
-//! Over the frames in which the target is visible, on the boxes as they were answered:
+//! The figures count the frames in which the target is visible, with boxes as they were answered:
 //!
 //! - success at a threshold: the fraction of frames with IoU > threshold; the AUC is the mean of the success at
 //!   0, 0.05, ... 1
 //! - precision at a distance: the fraction of frames in which the centres of answer and truth are at most so far apart; it
 //!   is quoted at 20 pixels
 //!
-//! A frame without an answer is in neither. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the
-//! benchmark's own code.
+//! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as
+//! with the benchmark's own code.
 
 use super::Trajectory;
 use super::means::means;
 use smr_recordings::BoundingBox;
 
-/// Steps between the thresholds of the success curve, which has one point more.
+/// Intervals between the thresholds of the success curve, which has one point more.
 pub const STEPS: usize = 20;
 
-/// The distance in pixels that precision is quoted at.
+/// The distance in pixels at which precision is quoted.
 pub const NEAR: usize = 20;
 
 /// The largest distance of the precision curve, in pixels.
@@ -32,7 +32,7 @@ pub struct Otb {
 }
 
 impl Otb {
-    /// The figures of trajectories of the same length.
+    /// Computes the figures of trajectories of the same length.
     pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let passed: u32 = counts.above.iter().sum();
@@ -45,32 +45,32 @@ impl Otb {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// At 0, 1/20, ... 1.
+    /// Success at the thresholds 0, 1/20, ... 1.
     pub success: Vec<f64>,
-    /// At 0, 1, ... 50 pixels.
+    /// Precision at distances of 0, 1, ... 50 pixels.
     pub precision: Vec<f64>,
 }
 
 impl Curves {
-    /// The curves of trajectories of the same length.
+    /// Computes the curves of trajectories of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
         Self { success: curve(&counts.above), precision: curve(&counts.within) }
     }
 
-    /// The mean over recordings, each counting the same; `None` of none.
+    /// Returns the mean over recordings, each counting the same; `None` without recordings.
     pub fn mean(of: &[&Self]) -> Option<Self> {
         let mean = |curve: fn(&Self) -> &Vec<f64>| means(&of.iter().map(|one| curve(one).clone()).collect::<Vec<_>>());
         (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })
     }
 
-    /// The area under the success curve.
+    /// Returns the area under the success curve.
     pub fn auc(&self) -> f64 {
         area(&self.success)
     }
 
-    /// The area under the precision curve, up to 50 pixels.
+    /// Returns the area under the precision curve, up to 50 pixels.
     pub fn precision_area(&self) -> f64 {
         area(&self.precision)
     }
@@ -80,7 +80,7 @@ fn area(curve: &[f64]) -> f64 {
     curve.iter().sum::<f64>() / curve.len() as f64
 }
 
-/// The distance of the centres of answer and truth in each frame, in pixels; `None` where one of them is missing.
+/// Returns the distance between the centres in each frame, in pixels; `None` where one of the boxes is missing.
 pub fn centre_errors(answers: &Trajectory, truth: &Trajectory) -> Vec<Option<f64>> {
     answers.iter().zip(truth).map(|(answer, truth)| Some(centre_error(answer.as_ref()?, truth.as_ref()?))).collect()
 }
@@ -114,7 +114,6 @@ impl Counts {
     }
 }
 
-/// The distance of the two centres, in pixels.
 fn centre_error(a: &BoundingBox, b: &BoundingBox) -> f64 {
     let ((x, y), (to_x, to_y)) = (a.centre(), b.centre());
     (to_x - x).hypot(to_y - y)
@@ -135,7 +134,7 @@ mod tests {
             // A perfect tracker passes all thresholds but the last. An answer while the target is hidden does not count.
             (&[near, at(5.0, 5.0), None], &[near, at(5.0, 5.0), None], 20.0, 1.0),
             (&[near, at(5.0, 5.0), at(9.0, 9.0)], &[near, at(5.0, 5.0), None], 20.0, 1.0),
-            // Nothing answered, nothing visible, and nothing.
+            // No answers, no visible target, and no frames.
             (&[None, None], &[near; 2], 0.0, 0.0),
             (&[near; 2], &[None, None], 0.0, 0.0),
             (&[], &[], 0.0, 0.0),
@@ -145,7 +144,7 @@ mod tests {
             (&[at(5.0, 0.0)], &[near], 7.0, 1.0),
             // 6 to the right: 40 of 160. 0.25 is not above 0.25.
             (&[at(6.0, 0.0)], &[near], 5.0, 1.0),
-            // Centres 20 pixels apart are near, and further ones are not; nothing is shared, so no threshold is passed.
+            // Centres 20 pixels apart are near, farther ones are not; IoU is 0, so no threshold is passed.
             (&[at(12.0, 16.0)], &[near], 0.0, 1.0),
             (&[at(12.0, 16.1)], &[near], 0.0, 0.0),
             (&[far], &[near], 0.0, 0.0),

@@ -36,8 +36,8 @@ pub(super) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Other trackers' results on the sequence at `path`: `trackers/*.txt` in its folder, in natural order; often none.
-/// Errors: There is such a folder, but it cannot be read.
+/// Returns other trackers' result files for the sequence at `path`: `trackers/*.txt` in its folder, in natural order.
+/// Errors: The folder exists, but cannot be read.
 pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
     let folder = folder.join(RESULTS);

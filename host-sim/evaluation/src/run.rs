@@ -1,4 +1,4 @@
-//! A run: one tracker on its way through a recording, and the record of its answers, which scores and tables are made from.
+//! A run: the answers of one tracker in one recording, from which scores and tables are made.
 
 use super::method::{Method, Report};
 use super::{CORRECT, Refused, Trajectory, Variant};
@@ -7,13 +7,13 @@ use smr_core::{Frame, Quality, Rect, State};
 use smr_recordings::{BoundingBox, GrayFrame, Target};
 use std::time::{Duration, Instant};
 
-/// A target on its way through the frames, and the tracker that follows it: it locks where it is told to, locks again where it is corrected, and
-/// updates in all other frames. It remembers no answer, so it can follow a camera for days.
+/// A tracker that follows one target: it locks on the first box, locks again on each correction, and updates in all
+/// other frames. It remembers no answer, so it can follow a camera for days.
 pub struct Follower<M: Method + ?Sized = dyn Method> {
-    /// `None` if it is the only one, and was given none.
+    /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// The boxes still to lock on, with the numbers of their frames.
+    /// Boxes still to lock on, with the numbers of their frames.
     starts: std::iter::Peekable<std::vec::IntoIter<(usize, Rect)>>,
     begun: bool,
 }
@@ -32,12 +32,12 @@ impl Follower {
 }
 
 impl<M: Method + ?Sized> Follower<M> {
-    /// `method` will be locked on each of `starts` in the frame of its number, or in the next one that comes.
+    /// Makes a follower that locks on each of `starts` in the frame of its number, or in the next one that comes.
     pub fn new(method: Box<M>, starts: Vec<(usize, Rect)>) -> Self {
         Self { name: None, method, starts: starts.into_iter().peekable(), begun: false }
     }
 
-    /// Returns the report of the frame of this number; `None` before the first box.
+    /// Returns the report of frame `number`; `None` before the first box.
     /// Errors: The tracker's, with the number of the frame.
     pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
         let report = match self.starts.next_if(|(at, _)| *at <= number) {
@@ -54,19 +54,19 @@ impl<M: Method + ?Sized> Follower<M> {
         })
     }
 
-    /// [`Method::quality`] in the frame of the last lock.
+    /// Returns [`Method::quality`], which is that of the last lock.
     pub fn quality(&self) -> Option<Quality> {
         self.method.quality()
     }
 
-    /// The number of the frame of the next box.
+    /// Returns the number of the frame of the next box to lock on.
     pub fn next_start(&mut self) -> Option<usize> {
         self.starts.peek().map(|(frame, _)| *frame)
     }
 }
 
-/// Starts `method` on the target in `target`.
-/// Errors: What the method refuses is a [`Refused`].
+/// Locks `method` on the target in the box `target`.
+/// Errors: A [`Refused`] if the method refuses the box.
 pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect) -> Result<()> {
     method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }
@@ -75,9 +75,9 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 pub struct Run {
     /// A report for each frame that was shown, from the first lock on.
     pub reports: Vec<Report>,
-    /// The place of each report in the recording, counted from 0: the ground truth has its box there.
+    /// Place of each report in the recording and in its ground truth, counted from 0.
     pub frames: Vec<usize>,
-    /// Time of the updates.
+    /// Time of all updates together.
     pub time: Duration,
 }
 
@@ -101,7 +101,7 @@ impl Run {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// For each report: its place, its state, and if the box is right as it was answered, by the truth of the recording.
+    /// Returns for each report its place, its state, and true if its box is right by the truth, without normalisation.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;
@@ -135,7 +135,7 @@ mod tests {
         all.iter_mut().map(of).collect()
     }
 
-    /// One workspace or one for each: the answers are the same.
+    /// Answers are the same with one workspace for all targets and with one for each.
     #[test]
     fn targets_beside_one_another_do_not_disturb_each_other() {
         for &kind in MethodKind::value_variants() {
@@ -147,7 +147,7 @@ mod tests {
             }
             assert_eq!(together[1][..3], [None; 3]);
             assert_eq!(together[1][3].unwrap().target, synthetic::truth(3));
-            // Corrected: it is where it was put.
+            // A corrected target is at the box of its correction.
             assert_eq!(together[2][7], Some(Report::locked(synthetic::truth(7).unwrap().to_rect().unwrap())));
             assert_eq!(together[0][..7], together[2][..7]);
             let report = together[0][1].unwrap();

@@ -15,11 +15,11 @@ pub type Trajectory = [Option<BoundingBox>];
 /// A frame is correct if the intersection over union of answer and truth is more than this.
 pub const CORRECT: f64 = 0.25;
 
-/// The stricter count beside it.
+/// A frame is correct at 0.5 if the intersection over union is more than this.
 const CORRECT_50: f64 = 0.5;
 
-/// Agreement of a trajectory with the ground truth: by the protocol of the TLD recordings, and by those of OTB and VOT. If the target is never
-/// visible, nothing is known but the counts.
+/// Agreement of a trajectory with the ground truth, by the protocols of the TLD recordings, OTB and VOT. If the target
+/// is never visible, only the counts are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
     pub frames: usize,
@@ -27,21 +27,21 @@ pub struct Score {
     pub visible: usize,
     pub answered: usize,
     pub correct: usize,
-    /// Correct frames by the stricter count.
+    /// Frames that are correct at 0.5.
     pub correct_50: usize,
     /// `correct / answered`; 0 if nothing was answered.
     pub precision: Option<f64>,
     /// `correct / visible`
     pub recall: Option<f64>,
-    /// The harmonic mean of the two.
+    /// Harmonic mean of precision and recall.
     pub f: Option<f64>,
     /// Intersection over union, mean over the visible frames; no answer is 0.
     pub mean_iou: Option<f64>,
     /// The first visible frame that is not correct; the first frame is 1.
     pub first_failure: Option<usize>,
-    /// `None` of a total: OTB has means over recordings instead.
+    /// `None` in a total: OTB has means over recordings instead.
     pub otb: Option<Otb>,
-    /// `None` of a total, and where nothing is known of confidence.
+    /// `None` in a total, and without confidences.
     pub vot: Option<Vot>,
 }
 
@@ -111,16 +111,16 @@ impl Score {
         without_mean("vot_threshold", "threshold", |score| score.vot?.vot_threshold),
     ];
 
-    /// The score of what a tracker reported in each frame.
-    /// Errors: The two are not of the same length.
+    /// Scores the reports of a tracker, one for each frame.
+    /// Errors: Reports and truth are not of the same length.
     pub fn of(reports: &[Report], truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
         let confidences: Vec<_> = reports.iter().map(Report::confidence).collect();
         Self::with_confidence(&answers, &confidences, truth)
     }
 
-    /// The score of `answers` by `truth`, with what follows from the confidence that was reported in each frame; `None`
-    /// where none was.
+    /// Scores `answers` by `truth`, with VOT's figures from the confidence in each frame; `None` where none was
+    /// reported.
     /// Errors: The three are not of the same length.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
@@ -129,7 +129,7 @@ impl Score {
         Ok(Self { vot: (score.visible > 0).then(|| Vot::new(answers, confidences, truth)), ..score })
     }
 
-    /// The score of `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
+    /// Scores `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
     /// Errors: The two are not of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
@@ -150,7 +150,7 @@ impl Score {
         Ok(score.with_means(iou_sum))
     }
 
-    /// All frames of all `parts` as one, but for those in which the target is never visible. Figures that have no total are `None`.
+    /// Scores all `parts` as one, without those that never show the target. Figures without a total are `None`.
     pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         let mut iou_sum = 0.0;
@@ -171,7 +171,7 @@ impl Score {
         Self {
             precision: per(correct, self.answered),
             recall: per(correct, self.visible),
-            // 2PR / (P + R), with the common factor taken out: nothing is divided by 0 unless all is.
+            // 2PR / (P + R) in counts, so that P = R = 0 is no division by 0.
             f: per(2.0 * correct, self.answered + self.visible),
             mean_iou: per(iou_sum, self.visible),
             ..self
@@ -179,8 +179,8 @@ impl Score {
     }
 }
 
-/// Intersection over union in each frame, as the scores count it: of the normalised answers, 0 where there is none;
-/// `None` where the target is not visible.
+/// Returns the intersection over union in each frame, with normalised answers: 0 without an answer, `None` where the
+/// target is not visible.
 /// Errors: The two are not of the same length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
@@ -192,9 +192,9 @@ pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f
 
 /// The answers, shifted and scaled so that the first one equals the first box of the truth.
 ///
-/// A tracker may have been started on a tighter or a looser box than the annotator drew: the shift of the centre and the
-/// factors on width and height that make the first boxes equal are applied to all. Where one of the two is missing or has
-/// no size nothing can be made equal, and the answers stay as they are.
+/// A tracker may have been started on a tighter or a looser box than the annotator drew. The shift of the centre and
+/// the factors on width and height that make the first boxes equal are applied to all answers. If one of the first
+/// boxes is missing or has no size, the answers stay as they are.
 fn normalised(answers: &Trajectory, truth: &Trajectory) -> impl Iterator<Item = Option<BoundingBox>> {
     let first = first_box(answers).zip(first_box(truth));
     answers.iter().map(move |answer| match first {
@@ -207,7 +207,7 @@ fn first_box(boxes: &Trajectory) -> Option<BoundingBox> {
     boxes.first().copied().flatten().filter(|first| first.width > 0.0 && first.height > 0.0)
 }
 
-/// `answer`, moved and scaled as `from` must be to become `to`.
+/// Moves and scales `answer` by the change that makes `from` equal to `to`.
 fn moved(answer: BoundingBox, from: BoundingBox, to: BoundingBox) -> BoundingBox {
     let (width, height) = (answer.width * (to.width / from.width), answer.height * (to.height / from.height));
     let ((x, y), (from_x, from_y), (to_x, to_y)) = (answer.centre(), from.centre(), to.centre());
@@ -246,7 +246,7 @@ mod tests {
             f: Some(0.5),
             mean_iou: Some((1.0 + 1.0 / 3.0 + 0.25) / 4.0),
             first_failure: Some(3),
-            // 20, 7 and 5 of 21 thresholds; the answered ones are near.
+            // The first three frames pass 20, 7 and 5 of 21 thresholds, with centres that are near.
             otb: Some(Otb { otb_auc: 32.0 / 4.0 / 21.0, otb_precision: 0.75 }),
             vot: None,
         };
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn the_first_boxes_are_made_equal() {
-        // Half as wide, twice as high, and the centre from (12, 4.5) to (5, 5).
+        // The answers become half as wide and twice as high; the centre moves from (12, 4.5) to (5, 5).
         let truth = [at(0.0, 0.0, 10.0, 10.0), at(10.0, 0.0, 10.0, 10.0), at(0.0, 0.0, 10.0, 10.0)];
         let answers = [at(2.0, 2.0, 20.0, 5.0), at(12.0, 2.0, 20.0, 5.0), at(2.0, 2.0, 40.0, 5.0)];
         let normalised: Vec<_> = normalised(&answers, &truth).collect();
@@ -338,7 +338,7 @@ mod tests {
             prop_assert!((score.mean_iou.unwrap() - 1.0).abs() < 1e-12);
         }
 
-        /// Numbers are such that f64 is exact, so the scores are equal to the bit.
+        /// All numbers are exact in f64, so the scores are equal to the bit.
         #[test]
         fn where_and_how_large_a_tracker_starts_does_not_matter(
             (answers, truth) in trajectories(),

@@ -1,5 +1,5 @@
-//! Tables of results. A column is described once: its key for programs (JSON, CSV), its heading for people (text, Markdown), its value. For programs
-//! all rows have the same columns, and a column has one type; an unknown value is null in JSON and empty in CSV.
+//! Tables of results. A column is described once: key for programs (JSON, CSV), heading for people (text, Markdown),
+//! value. For programs, all rows have the same columns, of one type each; an unknown value is null or empty.
 
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
@@ -33,14 +33,14 @@ pub enum TableName {
 }
 
 impl TableName {
-    /// As on the command line, and its key in JSON.
+    /// Returns the name on the command line, which is also the key in JSON.
     pub fn text(self) -> String {
         choice_name(&self)
     }
 }
 
-/// A column of a table of `T`: its key (empty: not for programs), its heading (empty: not for people), the decimals of a fraction for people, and
-/// its value.
+/// A column of a table of `T`: its key (empty: not for programs), its heading (empty: not for people), the decimals of
+/// fractions for people, and its value.
 pub type Column<T> = (&'static str, &'static str, usize, fn(&T) -> Value);
 
 /// A column without its values.
@@ -56,7 +56,7 @@ impl Head {
         Self { key: key.to_owned(), title: title.to_owned(), digits }
     }
 
-    /// Columns of whole numbers or texts, by key and title.
+    /// Makes columns of whole numbers or texts, by key and title.
     pub fn list(columns: &[(&str, &str)]) -> Vec<Self> {
         columns.iter().map(|(key, title)| Self::new(key, title, 0)).collect()
     }
@@ -65,17 +65,17 @@ impl Head {
         columns.iter().map(|&(key, title, digits, _)| Self::new(key, title, digits)).collect()
     }
 
-    /// Leaves the column to programs.
+    /// Hides the column from people.
     pub fn hide(&mut self) {
         self.title.clear();
     }
 
-    /// Columns for programs alone: each of `keys`, with its standard error after it.
+    /// Makes columns for programs alone: each of `keys`, followed by its standard error.
     pub fn with_errors<'a>(keys: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
         keys.into_iter().flat_map(|key| [Self::new(key, "", 0), Self::error(key)]).collect()
     }
 
-    /// The column of the standard error of what is in the column `key`.
+    /// Makes the column for the standard error of the column `key`.
     pub fn error(key: &str) -> Self {
         Self::new(&format!("{key}_standard_error"), "", 0)
     }
@@ -86,7 +86,7 @@ pub fn cells<T>(columns: &[Column<T>], row: Option<&T>) -> Vec<Value> {
     columns.iter().map(|(.., of)| row.map_or(Value::Null, of)).collect()
 }
 
-/// A cell that is empty for people: the column means nothing in this row.
+/// Returns a cell that is empty for people: the column means nothing in this row.
 pub fn blank() -> Value {
     "".into()
 }
@@ -95,12 +95,12 @@ pub fn blank() -> Value {
 const UNKNOWN: &str = "-";
 
 pub struct Table {
-    /// `None`: for people alone.
+    /// Name for programs; `None` for a table for people alone.
     name: Option<TableName>,
-    /// The first columns for people, which begin at their left edge; the others end at their right edge.
+    /// Number of first columns that people see aligned to the left; the others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// For programs and people, or for people alone.
+    /// Cells of each row; false if the row is for people alone.
     rows: Vec<(bool, Vec<Value>)>,
 }
 
@@ -109,7 +109,7 @@ impl Table {
         Self { name: name.into(), names, heads, rows: Vec::new() }
     }
 
-    /// A table with a row for each of `rows`.
+    /// Makes a table with a row for each of `rows`.
     pub fn of<'a, T: 'a>(
         name: TableName,
         names: usize,
@@ -120,7 +120,7 @@ impl Table {
         Self { rows, ..Self::new(name, names, Head::all(columns)) }
     }
 
-    /// Then columns of a part of each row.
+    /// Adds columns that show a part of each row.
     pub fn and<T>(mut self, columns: &[Column<T>], parts: impl Iterator<Item = Option<T>>) -> Self {
         self.heads.extend(Head::all(columns));
         self.rows.iter_mut().zip(parts).for_each(|((_, row), part)| row.extend(cells(columns, part.as_ref())));
@@ -131,7 +131,7 @@ impl Table {
         self.rows.push((true, cells));
     }
 
-    /// Adds a row for people alone. Columns without a heading may be left out at its end.
+    /// Adds a row for people alone. Its last cells may be left out if their columns have no heading.
     pub fn remark(&mut self, cells: Vec<Value>) {
         self.rows.push((false, cells));
     }
@@ -151,7 +151,7 @@ impl Table {
         std::iter::once(header).chain(self.for_programs().map(row)).collect()
     }
 
-    /// `None` if no row or no column is for people.
+    /// Returns the table for people; `None` if no row or no column is for them.
     fn text(&self, layout: Layout) -> Option<String> {
         let titled = || self.heads.iter().enumerate().filter(|(_, head)| !head.title.is_empty());
         let cell = |cells: &[Value], (at, head): (usize, &Head)| {
@@ -180,19 +180,19 @@ impl Tables {
         self.tables.iter().find(|table| table.name == Some(name))
     }
 
-    /// The columns of the table `name`, each with its values; none if there is no such table.
+    /// Returns the columns of the table `name`, each with its values; none if there is no such table.
     pub fn columns(&self, name: TableName) -> impl Iterator<Item = (&str, Vec<&Value>)> {
         self.find(name).into_iter().flat_map(|table| {
             table.keyed().map(|(at, key)| (key, table.for_programs().map(|cells| &cells[at]).collect()))
         })
     }
 
-    /// The table `name` as CSV, by RFC 4180 but with the line ends of all other output; `None` if there is no such table.
+    /// Returns a table as CSV by RFC 4180, but with the line ends of all other output; `None` without such a table.
     pub fn csv(&self, name: TableName) -> Option<String> {
         self.find(name).map(Table::csv)
     }
 
-    /// All tables for people, as text or Markdown.
+    /// Returns all tables for people, as text or Markdown.
     pub fn text(&self, layout: Layout) -> String {
         let mut parts: Vec<String> = self.tables.iter().filter_map(|table| table.text(layout)).collect();
         parts.extend(Some(self.remarks.clone()).filter(|remarks| !remarks.is_empty()));
@@ -227,7 +227,7 @@ fn quoted(cell: &str) -> String {
     if needs_it { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
-/// The value in words. Fractions have all their digits, or `digits`.
+/// Returns the value as text. Fractions have `digits` decimals, or all if `digits` is `None`.
 fn text(value: &Value, unknown: &str, digits: Option<usize>) -> String {
     match (value, digits) {
         (Value::Null, _) => unknown.to_owned(),

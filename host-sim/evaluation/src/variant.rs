@@ -1,4 +1,4 @@
-//! A tracker with its settings under the name that it has in results, and how it is built.
+//! A tracker with its settings, under the name that it has in results.
 
 use super::Paper;
 use super::baseline::Baseline;
@@ -41,11 +41,11 @@ pub struct Variant {
     pub configs: Configs,
     /// Settings as on the command line, where they are given.
     pub options: Map<String, Value>,
-    /// True if the right and lower edges of the box to start from belong to it.
+    /// True if the box to start from includes its right and lower edges.
     pub inclusive: bool,
 }
 
-/// The tracker that a result is of, in the JSON that is printed.
+/// The tracker behind a result, as the printed JSON states it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Origin {
     pub version: &'static str,
@@ -68,7 +68,7 @@ impl Origin {
 }
 
 impl Variant {
-    /// `kind`, under its own name.
+    /// Makes a variant of `kind` under the kind's own name.
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
         Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
@@ -92,19 +92,19 @@ impl Variant {
         all
     }
 
-    /// The box to lock on where `given` is the one to start from.
+    /// Returns the box to lock on if `given` is the box to start from.
     pub fn start(&self, given: Rect) -> Rect {
         let more = u16::from(self.inclusive);
         let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));
         Rect { width, height, ..given }
     }
 
-    /// A tracker without a target.
+    /// Builds a tracker without a target.
     pub fn build(&self) -> Result<Box<dyn Method>> {
         Ok(self.build_all(1)?.remove(0))
     }
 
-    /// Trackers for `count` targets of one recording. Those of smr-core share one workspace, as in firmware.
+    /// Builds trackers for `count` targets of one recording. Those of smr-core share one workspace, as in firmware.
     pub fn build_all(&self, count: usize) -> Result<Vec<Box<dyn Method>>> {
         let (kind, Configs { paper, robust, step }) = (self.kind, self.configs);
         match kind {

@@ -1,15 +1,15 @@
 //! The figure of VOT's long-term challenge: Lukezic et al., *Now you see me: evaluating performance in long-term visual
 //! tracking*, 2018. F over thresholds of the confidence that the tracker reports.
 //!
-//! At a threshold, the answers with at least this confidence count, as they were answered; the others are none:
+//! At a threshold, only answers with at least this confidence count, and they are not normalised:
 //!
-//! - precision: their mean IoU; where the target is hidden it is 0
-//! - recall: the sum of their IoU over the number of frames in which the target is visible
+//! - precision: mean IoU of these answers, counted as 0 where the target is hidden
+//! - recall: sum of their IoU over the number of frames in which the target is visible
 //! - F: 2 precision recall / (precision + recall)
 //!
 //! F is taken at the threshold at which it is largest, for each recording on its own. Thresholds are the confidences
-//! that were reported. An answer without a confidence counts at every threshold, as one of confidence 1; so does the box
-//! that the tracker was given.
+//! that were reported. An answer without a confidence has confidence 1, so it counts at every threshold; so does the
+//! box that the tracker was given.
 
 use super::Trajectory;
 
@@ -24,7 +24,7 @@ pub struct Vot {
 }
 
 impl Vot {
-    /// The figure of trajectories of the same length, with the confidence in each frame, if one was reported.
+    /// Computes the figures of trajectories of the same length; a confidence is `None` where none was reported.
     pub(super) fn new(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Self {
         let visible = truth.iter().flatten().count() as f64;
         let answers = answers.iter().zip(truth).zip(confidences).filter_map(|((answer, truth), confidence)| {
@@ -39,7 +39,7 @@ impl Vot {
         for same in answers.chunk_by(|a, b| a.0 == b.0) {
             answered += same.len() as f64;
             sum += same.iter().map(|(_, iou)| iou).sum::<f64>();
-            // 2PR / (P + R), with the sum taken out.
+            // 2PR / (P + R), reduced by `sum`.
             let f = 2.0 * sum / (answered + visible);
             if f > best.vot_f {
                 let (vot_precision, vot_recall) = (sum / answered, sum / visible);

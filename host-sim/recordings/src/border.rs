@@ -1,9 +1,9 @@
-//! A built-in recording for the rules at the picture's border: where the template is updated, what leaving and returning take.
+//! A built-in recording for the rules at the picture's border: where the template is updated, and how targets leave.
 //!
-//! A target without noise, but for one pixel that tells whether the template was updated, stands at both sides of each end of
-//! the zone of updates, leaves the picture and returns. There it has a twin, which a part of its pixels tells from it: with
-//! some of them other the target leads by more than a hundred pixels, though not by the ratio that is asked of one that
-//! returns; with fewer of them it is lost, and later found again.
+//! The target has no noise, but one pixel that tells whether the template was updated. It stands at both sides of each
+//! end of the zone of updates, leaves the picture and returns. A twin, of which some pixels differ, then stands in the
+//! picture. With many such pixels the target leads by more than a hundred pixels, but not by the ratio asked of a
+//! returning target; with fewer it is lost, and later found again.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 
@@ -22,7 +22,7 @@ const SCRIPT: [i32; 75] = [
 ];
 const NOWHERE: (i32, i32) = (400, 400);
 
-/// `SCRIPT`, frame by frame.
+/// Returns the entries of `SCRIPT`, frame by frame.
 fn script() -> impl ExactSizeIterator<Item = ((i32, i32), i32)> + Send {
     SCRIPT.as_chunks().0.iter().map(|&[x, y, others]| ((x, y), others))
 }

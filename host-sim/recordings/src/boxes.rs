@@ -8,7 +8,7 @@
 //! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, or a polygon or a mask, whose box it is; NaN, no area or one number where it is not visible |
 //! | `absence.label` | GOT-10k | 1 where the target is not visible, else 0; one line a frame, beside `groundtruth.txt` |
 //!
-//! Numbers have decimal points and are separated by commas, tabs or spaces, the same in a line. Other trackers' results have the TLD form, too.
+//! Numbers have decimal points; a line has one separator: comma, tab or space. Results of trackers are in TLD form.
 
 use crate::input;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -34,8 +34,8 @@ impl BoundingBox {
         (!rect.is_empty()).then_some(rect)
     }
 
-    /// The box in whole pixels.
-    /// Errors: There is none. The words follow after "the box".
+    /// Returns the box in whole pixels.
+    /// Errors: The box has none. The message continues the words "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {
             let least = self.width.min(self.height).round();
@@ -48,7 +48,7 @@ impl BoundingBox {
         })
     }
 
-    /// The box in a picture that is so many times as wide and as high.
+    /// Returns the box in a picture scaled by these factors in width and height.
     pub fn scaled(&self, (across, down): (f64, f64)) -> Self {
         Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
     }
@@ -57,7 +57,7 @@ impl BoundingBox {
         (self.x + self.width / 2.0, self.y + self.height / 2.0)
     }
 
-    /// The smallest box that holds all points; `None` of none.
+    /// Returns the smallest box that holds all points; `None` without points.
     fn around(points: &[[f64; 2]]) -> Option<Self> {
         let bound = |axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|point| point[axis]).reduce(of);
         let (x1, y1, x2, y2) = (bound(0, f64::min)?, bound(1, f64::min)?, bound(0, f64::max)?, bound(1, f64::max)?);
@@ -79,7 +79,7 @@ impl BoundingBox {
         let shared =
             overlap(self.x, self.width, other.x, other.width) * overlap(self.y, self.height, other.y, other.height);
         let union = area(self) + area(other) - shared;
-        // Far from the origin what is shared can be rounded to more than there is.
+        // Far from the origin, rounding can make the shared area larger than the union.
         if union > 0.0 { (shared / union).min(1.0) } else { 0.0 }
     }
 }
@@ -141,7 +141,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// The line that holds this box, without its end.
+    /// Returns the line that holds this box, without its line end.
     pub fn line(self, entry: Option<&BoundingBox>) -> String {
         let Some(&BoundingBox { x, y, width, height }) = entry else {
             return if self == Self::Vot { "0".to_owned() } else { "NaN,NaN,NaN,NaN".to_owned() };
@@ -153,8 +153,8 @@ impl Form {
         }
     }
 
-    /// Reads a file of this form, one box a line. In TLD form `None` stands for NaN, else also for a box without area. Beside a file in the form of VOT
-    /// `absence.label` is read, too.
+    /// Reads a file of this form, one box a line. `None` stands for NaN and, in OTB and VOT form, a box without area.
+    /// In VOT form the file `absence.label` beside it is read, too.
     pub fn read(self, path: &Path) -> Result<Vec<Option<BoundingBox>>> {
         let mut truth = read(path, |line| self.entry(line))?;
         let labels = path.with_file_name("absence.label");
@@ -187,7 +187,7 @@ impl Form {
     }
 }
 
-/// The ground truth in `folder`, if there is any.
+/// Reads the ground truth in `folder`, if there is any.
 pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
     let forms = TRUTH.map(|(form, name)| (form, folder.join(name)));
     forms.iter().find(|(_, file)| is_named(file)).map(|(form, file)| form.read(file)).transpose()
@@ -204,7 +204,7 @@ fn absent(line: &str) -> Result<bool> {
     }
 }
 
-/// The box of `init.txt` in `folder`, if there is such a file.
+/// Reads the box of `init.txt` in `folder`, if there is such a file.
 pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     let file = folder.join("init.txt");
     if !is_named(&file) {
@@ -215,13 +215,13 @@ pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
 }
 
-/// True of the names of the files that lie beside recordings.
+/// True for the names of the files with boxes that lie beside recordings.
 pub fn is_known(file: &Path) -> bool {
     let mut names = ["init.txt", "absence.label"].into_iter().chain(TRUTH.map(|(_, name)| name));
     file.file_name().is_some_and(|name| names.any(|known| name == known))
 }
 
-/// True if there is something of this name: a link to nothing is not passed over, but an error when it is read.
+/// True if an entry of this name exists. A link to nothing counts, so that reading it is an error.
 fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
@@ -261,8 +261,8 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// The box around a mask: pixels row after row in a part of the picture, in runs that do not and do belong to the target, in turn. The outer
-/// `None` says that it is no mask.
+/// Returns the box around a mask: lengths of runs of pixels, row after row in a part of the picture, in turn beside and
+/// on the target. The outer `None` says that the text is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
@@ -290,7 +290,7 @@ fn four_numbers(line: &str) -> Option<[f64; 4]> {
     numbers(line)?.try_into().ok()
 }
 
-/// Numbers, each of which may be NaN but not infinite, with one separator for all of them: with two, the commas may be decimal ones.
+/// Parses numbers with one separator; each may be NaN but not infinite. With two, commas may be decimal ones.
 fn numbers(line: &str) -> Option<Vec<f64>> {
     let separator = [',', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
     let line = line.trim().trim_end_matches(separator);
@@ -302,7 +302,7 @@ fn numbers(line: &str) -> Option<Vec<f64>> {
     (numbers.len() <= 4 || with_blank == 0 || with_blank + 1 == numbers.len()).then_some(numbers)
 }
 
-/// A line as an error message can hold it: in one line, and not all of a binary file.
+/// Quotes the beginning of a line for an error message, in one line.
 fn shown(line: &str) -> String {
     let start: String = line.chars().take(60).collect();
     let is_mixed = line.contains([',']) && line.trim().contains([' ', '\t', ';']);
@@ -348,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Decimal commas would be taken for other numbers.
+    /// Numbers with decimal commas must not be read as other numbers.
     #[test]
     fn two_separators_in_a_line_are_refused() {
         for text in [

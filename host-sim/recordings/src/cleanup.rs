@@ -18,14 +18,14 @@ enum Thing {
 /// All registered things, by the number of their [`Kept`].
 static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 
-/// A signal has come: this program removes what is left, and ends.
+/// True after a signal that ends this program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The first signal is a wish to stop, and one has come.
+/// True if the first signal only asks to stop; [`STOPPED`] is that signal, or 0.
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicI32 = AtomicI32::new(0);
 
-/// Makes the first signal from here on only ask to stop: [`is_stopped`]. The second one ends this program.
+/// Makes the first signal from here on only ask to stop (see [`is_stopped`]); the second one ends this program.
 pub fn stop_first() {
     STOPS_FIRST.store(true, Ordering::SeqCst);
 }
@@ -35,17 +35,17 @@ pub fn is_stopped() -> bool {
     stopped_by().is_some()
 }
 
-/// The signal that has asked to stop.
+/// Returns the signal that has asked to stop.
 pub fn stopped_by() -> Option<i32> {
     Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
-/// True if the signal that has come only asks to stop.
+/// Takes in a signal. Returns true if it is the first one and only asks to stop.
 fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
-/// Locks also what a thread that panicked held: it is still to be removed.
+/// Locks a mutex even after a thread panicked with it: the things in it are still to be removed.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -59,7 +59,7 @@ impl Drop for Kept {
     }
 }
 
-/// Makes and registers a thing. No signal comes in between.
+/// Makes and registers a thing; no signal is handled in between.
 fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
     let mut things = locked(&THINGS);
     let made = make()?;
@@ -79,7 +79,7 @@ pub fn undisturbed<T>(act: impl FnOnce() -> T) -> T {
     act()
 }
 
-/// A program that was started. Dropped, it is ended and reaped.
+/// A program that was started; dropping it ends and reaps the program.
 pub struct Process {
     child: Arc<Mutex<Child>>,
     _kept: Kept,
@@ -87,7 +87,7 @@ pub struct Process {
 
 impl Process {
     pub fn start(command: &mut Command) -> io::Result<Self> {
-        // In a group of its own: Ctrl-C at the terminal reaches this program alone, which then ends the other in order.
+        // In a group of its own the program gets no Ctrl-C; this program gets it, and ends the other in order.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(command, 0);
         let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
@@ -95,28 +95,28 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    /// Its standard input, if that is piped and was not taken before.
+    /// Takes the standard input, if it is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
     }
 
-    /// Its standard output, if that is piped and was not taken before.
+    /// Takes the standard output, if it is piped and was not taken before.
     pub fn output(&self) -> Option<ChildStdout> {
         locked(&self.child).stdout.take()
     }
 
-    /// Its standard error, if that is piped and was not taken before.
+    /// Takes the standard error, if it is piped and was not taken before.
     pub fn complaints(&self) -> Option<ChildStderr> {
         locked(&self.child).stderr.take()
     }
 
-    /// All that it says on standard error, when that is closed: a child of its own may keep it open.
+    /// Sends all text of standard error once it is closed; a child of the program may keep it open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {
             thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // Everything is read, or the writer would block. What came before an error is all there is.
+                // Everything is read, or the writer would block. After an error, the text so far is all there is.
                 let _ = complaints.read_to_end(&mut bytes);
                 sender.send(String::from_utf8_lossy(&bytes).into_owned())
             });
@@ -124,12 +124,12 @@ impl Process {
         said
     }
 
-    /// Its exit status; `None` while it runs.
+    /// Returns the exit status; `None` while the program runs.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
     }
 
-    /// Waits until it has ended; `None` if `more` says no before that. `more` is told how long it was asked for.
+    /// Waits until the program has ended; `None` if `more` returns false before. `more` gets the time waited so far.
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {
@@ -157,8 +157,8 @@ fn end(child: &Mutex<Child>) {
     let _ = child.wait();
 }
 
-/// Makes SIGINT, SIGTERM and SIGHUP clean up before they end this program, with exit code 128 and their number. A SIGHUP that is ignored,
-/// as by `nohup`, stays so.
+/// Makes SIGINT, SIGTERM and SIGHUP clean up before they end this program, with exit code 128 and their number. A
+/// SIGHUP that is ignored, as by `nohup`, stays ignored.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -172,7 +172,7 @@ pub fn heed_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Makes Ctrl-C and its like clean up: this system has no other signal.
+/// Makes Ctrl-C and similar events clean up: this system has no other signal.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     let heed = || {
@@ -183,7 +183,7 @@ pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
-/// True if the signal is ignored. Only Linux tells it without unsafe code.
+/// True if the signal is ignored. Without unsafe code, only Linux tells this.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -194,9 +194,9 @@ fn is_ignored(signal: i32) -> bool {
 
 fn end_by(signal: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
-    // Locked to the end: nothing new is begun.
+    // The lock is held to the end, so that nothing new begins.
     let things = locked(&THINGS);
-    // First the programs, which write into the files.
+    // Programs end first, because they write into the files.
     for thing in things.values() {
         if let Thing::Process(child) = thing {
             end(child);
@@ -204,7 +204,7 @@ fn end_by(signal: i32) -> ! {
     }
     for thing in things.values() {
         if let Thing::Path(path) = thing {
-            // It may have its name by now, or be gone.
+            // The path may have been renamed by now, or be gone.
             let _ = remove(path);
         }
     }
@@ -220,7 +220,7 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// Waits for the end of this program once a signal has come; errors are then those of what it removed. To be called before an error is told.
+/// Waits for the end of this program after a signal, which caused the errors. Call it before an error is told.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();
@@ -255,7 +255,7 @@ mod tests {
         assert!(process.wait_while(|waited| waited < Duration::from_millis(20)).unwrap().is_none());
         let id = locked(&process.child).id().to_string();
         drop(process);
-        // The shell's own: not every system has a program for it.
+        // The shell has its own `kill`; not every system has a program for it.
         assert!(!crate::missing::runs(Command::new("sh").args(["-c", "kill -0 \"$0\"", &id])));
     }
 }

@@ -9,13 +9,13 @@ pub enum Cover {
     White,
     /// 128
     Gray,
-    /// Random pixels, others in every frame.
+    /// Random pixels, different in every frame.
     Noise,
-    /// One frame of another scene, again and again.
+    /// One frame of another scene, repeated.
     Frozen,
 }
 
-/// The seed of the noise; with the number of the frame.
+/// Seed of the noise, used with the number of the frame.
 const SEED: u64 = 0xC0FE_0000;
 
 impl Cover {

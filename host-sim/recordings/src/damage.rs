@@ -4,17 +4,17 @@ use super::{Frame, Frames};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 
-/// The error of a recording that is damaged from some frame on: a picture that is cut, a dump that ends within a frame, anything that
-/// ffmpeg complains about. As text it says what is wrong.
+/// The error of a recording that is damaged from some frame on: a picture that is cut, a dump that ends within a frame,
+/// or any complaint of ffmpeg. Its text says what is wrong.
 #[derive(Debug)]
 pub struct Damaged {
     why: String,
-    /// The frames before the damage.
+    /// Number of frames before the damage.
     before: u64,
 }
 
 impl Damaged {
-    /// The frames before the damage as `--frames` takes them; `None` if there is none.
+    /// Returns the frames before the damage as `--frames` takes them; `None` if there is none.
     pub fn whole_part(&self) -> Option<String> {
         (self.before > 0).then(|| format!("..{}", self.before))
     }
@@ -28,12 +28,12 @@ impl fmt::Display for Damaged {
 
 impl std::error::Error for Damaged {}
 
-/// The error of a source or a picture that is damaged.
+/// Makes the error of a damaged source or picture.
 pub(super) fn damaged(why: String) -> Error {
     Damaged { why, before: 0 }.into()
 }
 
-/// The frames of `source`, checked; `at` is what they are called in errors.
+/// Returns the frames of `source`, checked; errors call the source `at`.
 pub(super) fn frames(mut source: impl Iterator<Item = Result<Frame>> + Send + 'static, at: String) -> Frames {
     let (mut number, mut first, mut over) = (0, None, false);
     Box::new(std::iter::from_fn(move || {

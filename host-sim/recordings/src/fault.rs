@@ -1,4 +1,4 @@
-//! Faults as cameras have them, put into frames that are whole: always the same for the same seed.
+//! Faults of cameras, put into undamaged frames: the same seed always gives the same frames.
 
 use super::GrayFrame;
 use super::random::Random;
@@ -12,7 +12,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     kind: Kind,
-    /// N of NAME:N: frames of the kinds that have a length, else as the kind says.
+    /// N of NAME:N: the number of frames if the kind has a length, else the amount that the kind names.
     amount: u16,
 }
 
@@ -38,7 +38,7 @@ enum Kind {
     Offset,
 }
 
-/// Frames of a fault whose amount is another.
+/// Frames of a fault whose amount is not a length.
 const FRAMES: usize = 10;
 
 /// Frames of a change of light.
@@ -46,28 +46,28 @@ const LIT: usize = 150;
 /// Frames until dusk has reached its level.
 const DUSK: i64 = 100;
 
-/// Seed of the random numbers of a fault, with the number of the frame.
+/// Part of the seed of a fault's random numbers.
 const SEED: u64 = 0xFA17_0000;
 
 impl Fault {
-    /// The list that `all` stands for.
+    /// Returns the faults that the word `all` stands for.
     pub fn all() -> Vec<Self> {
         listed(
             "dropped:5 repeated:5 torn:3 black:3 white:3 columns:8 bits:20 gain:50 gain:150 noise:20 origin:12 gap:10",
         )
     }
 
-    /// The list that `light` stands for.
+    /// Returns the faults that the word `light` stands for.
     pub fn changes_of_light() -> Vec<Self> {
         listed("light:20 light:200 dusk:20 night:20 fog:20 gamma:50 gamma:200 offset:60")
     }
 
-    /// True if the tracker is locked in it.
+    /// True if the tracker is locked during the fault.
     pub fn is_there_at_the_lock(&self) -> bool {
         self.kind == Kind::Night
     }
 
-    /// Frames of the recording that it goes over.
+    /// Returns the number of frames of the recording that the fault lasts.
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
         match self.kind {
@@ -78,8 +78,8 @@ impl Fault {
         }
     }
 
-    /// Returns the frame that comes in place of frame `index` of [`Fault::frames`], counted from 0; `None` if none comes. `before` is the last
-    /// frame before the fault, `former` the one before this one.
+    /// Returns the frame in place of frame `index` of the fault, counted from 0; `None` if no frame comes. `before` is
+    /// the last frame before the fault, `former` the frame before this one.
     pub fn of(
         &self,
         index: usize,
@@ -99,7 +99,7 @@ impl Fault {
             Kind::Dropped => {}
             Kind::Repeated => pixels.clone_from(&before.pixels),
             Kind::Torn => {
-                // Somewhere in the middle half.
+                // The picture is torn at a row in its middle half.
                 let height = usize::from(frame.height);
                 let start = (height / 4 + random.place(height / 2)) * width;
                 pixels[start..].copy_from_slice(&former.pixels[start..]);
@@ -135,12 +135,12 @@ impl Fault {
     }
 }
 
-/// The faults in a text, as they are typed.
+/// Parses faults with blanks between them.
 fn listed(faults: &str) -> Vec<Fault> {
     faults.split(' ').map(|fault| fault.parse().expect("it is a fault")).collect()
 }
 
-/// Moves the picture to the right and down; the edges go on.
+/// Moves the picture to the right and down; its edges are repeated.
 fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
     let width = usize::from(frame.width);
     for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
@@ -154,7 +154,7 @@ fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
 /// Gray level of fog.
 const FOG: i64 = 110;
 
-/// Gives every pixel another level.
+/// Replaces the level of every pixel by `light` of it, within 0 to 255.
 fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
     pixels.iter_mut().for_each(|pixel| *pixel = u8::try_from(light((*pixel).into()).clamp(0, 255)).unwrap_or(u8::MAX));
 }
@@ -169,7 +169,7 @@ fn raised(level: i64, power: f64) -> i64 {
     (255.0 * (level as f64 / 255.0).powf(power)).round() as i64
 }
 
-/// Nearly normal: the sum of eight uniform bytes, less its mean, scaled.
+/// Returns a nearly normal number: the sum of eight uniform bytes, less its mean, scaled.
 fn normal(random: &mut Random, deviation: u16) -> i64 {
     let sum: i64 = random.next().to_le_bytes().into_iter().map(i64::from).sum();
     // The standard deviation of the sum is sqrt(8 * (256^2 - 1) / 12) = 209.
@@ -232,7 +232,7 @@ mod tests {
         fault.parse::<Fault>().unwrap().of(index, &frame(3), (&frame(1), &frame(2)), 7)
     }
 
-    /// How many pixels are not as they should be.
+    /// Counts the pixels that a fault changes.
     fn changed(fault: &str, index: usize) -> usize {
         let made = made(fault, index).unwrap();
         made.pixels.iter().zip(frame(3).pixels).filter(|(a, b)| **a != *b).count()

@@ -1,7 +1,7 @@
 //! An `ffmpeg` on the PATH (5.1 or later): its process, what it writes, and what it says on standard error.
 //!
-//! All that reads videos starts it by [`command`], so that it reads one stream: the one that ffmpeg itself takes if nobody says which, which is
-//! that of the most pixels.
+//! Every reader of videos starts ffmpeg by [`command`], so that it reads one stream: the one with the most pixels,
+//! which ffmpeg takes by default.
 
 use super::damage::damaged;
 use super::hdr::Transfer;
@@ -16,15 +16,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Time that ffmpeg may be silent, unless said otherwise.
+/// Longest silence of ffmpeg by default.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Time at which a film shows a frame, and the shape of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moment {
-    /// In units of `base`.
+    /// Time in units of `base`.
     pub time: i64,
-    /// In seconds, as a fraction.
+    /// Unit of `time` in seconds, as a fraction.
     pub base: (u32, u32),
     /// The width of a pixel over its height.
     pub aspect: (u32, u32),
@@ -36,14 +36,14 @@ impl Moment {
     }
 }
 
-/// The file as ffmpeg takes it: without the protocol, a colon in its name is taken for the end of one.
+/// Returns the file as ffmpeg takes it: without `file:`, a colon in the name would be taken for the end of a protocol.
 pub fn input(file: &Path) -> OsString {
     let mut input = OsString::from("file:");
     input.push(file);
     input
 }
 
-/// An ffmpeg that reads one stream of pictures and nothing else. All that it writes and says is piped.
+/// Builds the command of an ffmpeg that reads one stream of pictures. Its output and its messages are piped.
 pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(["-nostdin", "-nostats", "-hide_banner", "-v", level]).args(options).arg("-i").arg(input);
@@ -52,13 +52,13 @@ pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str
     command
 }
 
-/// The error of an ffmpeg that does nothing.
+/// Returns the error of an ffmpeg that has been silent for `patience`.
 pub fn silent(patience: Duration) -> io::Error {
     let seconds = patience.as_secs_f64();
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
 }
 
-/// A running ffmpeg. Dropped, it is ended.
+/// A running ffmpeg; dropping it ends the process.
 pub(super) struct Ffmpeg {
     process: Process,
     shown: Receiver<Shown>,
@@ -68,7 +68,7 @@ pub(super) struct Ffmpeg {
 }
 
 impl Ffmpeg {
-    /// Starts it. `file` is what errors call its input.
+    /// Starts ffmpeg. Errors call its input `file`.
     pub fn run(command: &mut Command, file: &str, patience: Duration) -> Result<Self> {
         let process = match Process::start(command) {
             Err(error) if error.kind() == ErrorKind::NotFound => bail!(
@@ -80,7 +80,7 @@ impl Ffmpeg {
         let ((sender, said), (pictures, shown)) = (channel(), channel());
         let name = file.to_owned();
         thread::spawn(move || {
-            // Everything is read, or ffmpeg would wait; nobody may want it.
+            // All messages are read, or ffmpeg would wait. The receiver may be gone.
             let said = Said::read(complaints, &name, |one| drop(pictures.send(one)));
             // The reader learns why no pictures come.
             let _ = sender.send(said);
@@ -88,13 +88,13 @@ impl Ffmpeg {
         Ok(Self { process, shown, said, file: file.to_owned(), patience })
     }
 
-    /// Standard output, read as long as ffmpeg writes.
+    /// Returns standard output. Reading it fails if ffmpeg is silent for longer than `patience`.
     pub fn output(&mut self) -> Patient {
         let stream = self.process.output().expect("standard output is piped");
         Patient::new(|| Ok(stream), self.patience, silent)
     }
 
-    /// Facts of the next picture, which are said before its pixels are written; `None` at the end.
+    /// Waits for the facts of the next picture, which come before its pixels; `None` at the end.
     pub fn shown(&self) -> Result<Option<Shown>> {
         match self.shown.recv_timeout(self.patience) {
             Err(RecvTimeoutError::Timeout) => Err(silent(self.patience).into()),
@@ -110,18 +110,18 @@ impl Ffmpeg {
         Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
     }
 
-    /// Its last words and its exit status.
+    /// Waits for ffmpeg to end. Returns its last complaint; without one, its exit status.
     pub fn last_words(&mut self) -> Result<String> {
         self.end().map(|(status, said)| said.or(status))
     }
 
-    /// Its last words, if it has ended and not as it should.
+    /// Returns ffmpeg's last complaint or exit status, if it has ended with an error.
     pub fn failure(&mut self) -> Option<String> {
         let is_ended = self.process.ended().is_ok_and(|status| status.is_some_and(|status| !status.success()));
         is_ended.then(|| self.last_words().ok())?
     }
 
-    /// The error of a file in which ffmpeg finds no frame.
+    /// Returns the error of a file in which ffmpeg finds no frame.
     pub fn no_frame(&mut self) -> Result<()> {
         let ((status, said), name) = (self.end()?, &self.file);
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
@@ -133,8 +133,8 @@ impl Ffmpeg {
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
-    /// Errors: ffmpeg conceals what is damaged or missing, goes on, and ends without an error code. What it has complained about is
-    /// damage, because such pixels are not those of the recording. A packet looks damaged also where pieces were joined: then no frame is missing.
+    /// Errors: ffmpeg has complained. It conceals damage, goes on, and ends without an error code, but such pixels are
+    /// not those of the recording. A packet also looks damaged where pieces were joined: then there is no gap.
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {
@@ -152,14 +152,14 @@ impl Ffmpeg {
     }
 }
 
-/// Facts of a picture, as the filter `showinfo` says them on standard error.
+/// Facts of a picture, from the filter `showinfo` on standard error.
 #[derive(Debug, PartialEq)]
 pub(super) struct Shown {
     pub size: (u32, u32),
     pub moment: Option<Moment>,
-    /// ffmpeg has complained before.
+    /// True if ffmpeg has complained before this picture.
     pub is_doubtful: bool,
-    /// The transfer function of the chosen stream; `None` for ordinary light.
+    /// HDR transfer function of the chosen stream; `None` without HDR.
     pub transfer: Option<Transfer>,
 }
 
@@ -167,22 +167,22 @@ pub(super) struct Shown {
 struct Said {
     /// The last complaint.
     last: String,
-    /// Words about the last packet that looks damaged.
+    /// Complaint about the last packet that looks damaged.
     packet: String,
-    /// Frames of another size came, or with pixels of another format.
+    /// True if frames of another size or pixel format came.
     changed: bool,
     /// True after ffmpeg's first message with a level; from then on a line without one continues a message.
     has_begun: bool,
-    /// The unit of times, in seconds.
+    /// Unit of times in seconds, as a fraction.
     base: Option<(u32, u32)>,
-    /// The streams whose light is coded so, as `#0:1`.
+    /// HDR streams, by names such as `#0:1`.
     transfers: Vec<(String, Transfer)>,
-    /// The one of the chosen stream.
+    /// HDR transfer function of the chosen stream.
     transfer: Option<Transfer>,
 }
 
 impl Said {
-    /// Reads everything that is said; `show` gets each picture.
+    /// Reads all messages of ffmpeg; `show` gets each picture.
     fn read(stream: impl Read, file: &str, mut show: impl FnMut(Shown)) -> Self {
         let mut said = Self::default();
         for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
@@ -193,9 +193,9 @@ impl Said {
         said
     }
 
-    /// Takes in a line such as `[h264 @ 0x55f520328f40] [error] missing picture`: speaker (the address is another one in every run), level, words.
+    /// Parses a line such as `[h264 @ 0x55f520328f40] [error] missing picture`: speaker, level, words.
     fn add(&mut self, mut line: &str, file: &str) -> Option<Shown> {
-        // Some say twice who they are.
+        // Some speakers name themselves twice.
         while let Some((speaker, words)) = line.split_once("] ")
             && speaker.starts_with('[')
             && speaker.contains(" @ 0x")
@@ -216,7 +216,7 @@ impl Said {
             Some(words) => (true, words),
             None => match ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| line.strip_prefix(level)) {
                 Some(words) => (false, words),
-                // A further line of a message: a title in the file, for example.
+                // A further line of a message, for example of a title in the file.
                 None if self.has_begun => return None,
                 None => (false, line),
             },
@@ -224,7 +224,7 @@ impl Said {
         self.changed |= words.contains("Changing video frame properties");
         let of_frame = words.contains("corrupt decoded frame");
         let words = words.trim_start_matches(&format!("file:{file}: "));
-        // Of the warnings only these are about damage.
+        // Of all warnings only these two are about damage.
         if words.contains("corrupt input packet") {
             words.clone_into(&mut self.packet);
         } else if !words.is_empty() && (!is_warning || of_frame) {
@@ -262,7 +262,7 @@ impl Said {
         None
     }
 
-    /// The last complaint; without one, the exit status of the process.
+    /// Returns the last complaint; without one, the exit status of the process.
     fn or(&self, status: ExitStatus) -> String {
         if self.last.is_empty() { status.to_string() } else { self.last.clone() }
     }

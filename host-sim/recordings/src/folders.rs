@@ -1,4 +1,4 @@
-//! Recordings that a path on the command line stands for: itself, or those in a folder.
+//! Recordings that a path on the command line stands for: itself, or the recordings in that folder.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
@@ -6,7 +6,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The paths that are recordings, and of the others the recordings in them and in their folders, in natural order.
+/// Returns the paths that are recordings, and the recordings in other paths and their folders, in natural order.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
     Ok(found?.concat())
@@ -26,8 +26,8 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Finds the recordings in folders; a recording is not looked into. Folders are `seen` by their real names: a link to a folder above would be
-/// followed for ever.
+/// Finds the recordings in folders, but does not search inside a recording. `seen` holds the real names of folders,
+/// because a link to a folder above would be followed for ever.
 fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
     for folder in entries {
         let cannot_list = || format!("cannot list the folder {}", folder.display());
@@ -51,7 +51,7 @@ fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// The entries of a folder but for hidden ones: systems leave thumbnails and such there.
+/// Returns the entries of a folder except hidden ones, such as thumbnails that systems leave there.
 pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
     let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));

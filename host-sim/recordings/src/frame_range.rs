@@ -9,12 +9,12 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
     first: usize,
-    /// `None`: to the end.
+    /// Last frame; `None` means to the end.
     last: Option<usize>,
 }
 
 impl FrameRange {
-    /// All frames from the one with the number `first` on.
+    /// Makes the range of all frames from the one with the number `first` on.
     pub const fn from(first: usize) -> Self {
         Self { first, last: None }
     }
@@ -25,7 +25,7 @@ impl FrameRange {
         Self { first: shifted(self.first), last: self.last.map(shifted) }
     }
 
-    /// The range from frame `first` on, if it began with frame 1.
+    /// Moves the beginning to frame `first`, if the range begins with frame 1.
     pub fn begun_at(self, first: usize) -> Self {
         Self { first: if self.first == 1 { first } else { self.first }, ..self }
     }
@@ -34,12 +34,12 @@ impl FrameRange {
         self.first
     }
 
-    /// `None`: to the end.
+    /// Returns the last frame; `None` means to the end.
     pub const fn last(&self) -> Option<usize> {
         self.last
     }
 
-    /// The number of its frames in a recording of `length` frames.
+    /// Returns the number of frames of the range in a recording of `length` frames.
     pub fn length_of(&self, length: usize) -> usize {
         length.min(self.last.unwrap_or(length)).saturating_sub(self.first - 1)
     }
@@ -74,14 +74,14 @@ impl fmt::Display for FrameRange {
 }
 
 impl Sequence {
-    /// Puts the first line of the ground truth at frame `first`: the frames before it have none.
+    /// Puts the first line of the ground truth at frame `first`; frames before it have no truth.
     pub fn with_truth_from(mut self, first: usize) -> Self {
         self.truth = self.truth.map(|truth| std::iter::repeat_n(None, first - 1).chain(truth).collect());
         self
     }
 
-    /// Cuts the recording to these frames and their boxes. The box to start from is left as it is if they begin with the first frame, else it is that of
-    /// the ground truth, if there is any. `option`: the words that asked for them, for errors.
+    /// Cuts the recording to these frames and their boxes. If they begin with frame 1, the box to start from stays;
+    /// else it is the first of their ground truth, if any. `option` names the user's option in errors.
     pub fn part(mut self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
@@ -108,7 +108,7 @@ impl Sequence {
     }
 }
 
-/// The words for ground truth whose number of boxes is not that of the frames; `None` if it is.
+/// Returns words for ground truth with more or fewer boxes than frames; `None` if the numbers agree.
 pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
     let mend = if boxes < frames {
         "say which frame the first box is of (--truth-from N), or read only the frames that have boxes (--frames A..B)"

@@ -1,4 +1,4 @@
-//! Light of more than a screen has (HDR), as a screen shows it.
+//! Light beyond the range of a screen (HDR), mapped to the levels of a screen.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Transfer {
@@ -6,14 +6,14 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// The levels of a screen: of the light L of the brightest of red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408), the screen
-/// shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2, and of the others as much less as they are darker. Colors that the screen
-/// (BT.709) lacks are cut.
+/// Maps light to levels of a screen. L is the light of the brightest of red, green and blue, as a multiple of white
+/// paper (203 cd/m2, ITU-R BT.2408); the screen shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2. The other two
+/// are scaled alike. Colors that the screen (BT.709) lacks are cut.
 pub(super) struct Tones {
     transfer: Transfer,
-    /// Light as a multiple of white, of each level of 12 bits; of HLG that of the scene, from 0 to 1.
+    /// Light of each 12-bit level, as a multiple of white; for HLG the light of the scene, from 0 to 1.
     light: Vec<f32>,
-    /// The level that a screen takes (sRGB), of the root of light in 4095 steps.
+    /// Level of a screen (sRGB) for the root of light, in 4095 steps.
     levels: Vec<u8>,
 }
 
@@ -41,7 +41,7 @@ impl Tones {
         Self { transfer, light: steps().map(light).collect(), levels: steps().map(level).collect() }
     }
 
-    /// Red, green and blue of 8 bits for those of 16, as ffmpeg writes them (rgb24, rgb48le).
+    /// Converts red, green and blue from 16 bits to 8, in ffmpeg's layouts rgb48le and rgb24.
     pub fn of_all(&self, bytes: &[u8]) -> Vec<u8> {
         let pixels = bytes.as_chunks::<6>().0.iter();
         pixels.flat_map(|&[a, b, c, d, e, f]| self.shown([[a, b], [c, d], [e, f]].map(u16::from_le_bytes))).collect()

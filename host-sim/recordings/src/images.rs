@@ -1,8 +1,8 @@
 //! Pictures as a recording: PNG, JPEG, PGM, PPM and PAM, one in a file of a folder, or several in one file.
 //!
-//! Gray pictures pass unchanged. Of 16-bit pictures the high byte is taken, or what [`Levels`] make of both; alpha is ignored, and colour
-//! becomes gray by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Pictures are turned as their
-//! Exif data say.
+//! Gray pictures pass unchanged. Of 16-bit values the high byte is taken, unless [`Levels`] map them. Alpha is ignored.
+//! Colour becomes gray by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
+//! Pictures are turned as their Exif data say.
 
 use super::damage::damaged;
 use super::samples::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "jpe", "jfif", "pgm", "ppm", "pnm", "pam"];
 
-/// Pictures that are not read. A GIF alone is a film.
+/// Extensions of pictures that are not read. A single GIF is read as a film.
 const FOREIGN: [&str; 28] = [
     "bmp", "dib", "tif", "tiff", "webp", "gif", "heic", "heif", "avif", "jp2", "j2k", "jxl", "jls", "mpo", "pbm",
     "pfm", "tga", "exr", "hdr", "psd", "dng", "cr2", "cr3", "nef", "arw", "orf", "rw2", "raf",
@@ -31,7 +31,7 @@ pub(super) fn is_foreign(file: &Path) -> bool {
     has_extension(file, &FOREIGN)
 }
 
-/// The kind of a picture by its name: pictures of several kinds are not one recording.
+/// Returns the kind of a picture by its name. Pictures of several kinds are not one recording.
 pub(super) fn kind(file: &Path) -> Option<String> {
     let extension = file.extension()?.to_string_lossy().to_ascii_lowercase();
     let is_jpeg = has_extension(file, &["jpg", "jpeg", "jpe", "jfif"]);
@@ -39,7 +39,7 @@ pub(super) fn kind(file: &Path) -> Option<String> {
     is_known.then(|| if is_jpeg { "jpg".to_owned() } else { extension })
 }
 
-/// Errors: The file has the name of a picture that is not read.
+/// Errors: The extension is that of a picture that is not read.
 pub(super) fn check_kind(file: &Path) -> Result<()> {
     ensure!(!is_foreign(file), "{} is a picture of a kind that is not read: {CONVERT}", file.display());
     Ok(())
@@ -49,7 +49,7 @@ pub(super) fn check_kind(file: &Path) -> Result<()> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     file: PathBuf,
-    /// Its bytes in a file with several.
+    /// Bytes of this picture, if the file has several.
     part: Option<Range<u64>>,
     pub(super) levels: Option<Levels>,
 }
@@ -61,7 +61,7 @@ impl From<PathBuf> for Picture {
 }
 
 impl Picture {
-    /// The pictures in one file. What is wrong with it is said when they are read.
+    /// Returns the pictures in one file. Errors of the file come when they are read.
     pub(super) fn all_in(file: &Path) -> Vec<Self> {
         let whole = Self::from(file.to_owned());
         let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
@@ -77,12 +77,12 @@ impl Picture {
         all.into_iter().map(|part| Self { part: Some(part), ..whole.clone() }).collect()
     }
 
-    /// False of a pipe, which can be read only once.
+    /// False for a pipe, which can be read only once.
     pub(super) fn is_file(&self) -> bool {
         self.file.is_file()
     }
 
-    /// The name of its file, if that has no others.
+    /// Returns the name of the file, if it holds no other picture.
     pub fn name(&self) -> Option<String> {
         let name = self.file.file_name().filter(|_| self.part.is_none())?;
         Some(name.to_string_lossy().into_owned())
@@ -106,7 +106,7 @@ impl Picture {
     }
 }
 
-/// The frames from the one with the number `first` on, each from one of all `pictures` of a recording.
+/// Returns the frames from the one with the number `first` on; `pictures` are all pictures of the recording.
 pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
     let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
     (first..).zip(rest).map(|(number, picture)| {
@@ -116,24 +116,24 @@ pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item =
     })
 }
 
-/// One picture as the bytes of its file.
+/// Decodes one picture from the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)
 }
 
-/// One picture as the bytes of its file, in its own colors.
+/// Decodes one picture from the bytes of its file, in its own colors.
 pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
 }
 
-/// The number of levels (of 256) below which a note is given: 14 bits leave as many in 16.
+/// Number of levels (of 256) below which the user gets a note. 14-bit values in 16 bits use just as many.
 const FEW: usize = 64;
 
-/// The number of pixels of which one may be dead.
+/// One of this many pixels may be dead.
 const DEAD: u64 = 10_000;
 
-/// A note on the levels that the first, the middle and the last of `pictures` use, if they have 16 bits and use few. One pixel in 10,000 at each end
-/// is not counted: sensors have dead ones.
+/// Returns a note if the first, the middle and the last of `pictures` have 16 bits but use few levels. One pixel in
+/// 10,000 at each end is not counted, because sensors have dead pixels.
 pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let mut counts = vec![0_u64; 1 << 16];
     let mut all = 0;
@@ -178,7 +178,7 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
     }
 }
 
-/// The place of the picture that follows in the same file; `None` if there is none, or if the first one is damaged.
+/// Returns the place of the next picture in the same file; `None` without one, or if the first one is damaged.
 fn next(bytes: &[u8]) -> Option<usize> {
     match bytes {
         [0x89, ..] => Chunks::of(bytes).next(bytes),
@@ -188,14 +188,14 @@ fn next(bytes: &[u8]) -> Option<usize> {
     }
 }
 
-/// The kind of a picture that is not read, whatever its name.
+/// Returns the kind of a picture that is not read, by its bytes instead of its name.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let is =
         |at: usize, magic: &[&[u8]]| bytes.get(at..).is_some_and(|rest| magic.iter().any(|one| rest.starts_with(one)));
     FOREIGN_MAGIC.iter().find(|(at, magic, _)| is(*at, magic)).map(|(_, _, kind)| *kind)
 }
 
-/// The kinds of pictures that are not read: the place of their magic bytes, these, and the name of the kind.
+/// Kinds of pictures that are not read: the place of their magic bytes, the magic bytes, and the name.
 const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
     (0, &[b"BM"], "a BMP picture"),
     (0, &[b"II*\0", b"MM\0*"], "a TIFF picture"),
@@ -212,10 +212,10 @@ const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
 /// Facts of a PNG's chunks besides pixels.
 struct Chunks {
     orientation: u8,
-    /// Pictures of an animation.
+    /// Number of pictures in an animation.
     count: u32,
     is_of_apple: bool,
-    /// Behind the last chunk; `None` if it is missing.
+    /// Place behind the last chunk; `None` if that chunk is missing.
     end: Option<usize>,
 }
 
@@ -261,7 +261,7 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     // The limit is for chunks besides pixels. The number of pixels is checked below.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    // To gray or RGB, with or without alpha, of 8 or 16 bits each.
+    // The transformation gives gray or RGB, with or without alpha, of 8 or 16 bits.
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(undecodable)?;
     let (width, height) = reader.info().size();
@@ -273,7 +273,7 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     Ok(Samples { is_wide: decoded.bit_depth == png::BitDepth::Sixteen, orientation: chunks.orientation, ..samples })
 }
 
-/// The decoder's error in plain words.
+/// Words the decoder's error for people.
 fn undecodable(error: DecodingError) -> Error {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {

@@ -1,6 +1,6 @@
 //! An index of a video: the time of each frame in seconds, and the frames that can be sought.
 //!
-//! Times come from packets if each is one frame and times grow; else the file is decoded whole, and read from its beginning.
+//! Times come from packets if each packet is one frame and times grow; else the file is decoded from its beginning.
 
 use super::ffmpeg::{Ffmpeg, command, fraction, input};
 use super::video::{self, FROM_ZERO, Use};
@@ -12,7 +12,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The times of a recording's frames by their numbers. A thread finds them.
+/// The times of a recording's frames by number, found by a thread.
 #[derive(Default)]
 pub(super) struct Index {
     found: Mutex<Found>,
@@ -24,19 +24,19 @@ struct Found {
     times: Vec<f64>,
     /// True if seeking by time finds the frame of that time; `None` until this is known.
     can_seek: Option<bool>,
-    /// All times are there, or there will be none.
+    /// True if all times are there, or none will come.
     is_whole: bool,
 }
 
 impl Index {
-    /// An index of a recording without times.
+    /// Makes the index of a recording without times.
     pub fn unknown() -> Arc<Self> {
         let index = Arc::<Self>::default();
         index.change(|found| found.is_whole = true);
         index
     }
 
-    /// The index of a video, found from now on.
+    /// Starts a thread that finds the index of a video.
     pub fn of(file: &Path, patience: Duration) -> Arc<Self> {
         let (index, file) = (Arc::<Self>::default(), file.to_owned());
         let found = Arc::clone(&index);
@@ -68,13 +68,13 @@ impl Index {
         self.grown.notify_all();
     }
 
-    /// All times, once they are known.
+    /// Returns all times, once they are known.
     pub fn times(&self) -> Option<Vec<f64>> {
         let found = locked(&self.found);
         (found.is_whole && !found.times.is_empty()).then(|| found.times.clone())
     }
 
-    /// The time to seek a frame by; `None` if it has to be read from the beginning. Waits until that is known.
+    /// Waits until the time of a frame is known and returns it; `None` if the frame cannot be sought by its time.
     pub fn sought(&self, number: usize) -> Option<f64> {
         let mut found = locked(&self.found);
         while !found.is_whole && found.can_seek != Some(false) && found.times.len() < number {
@@ -83,48 +83,48 @@ impl Index {
         found.times.get(number - 1).copied().filter(|_| found.can_seek == Some(true))
     }
 
-    /// True if the frame is shown at this time.
+    /// True if the frame with this number is shown at this time.
     pub fn has(&self, number: usize, time: Option<f64>) -> bool {
         self.sought(number).zip(time).is_some_and(|(expected, time)| (expected - time).abs() < SAME)
     }
 
-    /// True if there is no frame with this number, for certain.
+    /// True if it is certain that there is no frame with this number.
     pub fn ends_before(&self, number: usize) -> bool {
         let found = locked(&self.found);
         found.is_whole && found.can_seek == Some(true) && found.times.len() < number
     }
 }
 
-/// Seconds below which two times are the same.
+/// Difference in seconds below which two times are equal.
 const SAME: f64 = 1e-6;
 
-/// The number of frames of a file, if it says so without being decoded.
+/// Returns the number of frames of a file, if the file tells it without being decoded.
 pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }
 
-/// The times of the frames that are decoded.
+/// Decodes a file and returns the times of its frames.
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
     video::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
-/// Frames, as far as packets tell.
+/// Facts about the frames of a file, as far as its packets tell.
 #[derive(Debug, PartialEq)]
 enum Packets {
-    /// Each is a frame, shown then.
+    /// Each packet is a frame that is shown at this time.
     Frames(Vec<f64>),
-    /// Some have no frame, and times grow.
+    /// Some packets hold no frame, and times grow.
     Hidden,
     /// Times are missing, repeat or go back, or it is not known how frames are packed.
     Unsure,
 }
 
-/// Codecs that show one frame for each packet, and begin anew at each key frame.
+/// Codecs that show one frame for each packet, and can be decoded from each key frame on.
 const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2video", "mjpeg", "prores", "rawvideo"];
-/// Codecs that begin anew at each key frame, and have packets without a frame that look like all others.
+/// Codecs that can be decoded from each key frame on, but have packets without a frame that look like all others.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
-/// Frames decoded to test what packets say.
+/// Number of frames that are decoded to check the packets.
 const TRIED: usize = 48;
 
 fn packets(file: &Path, patience: Duration) -> Packets {
@@ -134,20 +134,20 @@ fn packets(file: &Path, patience: Duration) -> Packets {
     read_packets(file, patience).and_then(|read| read.checked(file, patience)).unwrap_or(Packets::Unsure)
 }
 
-/// The packets of a file whose times can be told from each other.
+/// The packets of a file in which no two have the same time.
 struct Read {
     codec: String,
-    /// In seconds, as a fraction.
+    /// Unit of `times` in seconds, as a fraction.
     base: (f64, f64),
-    /// In the order in which they are shown.
+    /// Times in the order in which the packets are shown.
     times: Vec<i64>,
     has_empty: bool,
 }
 
-/// The flag of packets that are decoded and not shown: an edit list cuts them.
+/// Flag of packets that are decoded but not shown, because an edit list cuts them.
 const DISCARDED: u32 = 4;
 
-/// Reads what ffmpeg says of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if its times do not tell frames apart.
+/// Reads ffmpeg's line of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if times repeat.
 fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
     let mut command = command("ffmpeg", "quiet", &input(file), &FROM_ZERO);
     command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
@@ -162,7 +162,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
             read.codec = value("codec_id 0:").map_or(read.codec, str::to_owned);
         } else {
             let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-            // A time that is not known is the least number.
+            // ffmpeg prints the least number for an unknown time.
             let number = |at: usize| fields.get(at)?.parse().ok().filter(|&number| number != i64::MIN);
             let flags = fields.iter().find_map(|field| u32::from_str_radix(field.strip_prefix("F=0x")?, 16).ok());
             let (sent, shown) = (number(1)?, number(2)?);
@@ -184,7 +184,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// Gives what they tell, if the first frames that are decoded do not say otherwise.
+    /// Returns the facts of the packets, if the first decoded frames agree with them.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);
@@ -204,7 +204,7 @@ impl Read {
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }
-        // Two fields of a frame may be packets of their own, half as far apart.
+        // The two fields of a frame may be packets of their own, half as far apart as frames.
         let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let are_all = tried.len() == times.len()
             || tried.len() == TRIED && tried.last() <= times.get(TRIED - 1).map(|at| at + SAME).as_ref();

@@ -1,4 +1,4 @@
-//! Files that are read whole: none is longer than its kind can be, and one that never ends is not waited for.
+//! Files that are read whole, up to the size limit of their kind. A pipe that falls silent is not waited for.
 
 use crate::messages;
 use anyhow::{Result, anyhow, ensure};
@@ -11,29 +11,29 @@ use std::time::Duration;
 
 /// A kind of files, for errors and limits.
 pub struct Kind {
-    /// The words behind "expected".
+    /// Words after "expected" in errors.
     pub expected: &'static str,
     /// Size limit in MiB.
     pub most: u32,
 }
 
-/// A million frames of boxes, and of most polygons.
+/// A million frames with boxes, or with most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
 /// A picture of up to 16384x16384 pixels, except in colour without compression.
 pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
 pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
 
-/// The time that a pipe or a device may be silent.
+/// Longest silence of a pipe or a device.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The file as text.
+/// Reads a file as text.
 pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     let text = String::from_utf8(bytes(file, kind)?);
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
 }
 
-/// The file's bytes.
-/// Errors: The fault of the file, without its name: it is not there, it cannot be read, it is too long, or it is a pipe that says nothing.
+/// Reads the bytes of a file.
+/// Errors: The file is missing, unreadable, too long, or a silent pipe. The message does not name the file.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let Kind { expected, most } = kind;
     let unreadable = |error: io::Error| match error.kind() {
@@ -57,21 +57,21 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     } else {
         Box::new(Patient::new(|| File::open(name), PATIENCE, |_| ErrorKind::TimedOut.into()))
     };
-    // A file may grow meanwhile.
+    // A file may grow while it is read.
     stream.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     fits(bytes.len() as u64)?;
     Ok(bytes)
 }
 
-/// A pipe or a device, read as long as it is silent for no longer than `patience`. Opening a pipe waits for its writer: a thread does it, and
-/// nobody waits for that.
+/// A stream whose reads fail after a silence longer than `patience`. Opening a pipe waits for its writer, so a thread
+/// opens and reads the stream.
 pub struct Patient {
-    /// An empty chunk is the end.
+    /// Chunks of the stream; an empty chunk is the end.
     chunks: Receiver<io::Result<Vec<u8>>>,
     chunk: Vec<u8>,
     read: usize,
     patience: Duration,
-    /// The error of too long a silence.
+    /// Makes the error of too long a silence.
     silent: fn(Duration) -> io::Error,
 }
 

@@ -1,4 +1,4 @@
-//! JPEG pictures. Their segments are walked here up to the true end, behind which there may be anything (a film, a second
+//! JPEG pictures. This file walks their segments up to the true end, because anything may follow it (a film, a second
 //! picture, noise); zune-jpeg decodes the pixels.
 
 use super::damage::damaged;
@@ -10,11 +10,11 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 pub(super) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
 
-/// A segment by which the decoder takes the Huffman tables of ITU-T T.81, annex K.3, where a picture has none of its own: those of webcams come
-/// as a stream whose reader knows them.
+/// A segment that makes the decoder use the Huffman tables of ITU-T T.81, annex K.3, if a picture has no tables.
+/// Webcams leave them out, because readers of their streams know them.
 const STANDARD_TABLES: &[u8] = b"\xFF\xE0\0\x07AVI1\0";
 
-/// One picture as the bytes of its file.
+/// Decodes one picture from the bytes of its file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let layout = Layout::of(bytes);
     if let Some(kind) = layout.unread() {
@@ -28,7 +28,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     Ok(Samples { orientation: layout.orientation, ..samples })
 }
 
-/// The place of the picture that follows in the same file, as in a stream of JPEGs.
+/// Returns the place of the next picture in the same file, as in a stream of JPEGs.
 pub(super) fn next(bytes: &[u8]) -> Option<usize> {
     Layout::of(bytes).next(bytes)
 }
@@ -39,9 +39,9 @@ struct Layout {
     frame: Option<Frame>,
     /// Components in the first scan.
     scanned: u8,
-    /// The file belongs to a format with further views or sizes of this picture behind it.
+    /// True if further views or sizes of this picture follow it in the file.
     has_views: bool,
-    /// Behind the marker of the end; `None` if it is missing.
+    /// Place behind the end marker; `None` if the marker is missing.
     end: Option<usize>,
 }
 
@@ -51,7 +51,7 @@ struct Frame {
     marker: u8,
     /// Precision, height and width, components.
     sizes: [u8; 6],
-    /// A component has more rows than another one.
+    /// True if a component has more rows than another one.
     has_fewer_rows: bool,
 }
 
@@ -62,8 +62,8 @@ impl Layout {
         layout
     }
 
-    /// Walks from one marker to the next. Between them are lengths and their segments, and pixels, in which 0xFF is followed by 0 or is the
-    /// marker of a restart.
+    /// Walks from one marker to the next. Between markers are segments with their lengths, and pixels; in pixels, 0xFF
+    /// is followed by 0 or by the code of a restart.
     fn walk(&mut self, bytes: &[u8]) -> Option<usize> {
         let mut at = 2;
         loop {
@@ -73,7 +73,7 @@ impl Layout {
             at += 1;
             match marker {
                 0 | 1 | 0xD0..=0xD7 => continue,
-                // The beginning of another picture, and the end of this one.
+                // Another picture begins although this one has not ended.
                 0xD8 => return None,
                 0xD9 => return Some(at),
                 _ => {}
@@ -106,7 +106,7 @@ impl Layout {
         is_next.then_some(bytes.len() - rest.len())
     }
 
-    /// The kind of JPEG if it is not read.
+    /// Returns the kind of JPEG if it is not read.
     fn unread(&self) -> Option<&'static str> {
         let Frame { marker, sizes: [precision, height @ .., _, _, components], has_fewer_rows } =
             self.frame.as_ref()?;
@@ -117,14 +117,14 @@ impl Layout {
             0xF7 => "a JPEG-LS picture",
             _ if *precision != 8 => "a JPEG of more than 8 bits",
             _ if *height == [0, 0] => "a JPEG whose height follows its pixels",
-            // The decoder puts their colors in other places, without a word.
+            // The decoder would silently put the colors of such a picture in other places.
             0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with a scan for each color",
             _ => return None,
         })
     }
 }
 
-/// The decoder fills in missing data without a word unless it is told to be strict.
+/// Decodes pixels in strict mode: otherwise the decoder silently fills in missing data.
 fn pixels(bytes: &[u8]) -> Result<Samples> {
     let side = usize::from(u16::MAX);
     let options = DecoderOptions::default().set_strict_mode(true).set_max_width(side).set_max_height(side);

@@ -1,8 +1,8 @@
 //! Recordings: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes, by one call ([`open`]).
 //!
-//! A [`Sequence`] is a stream of frames and the boxes known about them; it is never in memory as a whole. Faults of a camera and
-//! covers can be put between ([`fault`], [`cover`]). All files are read up to a limit ([`input`]), written whole or not at all ([`output`])
-//! and removed if a signal comes ([`cleanup`]), with errors as people read them ([`messages`]). No tracker is run here.
+//! A [`Sequence`] is a stream of frames and the boxes known about them; it is never in memory as a whole. [`fault`] and
+//! [`cover`] change frames on their way to a tracker. Files are read up to a limit ([`input`]), written whole or not at
+//! all ([`output`]) and removed on a signal ([`cleanup`]); [`messages`] words errors for people. No tracker runs here.
 
 mod border;
 pub mod boxes;
@@ -63,7 +63,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame, rows without gaps.
+/// A frame: its pixels row after row, without gaps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Raster<P> {
     pub width: u16,
@@ -80,7 +80,7 @@ pub type ColorFrame = Raster<[u8; 3]>;
 /// A frame of a recording.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Counts the frames of the recording from 1, of a live source also those that were dropped.
+    /// Number in the recording, from 1; a live source also counts the frames that it dropped.
     pub number: usize,
     /// Time in seconds, if it is known.
     pub seconds: Option<f64>,
@@ -89,7 +89,7 @@ pub struct Frame {
     pub color: Option<ColorFrame>,
     /// Time at which a film shows the frame in color.
     pub moment: Option<Moment>,
-    /// Gray and color as a live source gives them: it cannot be read again.
+    /// Gray and color planes of a live source, which cannot be read again.
     pub planes: Option<Planes>,
 }
 
@@ -99,17 +99,17 @@ impl Frame {
     }
 }
 
-/// The most pixels of a frame: 16384x16384. Memory is taken for no more.
+/// Most pixels of a frame, 16384x16384; no memory is taken for a larger one.
 const MOST_PIXELS: u64 = 1 << 28;
 
 impl GrayFrame {
-    /// A frame of the levels that `level` gives for each place, row after row.
+    /// Draws a frame row after row; `level` gives the gray level of each pixel.
     fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {
         let places = (0..i32::from(height)).flat_map(|y| (0..i32::from(width)).map(move |x| (x, y)));
         Self { width, height, pixels: places.map(|(x, y)| level(x, y)).collect() }
     }
 
-    /// The view of it that smr-core takes.
+    /// Returns the frame as smr-core takes it.
     pub fn frame(&self) -> smr_core::Frame<'_> {
         smr_core::Frame::whole(self.image())
     }
@@ -119,7 +119,7 @@ impl GrayFrame {
         image.expect("a GrayFrame is made with as many pixels as its size says, and at least one")
     }
 
-    /// The level at this place; 0 outside, as the trackers see it.
+    /// Returns the level of a pixel; 0 outside the frame, as the trackers see it.
     pub fn level(&self, x: i32, y: i32) -> u8 {
         let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return 0 };
         let inside = x < self.width && y < self.height;
@@ -139,7 +139,7 @@ impl From<smr_core::Image<'_>> for GrayFrame {
 pub struct Sequence {
     /// The name of the folder, or of the file without its extension.
     pub name: String,
-    /// The frames in order. All are of the size of the first; one that is not is an error. Nothing follows an error.
+    /// The frames in order, all of the size of the first. A frame of another size is an error, and an error ends them.
     pub frames: Frames,
     /// The number of frames, if it is known before they are read.
     pub length: Option<usize>,
@@ -156,7 +156,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Frames that are made, not read. The box to start from is the first of `truth`.
+    /// Makes a sequence of generated frames. The box to start from is the first of `truth`.
     pub fn made(
         name: &str,
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
@@ -166,13 +166,13 @@ impl Sequence {
         Self { length, init, truth: Some(truth), ..Self::endless(name.to_owned(), frames) }
     }
 
-    /// Frames that are made, of which the number is not known.
+    /// Makes a sequence of generated frames, of unknown number.
     fn endless(name: String, frames: impl Iterator<Item = GrayFrame> + Send + 'static) -> Self {
         let frames = (1..).zip(frames).map(|(number, gray)| Ok(Frame::new(number, None, gray)));
         Self::streamed(name, frames, Source::Once)
     }
 
-    /// Frames as they come, without boxes.
+    /// Makes a sequence of frames as they come, without boxes.
     fn streamed(name: String, frames: impl Iterator<Item = Result<Frame>> + Send + 'static, source: Source) -> Self {
         // The header of a pipe states a rate, which is not the time at which frames come.
         let has_times = !matches!(source, Source::Once);
@@ -181,8 +181,8 @@ impl Sequence {
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
-    /// The box to start from in whole pixels, as every tracker takes it.
-    /// Errors: There is none, or it has less than a pixel.
+    /// Returns the box to start from in whole pixels, as every tracker takes it.
+    /// Errors: There is no box, or it has less than a pixel.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
@@ -192,18 +192,18 @@ impl Sequence {
     }
 }
 
-/// Facts of a recording that its path does not tell.
+/// Options of [`open`]: facts that the path does not tell.
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
-    /// Width and height of the frames of a raw dump. If given, any file is taken for a raw dump, unless its extension is that of something else.
+    /// Width and height of a raw dump's frames. Any file is then a raw dump, unless its extension says otherwise.
     pub size: Option<(u16, u16)>,
-    /// The 16-bit values to stretch. If given, the recording must be of such pictures.
+    /// Range of 16-bit values to stretch. If given, the recording must be 16-bit pictures.
     pub levels: Option<Levels>,
     /// The box to start from, instead of the one found beside the recording.
     pub init: Option<BoundingBox>,
-    /// Time that ffmpeg may be silent; a minute if it is `None`.
+    /// Longest silence of ffmpeg; a minute if `None`.
     pub ffmpeg_patience: Option<Duration>,
-    /// Opens a live source, too.
+    /// True if a live source may be opened, too.
     pub takes_live: bool,
 }
 
@@ -266,7 +266,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let has_levels = matches!(sequence.source, Source::Pictures(_));
     ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
     sequence.init = options.init.or(sequence.init);
-    // It stands in tables, a line for each recording.
+    // The name stands in tables that have one line for each recording.
     sequence.name = messages::line(&sequence.name);
     Ok(sequence)
 }
@@ -274,13 +274,13 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
 /// Advice for frames that neither lie in a file nor come from a camera of Linux.
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
-/// Y4M as it comes, for example from a camera: no boxes lie beside it.
+/// Path that stands for Y4M from standard input, for example from a camera. No boxes lie beside it.
 const STANDARD_INPUT: &str = "-";
 
 /// The built-in recordings, which need no file.
 pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
-/// The built-in recordings to check smr-core with. In noise there is nothing to follow; it is there to be timed.
+/// Built-in recordings to check smr-core with. Noise has nothing to follow and only serves to time trackers.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
@@ -290,22 +290,22 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if `path` is something to [`open`], as far as names tell: false for a folder that only holds recordings in
-/// folders of their own.
+/// True if [`open`] can take `path`, as far as names tell. A folder that only holds recordings in folders of their own
+/// is none.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
     let holds =
         |folder: &Path, is: fn(&Path) -> bool| files_in(folder).is_ok_and(|files| files.iter().any(|file| is(file)));
-    // Pictures that are not read are missed where boxes lie beside them.
+    // Boxes beside pictures in a foreign format make a recording, so that `open` says why it cannot read them.
     let has_boxes = holds(path, boxes::is_known);
     let has_pictures =
         |folder: &Path| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign);
     holds(path, is_recording) || has_pictures(path) || INNER.iter().any(|inner| has_pictures(&path.join(inner)))
 }
 
-/// Errors: The folder holds pictures that are not read.
+/// Errors: The folder holds pictures in a format that is not read.
 fn check_pictures(folder: &Path) -> Result<()> {
     pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
@@ -313,7 +313,7 @@ fn check_pictures(folder: &Path) -> Result<()> {
 /// The box of each frame; `None` where the target is not visible.
 type Truth = Vec<Option<BoundingBox>>;
 
-/// The ground truth that lies in a folder, and the box to start from.
+/// Returns the ground truth that lies in a folder, and the box to start from.
 fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
@@ -321,19 +321,19 @@ fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     Ok((truth, init))
 }
 
-/// The box to start from that lies beside a file, for those who read its frames by other means than [`open`].
+/// Returns the box to start from beside a file, for callers that read its frames without [`open`].
 pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
 
-/// The name of a folder; `.` and `..` have names too.
+/// Returns the name of a folder, also of `.` and `..`.
 fn folder_name(folder: &Path) -> String {
     let absolute = fs::canonicalize(folder).unwrap_or_default();
     let name = folder.file_name().or(absolute.file_name());
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// A recording of pictures that lie `at` a place, without boxes.
+/// Makes a sequence of pictures without boxes; `at` is the file or folder that holds them.
 fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
     let length = Some(pictures.len());
     pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
@@ -360,15 +360,15 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
         );
     }
     images::check_kind(&pictures[0])?;
-    // Left out, it would shift all boxes that follow.
+    // A picture left out would shift all boxes after it.
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
     Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
-/// The pictures of a folder in the order of their names; `files` are those in it.
-/// Errors: They are of several kinds or in several folders, or two of them have one number.
+/// Returns the pictures of a folder in the order of their names; `files` are the files in it.
+/// Errors: There are pictures of several kinds or in several folders, or two with one number.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
@@ -395,7 +395,7 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     Ok(pictures)
 }
 
-/// The one file of a folder without pictures that can be a recording.
+/// Returns the one file of a folder without pictures that can be a recording.
 fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     let mut recordings = files.iter().filter(|file| is_recording(file));
     let Some(recording) = recordings.next() else {
@@ -409,7 +409,7 @@ fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     Ok(recording)
 }
 
-/// Errors: What is in a folder under the name of a file, here called `name`, is none.
+/// Errors: `file`, called `name` in messages, is a link to nothing, a pipe or a device.
 fn check_file(file: &Path, name: &str) -> Result<()> {
     ensure!(file.exists(), "{name} is a link to a file that is not there");
     ensure!(file.is_file(), "{name} is a pipe or a device: expected a file, or nothing of that name in the folder");
@@ -422,7 +422,7 @@ fn is_recording(file: &Path) -> bool {
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let name = file.display().to_string();
-    // ffmpeg would show some of these pictures as a video of one frame. A GIF is read by it: it may be a film.
+    // ffmpeg would show some of these pictures as a video of one frame. It does read a GIF, which may be a film.
     if !has_extension(file, &["gif"]) {
         images::check_kind(file)?;
     }
@@ -454,12 +454,12 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(Sequence::streamed(name, frames, source))
 }
 
-/// True if a file of this name holds frames of the recording that its folder is.
+/// True if the name of a file says that it holds frames of the recording in its folder.
 pub fn is_of_frames(file: &Path) -> bool {
     images::is_picture(file) || is_recording(file)
 }
 
-/// True if a file of this name holds boxes of the recording beside it, or another tracker's answers.
+/// True if the name of a file says that it holds boxes of the recording beside it, or another tracker's answers.
 pub fn is_of_boxes(file: &Path) -> bool {
     boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
@@ -477,7 +477,7 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
 }
 
-/// The paper's tracker, which must do in the built-in scenes what they are there for.
+/// The paper's tracker; tests run it on the built-in scenes.
 #[cfg(test)]
 type Paper = smr_core::Paper<65536, 4096>;
 

@@ -1,4 +1,4 @@
-//! Frames as they come, from a camera, an address or standard input: who is too slow gets the newest, and those in between are counted.
+//! Frames of a camera, an address or standard input, as they come: a slow reader gets the newest, the rest are counted.
 
 use super::Frame;
 use super::ffmpeg::{self, Ffmpeg};
@@ -12,17 +12,17 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A camera, an address or standard input, read by a thread of its own. Dropped, it is closed.
+/// A camera, an address or standard input, read by a thread of its own; dropping it closes the source.
 pub struct Live {
     /// The address without its secrets.
     pub name: String,
     pub arrivals: Arc<Arrivals>,
-    /// `None` of standard input.
+    /// `None` for standard input.
     ffmpeg: Option<Ffmpeg>,
     secrets: Vec<String>,
 }
 
-/// The newest frame of a live source, and counts of all that came.
+/// The newest frame of a live source, and counts of all its frames.
 #[derive(Debug, Default)]
 pub struct Arrivals {
     state: Mutex<State>,
@@ -31,7 +31,7 @@ pub struct Arrivals {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Its number, its time in seconds since the first one, and its pixels.
+    /// Newest frame: its number, its time in seconds since the first frame, and its pixels.
     newest: Option<(usize, f64, Planes)>,
     came: usize,
     taken: usize,
@@ -41,7 +41,7 @@ struct State {
     reason: Option<String>,
 }
 
-/// True of a source that is read as it comes: an address with `://`, or a camera of Linux.
+/// True for a source that is read as it comes: an address with `://`, or a camera of Linux.
 pub fn is_live(path: &Path) -> bool {
     let text = path.to_string_lossy();
     let is_scheme = |text: &str| !text.is_empty() && text.bytes().all(|letter| letter.is_ascii_alphanumeric());
@@ -63,8 +63,8 @@ pub(super) fn without_secrets(address: &Path) -> (String, Vec<String>) {
 }
 
 impl Live {
-    /// Begins to read a source that [`is_live`]; waits for the first frame.
-    /// Errors: There is no ffmpeg, or it cannot read there.
+    /// Starts to read a source for which [`is_live`] is true, and waits for the first frame.
+    /// Errors: There is no ffmpeg, or it cannot read the source.
     pub fn open(address: &Path, patience: Duration) -> Result<Self> {
         let (name, secrets) = without_secrets(address);
         let mut ffmpeg = Ffmpeg::run(&mut command(address), &name, patience)?;
@@ -77,7 +77,7 @@ impl Live {
         Self { name, arrivals: Arc::default(), ffmpeg: Some(ffmpeg), secrets }.read(stream)
     }
 
-    /// Begins to read Y4M from standard input.
+    /// Starts to read Y4M from standard input.
     pub fn stdin() -> Result<Self> {
         let name = "standard input".to_owned();
         Self { name, arrivals: Arc::default(), ffmpeg: None, secrets: Vec::new() }.read(BufReader::new(stdin()))
@@ -102,9 +102,9 @@ impl Live {
     }
 }
 
-/// An ffmpeg that hands frames over as soon as it can: luma over all levels, as of files, and color at half the size.
+/// Makes a command for ffmpeg to hand over frames at once: luma over all levels, as in files, color at half the size.
 fn command(address: &Path) -> Command {
-    // Of its own accord ffmpeg looks at a stream for five seconds before it begins.
+    // By default, ffmpeg examines a stream for five seconds before it begins.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
     let options = if is_camera(address) { &options[..] } else { &options[..6] };
     let mut command = ffmpeg::command("ffmpeg", "level+warning", address.as_os_str(), options);
@@ -117,8 +117,8 @@ fn without(text: String, secrets: &[String]) -> String {
     secrets.iter().fold(text, |text, secret| text.replace(secret, ""))
 }
 
-/// The newest frame that was not taken yet, as soon as there is one. It ends if the source does, or if a signal asks for that
-/// ([`cleanup::stop_first`]).
+/// Waits for the newest frame that was not taken yet. The frames end if the source does, or after a signal that asks to
+/// stop ([`cleanup::stop_first`]).
 impl Iterator for Live {
     type Item = Frame;
 
@@ -147,7 +147,7 @@ impl Arrivals {
     fn add(&self, planes: Planes) {
         let mut state = locked(&self.state);
         state.came += 1;
-        // The first one, in which targets are, waits until it is taken.
+        // The first frame, in which targets are locked, waits until it is taken.
         if state.taken == 0 && state.newest.is_some() {
             return;
         }
@@ -157,13 +157,13 @@ impl Arrivals {
         self.changed.notify_all();
     }
 
-    /// The number of frames that came and that nobody took.
+    /// Returns the number of frames that came and that nobody took.
     pub fn dropped(&self) -> usize {
         let state = locked(&self.state);
         state.came - state.taken - usize::from(state.newest.is_some())
     }
 
-    /// The reason for the end, if it is known.
+    /// Returns the reason for the end, if it is known.
     pub fn ended(&self) -> Option<String> {
         locked(&self.state).reason.clone()
     }

@@ -4,12 +4,12 @@ use clap::ValueEnum;
 use std::error::Error;
 use std::io::{self, ErrorKind};
 
-/// A choice as it is typed on the command line.
+/// Returns a choice as it is typed on the command line.
 pub fn choice_name<T: ValueEnum>(choice: &T) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// The error and its causes in one line.
+/// Returns the error and its causes in one line.
 pub fn of(error: &anyhow::Error) -> String {
     error.chain().map(of_cause).collect::<Vec<_>>().join(": ")
 }
@@ -18,7 +18,7 @@ fn of_cause(cause: &(dyn Error + 'static)) -> String {
     cause.downcast_ref().map_or_else(|| cause.to_string(), of_io)
 }
 
-/// The system's error in plain words, without its number.
+/// Returns the system's error in plain words, without its number.
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
@@ -38,13 +38,13 @@ pub fn of_io(error: &io::Error) -> String {
     words.to_owned()
 }
 
-/// The text with its control characters written out, as `\u001b`: the name of a file must not steer a terminal. Ends of lines and tabs stay. JSON means
-/// the same as before.
+/// Writes out the control characters of a text, as `\u001b`: the name of a file must not steer a terminal. Ends of
+/// lines and tabs stay. JSON keeps its meaning.
 pub fn plain(text: &str) -> String {
     written_out(text, |letter| letter == '\n' || letter == '\t')
 }
 
-/// The text as one line. Users and passwords of addresses are left out.
+/// Returns the text as one line, without the users and passwords of addresses.
 pub fn line(text: &str) -> String {
     let mut parts = text.split("://");
     let first = parts.next().unwrap_or_default().to_owned();

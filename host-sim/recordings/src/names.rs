@@ -1,4 +1,4 @@
-//! The order of pictures by their names: numbers count as numbers, also decimal ones, as time stamps are.
+//! The order of pictures by their names: numbers count as numbers, also decimal ones such as time stamps.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -21,10 +21,10 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends in a decimal number. Numbers of any length compare exactly, because fields are compared in this order.
+/// A name that ends in a decimal number. Fields compare in their order, so numbers of any length compare exactly.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
-    /// Digits before the point, without leading zeros: their number, and themselves.
+    /// Digits before the point, without leading zeros: first their number, then the digits.
     whole: (usize, String),
     /// Digits behind the point, without zeros at the end.
     fraction: String,
@@ -54,14 +54,14 @@ impl Decimal {
         })
     }
 
-    /// With letters before them `a1.9` and `a1.10` are parts of a count: as decimal numbers they would have no zero at the end.
+    /// True if all are decimal numbers of one series. After letters, a zero at the end tells a count: `a1.9`, `a1.10`.
     fn are_one_series(all: &[Self]) -> bool {
         let prefix = all.first().map(|first| &first.prefix);
         all.iter().all(|one| Some(&one.prefix) == prefix && (one.prefix.is_empty() || !one.has_zero_at_the_end))
     }
 }
 
-/// Two pictures of one number, such as `7.png` and `7_mask.png`: they are no frames of one recording.
+/// Finds two pictures of one number, such as `7.png` and `7_mask.png`: they are no frames of one recording.
 pub(super) fn twins(files: &[PathBuf]) -> Option<[&Path; 2]> {
     let mut of_numbers = HashMap::new();
     files.iter().find_map(|file| {

@@ -8,16 +8,16 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
 
-/// A file under way. Until [`Output::finish`] nothing has its name: dropped before, it leaves what was there as it was.
+/// A file under way. It gets its name in [`Output::finish`]; dropped before, it leaves a former file as it was.
 pub struct Output {
-    /// The name that was asked for.
+    /// Name that the user asked for.
     name: PathBuf,
     file: BufWriter<fs::File>,
     /// `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
     whole: Option<Whole>,
 }
 
-/// A file that lies beside the one that it will replace.
+/// A file that lies beside the file that it will replace.
 struct Whole {
     path: TempPath,
     target: PathBuf,
@@ -25,7 +25,7 @@ struct Whole {
 }
 
 impl Output {
-    /// Begins the file `name`. To be called before the work of which it will hold the result.
+    /// Begins the file `name`. Call it before the work whose result the file will hold.
     /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
         let target = if is_open(name) { name.to_owned() } else { behind_links(name) };
@@ -35,7 +35,7 @@ impl Output {
         Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
-    /// The place where another program writes the file that will have the name; `None` of a device or a pipe.
+    /// Returns the path at which another program can write the file; `None` for a device or a pipe.
     pub fn path(&self) -> Option<&Path> {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
@@ -60,7 +60,7 @@ impl Output {
     }
 }
 
-/// For encoders, which write by themselves. Their errors are the system's alone: they do not name the file.
+/// For encoders, which write by themselves; these errors do not name the file.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
@@ -75,7 +75,7 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Follows a link, also to a file that is not there yet: the link itself stays.
+/// Follows a link, also to a file that does not exist yet, so that the link itself stays.
 pub fn behind_links(name: &Path) -> PathBuf {
     match fs::read_link(name) {
         Ok(next) if fs::metadata(name).is_err() => folder_of(name).join(next),
@@ -84,7 +84,7 @@ pub fn behind_links(name: &Path) -> PathBuf {
     }
 }
 
-/// True of a name by which the system gives a file that is open already, such as /dev/stdout: its former content stays.
+/// True for a name of a file that is open already, such as /dev/stdout. Its former content stays.
 fn is_open(name: &Path) -> bool {
     let behind = fs::read_link(name).unwrap_or_default();
     [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))
@@ -94,7 +94,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     let there = fs::metadata(&target);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-        // Opened anew, a file that is standard output would have two ends.
+        // If standard output were opened anew, the two would overwrite each other.
         #[cfg(unix)]
         Ok(_) if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| target == Path::new(name)) => {
             return Ok((std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into(), None));
@@ -104,7 +104,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         }
         _ => {}
     }
-    // Not for the eyes of the user alone, as temporary files are, but as any new file.
+    // Temporary files are for the user alone; this one gets the permissions of any new file.
     let make = || temporary(".smr-", 0o666).suffix(".part").tempfile_in(folder_of(&target));
     let (made, _kept) = cleanup::keep_path(make)?;
     if let Ok(data) = there {
@@ -114,7 +114,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     Ok((file, Some(Whole { path, target, _kept })))
 }
 
-/// A maker of files and folders with such a name and, on Unix, such permissions.
+/// Returns a builder of files and folders with this prefix and, on Unix, these permissions.
 #[cfg_attr(not(unix), allow(unused_variables))]
 fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
@@ -128,7 +128,7 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     Output::create(name)?.end(bytes)
 }
 
-/// A new folder under way, or one that is there and empty. Until [`Folder::finish`] nothing of it is seen.
+/// A folder under way, new or empty so far. Its files appear together in [`Folder::finish`].
 pub struct Folder {
     name: PathBuf,
     target: PathBuf,
@@ -137,8 +137,8 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Begins the folder `name`, with all folders above it.
-    /// Errors: There is something in it, or it cannot be made.
+    /// Begins the folder `name`, and makes all folders above it.
+    /// Errors: The folder is not empty, or it cannot be made.
     pub fn create(name: &Path) -> Result<Self> {
         let target = behind_links(name);
         let is_there = fs::symlink_metadata(&target).is_ok();
@@ -181,7 +181,7 @@ impl Folder {
                 return Ok(());
             }
             fs::rename(made.path(), &target)?;
-            // There is nothing to remove under the former name.
+            // The former name is gone, so there is nothing to remove.
             let _ = made.keep();
             Ok(())
         };
@@ -189,14 +189,14 @@ impl Folder {
     }
 }
 
-/// A folder of this user alone for files that this program and another one exchange. Dropped, it is removed.
+/// A folder of this user alone, for files that this program and another one exchange. Dropping it removes it.
 pub struct Exchange {
     made: TempDir,
     _kept: Kept,
 }
 
 impl Exchange {
-    /// Errors: The system has no place for it.
+    /// Errors: The system has no place for a temporary folder.
     pub fn create() -> Result<Self> {
         let make = || temporary("smr-", 0o700).tempdir();
         let (made, _kept) = cleanup::keep_path(make).context("cannot make a temporary folder")?;
@@ -207,8 +207,8 @@ impl Exchange {
         self.made.path()
     }
 
-    /// Writes a file that nobody else can read, nor what takes its place by [`Output`]. Returns its place.
-    /// Errors: There is such a file already, or the disk's.
+    /// Writes a file that nobody else can read, not even after an [`Output`] replaces it. Returns its path.
+    /// Errors: The file exists already, or the disk's.
     pub fn private(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
         let place = self.path().join(name);
         let mut options = fs::OpenOptions::new();
@@ -221,7 +221,7 @@ impl Exchange {
 }
 
 /// Writes text to standard output, [in plain letters](messages::plain).
-/// Errors: Nobody reads it any more ([`ErrorKind::BrokenPipe`]), or the disk's.
+/// Errors: The reader is gone ([`ErrorKind::BrokenPipe`]), or the disk's.
 pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let mut bytes = Vec::new();
     text(&mut bytes)?;

@@ -1,4 +1,4 @@
-//! The other built-in recording: patterns without noise, where many offsets score exactly the same.
+//! A built-in recording of patterns without noise, where many offsets score exactly the same.
 //!
 //! A natural recording hardly ever has a tie, so it cannot show whether ties are decided as stated. Here a checkerboard
 //! moves by half of its period, where the offsets to the left and to the right, above and below are equally close. Some

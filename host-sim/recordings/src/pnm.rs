@@ -4,7 +4,7 @@ use super::damage::damaged;
 use super::samples::{EXPECTED, Samples, check_size, several};
 use anyhow::{Error, Result, ensure};
 
-/// One picture as the bytes of its file.
+/// Decodes one picture from the bytes of its file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
     let samples = reader.picture()?;
@@ -12,24 +12,24 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     Ok(samples)
 }
 
-/// The place of the picture that follows in the same file.
+/// Returns the place of the next picture in the same file.
 pub(super) fn next(bytes: &[u8]) -> Option<usize> {
     let mut reader = Reader(bytes);
     reader.picture().ok()?;
     reader.next(bytes)
 }
 
-/// True of the first bytes of such a picture, or of a bitmap of this family, which is not read.
+/// True for the first bytes of a PGM, PPM or PAM picture, or of a bitmap of their family, which is not read.
 pub(super) fn is_pnm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() || *space == b'#')
 }
 
 struct Header {
-    /// The values are decimal numbers.
+    /// True if the values are decimal numbers.
     is_text: bool,
     width: u32,
     height: u32,
-    /// Values a pixel.
+    /// Values in each pixel.
     channels: u32,
     largest: u32,
 }
@@ -45,7 +45,7 @@ impl Reader<'_> {
 
     fn picture(&mut self) -> Result<Samples> {
         let Header { is_text, width, height, channels, largest } = self.header()?;
-        // With another largest value the pixels would have to be scaled. Unscaled they would be almost black.
+        // Pixels with another largest value would have to be scaled; unscaled, they would be almost black.
         ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
         check_size(width, height)?;
         ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");
@@ -85,7 +85,7 @@ impl Reader<'_> {
         Ok(Header { is_text, width, height, channels, largest })
     }
 
-    /// The header of a P7: a name and its value on each line.
+    /// Reads the header of a P7: a name and its value on each line.
     fn pam(&mut self) -> Result<Header> {
         let mut header = Header { is_text: false, width: 0, height: 0, channels: 0, largest: 0 };
         loop {
@@ -111,7 +111,7 @@ impl Reader<'_> {
         self.word()?.parse().ok()
     }
 
-    /// The next word. Skips comments before it and one white space after it.
+    /// Returns the next word. Skips comments before it and one white space after it.
     fn word(&mut self) -> Option<String> {
         loop {
             self.0 = self.0.trim_ascii_start();
@@ -128,7 +128,7 @@ impl Reader<'_> {
     }
 }
 
-/// No word of a header is longer.
+/// Longest word of a header, in bytes.
 const LONGEST: usize = 20;
 
 fn no_header(missing: &str) -> Error {

@@ -1,6 +1,6 @@
-//! Rays that meet balls and blocks in sunlight: what made scenes are drawn with.
+//! Rays that meet balls and blocks in sunlight, to draw generated scenes.
 //!
-//! Sums, products, quotients, remainders and square roots alone, which IEEE 754 rounds alike everywhere: every machine draws the same.
+//! Only sums, products, quotients, remainders and square roots are used: IEEE 754 rounds them alike on every machine.
 
 /// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
 pub type Triple = [f64; 3];
@@ -9,7 +9,7 @@ pub type Triple = [f64; 3];
 pub const SUN: Triple = [-0.48, 0.77, -0.42];
 const HAZE: Triple = [0.78, 0.84, 0.90];
 
-/// A color at this distance, in the sun or in the shade.
+/// Returns a color as it is seen at a distance, in the sun or in the shade.
 pub fn shown(color: Triple, normal: Triple, far: f64, is_lit: bool) -> Triple {
     let sun = if is_lit { 0.75 * dot(normal, SUN).max(0.0) } else { 0.0 };
     let light = 0.42 + 0.10 * normal[1] + sun;
@@ -21,20 +21,20 @@ pub fn levels(color: Triple) -> [u8; 3] {
     color.map(|channel| (channel * 255.0) as u8)
 }
 
-/// A ball, or a block with four sides that may lean: at `origin`, turned.
+/// A ball, or a block whose four sides may lean, at `origin` and turned to its heading.
 pub struct Solid {
     pub origin: Triple,
-    /// To the front, from above: right and away.
+    /// Direction of the front, seen from above: right and away.
     heading: [f64; 2],
-    /// Nothing of it is farther from its origin.
+    /// Radius around `origin` that holds the whole solid.
     reach: f64,
-    /// Outward normals, and how far each face is from the origin; none of a ball.
+    /// Outward normal of each face, and its distance from the origin; empty for a ball.
     faces: Vec<(Triple, f64)>,
     base: Triple,
     paint: Paint,
 }
 
-/// The color at a place of a solid with this normal, both as the solid has them.
+/// Returns the color at a place of a solid with this normal, both in the solid's own axes.
 pub type Paint = fn(base: Triple, at: Triple, normal: Triple) -> Triple;
 
 /// Back end, front end and half width of a block at its bottom and at its top.
@@ -68,7 +68,7 @@ impl Solid {
         Self { origin, heading, reach: dot(corner, corner).sqrt(), faces, base, paint }
     }
 
-    /// False if its shadow lies nowhere within `reach` of a place.
+    /// False if the solid's shadow lies nowhere within `reach` of a place.
     pub fn may_shade(&self, place: Triple, reach: f64) -> bool {
         let apart = minus(self.origin, place);
         let along = dot(apart, SUN);
@@ -80,7 +80,7 @@ impl Solid {
         [x * c + z * s, y, z * c - x * s]
     }
 
-    /// The distance of the first hit, its color and its normal.
+    /// Returns the distance of the first hit, and the color and the normal there.
     fn hit(&self, from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
         let from = minus(from, self.origin);
         let (middle, apart) = (-dot(from, along), dot(from, from) - self.reach * self.reach);
@@ -115,12 +115,12 @@ impl Solid {
     }
 }
 
-/// True if one of them is hit.
+/// True if the ray meets one of the solids.
 pub fn is_met<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, along: Triple) -> bool {
     solids.into_iter().any(|solid| solid.hit(from, along).is_some())
 }
 
-/// The first of them that is hit: see [`Solid::hit`].
+/// Returns the nearest hit among the solids: see [`Solid::hit`].
 pub fn nearest(solids: &[Solid], from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
     solids.iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.0.total_cmp(&b.0))
 }

@@ -6,7 +6,7 @@ use rgb::FromSlice as _;
 use std::fmt;
 use std::str::FromStr;
 
-/// The size that frames are brought to: `320x240`, or a fraction of the size that they have, `1/2`.
+/// The size that frames are scaled to: `320x240`, or a fraction of their own size, `1/2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resize {
     To(u16, u16),
@@ -45,7 +45,7 @@ impl Resize {
             Self::To(width, height) => return Ok((width, height)),
             Self::By(numerator, denominator) => (u64::from(numerator), u64::from(denominator)),
         };
-        // To the nearest.
+        // Sides are rounded to the nearest pixel.
         let side = |side: u16| u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok();
         let (new_width, new_height) = side(width).zip(side(height)).with_context(|| {
             format!("--resize {self} of {width}x{height}: expected at most 65535 pixels on each side")
@@ -55,9 +55,9 @@ impl Resize {
 }
 
 impl Sequence {
-    /// All frames in another size, and the boxes with them. Where they get smaller, pixels are averaged (with the weights of a triangle).
+    /// Scales all frames and their boxes. Pixels of smaller frames are averages (with the weights of a triangle).
     ///
-    /// Reads the first frame, which tells the size. Also returns how many times as wide and high the frames are now.
+    /// Reads the first frame, which tells the size. Also returns the factors on width and height.
     /// Errors: The new size is too large, or the first frame cannot be read.
     pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
@@ -79,7 +79,7 @@ impl Sequence {
     }
 }
 
-/// A pixel that a frame in another size is made of.
+/// A kind of pixel whose frames can be scaled.
 pub trait Scalable: Copy {
     fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]);
 }
@@ -97,7 +97,7 @@ impl Scalable for [u8; 3] {
     }
 }
 
-/// The frame in another size, neither side of which may be 0.
+/// Returns the frame in another size, neither side of which may be 0.
 pub fn resized<P: Scalable>(frame: Raster<P>, width: u16, height: u16) -> Raster<P> {
     if (frame.width, frame.height) == (width, height) {
         return frame;

@@ -14,19 +14,19 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// The error for a picture that may well be whole, but of a kind that is not read.
+/// Returns the error for a picture that may be undamaged, but is of a kind that is not read.
 pub(super) fn unread(kind: &str) -> Error {
     anyhow!("it is {kind}, which is not read: {CONVERT}")
 }
 
 pub(super) const CONVERT: &str = "convert it to PNG first";
 
-/// The error for a file with several pictures in place of one.
+/// Returns the error for a file with several pictures in place of one.
 pub(super) fn several() -> Error {
     anyhow!("it holds several pictures: expected one in a file; a file with several is a recording of its own")
 }
 
-/// A range of values of 16 bits that is stretched over 0 to 255; what lies outside becomes black or white. As text `7600..8366`.
+/// A range of 16-bit values, stretched to 0 to 255; values outside become black or white. As text `7600..8366`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     pub(super) black: u16,
@@ -62,17 +62,17 @@ impl fmt::Display for Levels {
 pub(super) struct Samples {
     pub width: u16,
     pub height: u16,
-    /// Samples a pixel, 1 to 4.
+    /// Samples in each pixel, 1 to 4.
     pub channels: usize,
     /// Samples of 8 bits, or of 16 with the high byte first.
     pub samples: Vec<u8>,
     pub is_wide: bool,
-    /// As Exif counts, 1 to 8.
+    /// Orientation as Exif counts it, 1 to 8.
     pub orientation: u8,
 }
 
 impl Samples {
-    /// Upright samples of 8 bits.
+    /// Makes upright samples of 8 bits.
     pub fn new(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<Self> {
         let side = |side: u32| {
             u16::try_from(side)
@@ -82,7 +82,7 @@ impl Samples {
         Ok(Self { width, height, channels, samples, is_wide: false, orientation: 1 })
     }
 
-    /// 16-bit values without those of alpha; `None` for 8-bit samples.
+    /// Returns the 16-bit values except alpha; `None` for 8-bit samples.
     pub fn values(&self) -> Option<impl Iterator<Item = u16>> {
         let colors = if self.channels < 3 { 1 } else { 3 };
         let values = self.samples.chunks_exact(2 * self.channels).flat_map(move |pixel| &pixel.as_chunks().0[..colors]);
@@ -126,8 +126,8 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// Returns the picture upright, by the orientation that Exif states: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also
-    /// have rows for columns.
+    /// Returns the picture upright, by its Exif orientation: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also
+    /// have rows and columns swapped.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {
             return self;
@@ -146,20 +146,20 @@ impl<P: Copy> Raster<P> {
     }
 }
 
-/// The weights add up to 65536, so the third byte from the right is the quotient and never overflows.
+/// Returns the gray level. The weights add up to 65536, so the quotient is the third byte from the right.
 pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     let sum = 19595 * u32::from(r) + 38470 * u32::from(g) + 7471 * u32::from(b) + 32768;
     sum.to_be_bytes()[1]
 }
 
-/// The orientation that Exif data state, 1 (upright) to 8; 1 if they do not. They are a TIFF header, and tag 0x112 in the first directory.
+/// Returns the orientation in Exif data, tag 0x112 of the first TIFF directory: 1 (upright) to 8; 1 without the tag.
 pub(super) fn orientation(exif: &[u8]) -> u8 {
     let stated = stated(exif).and_then(|stated| u8::try_from(stated).ok());
     stated.filter(|stated| (1..=8).contains(stated)).unwrap_or(1)
 }
 
 fn stated(exif: &[u8]) -> Option<u32> {
-    // In PNG some writers put the head of JPEG's segment before them.
+    // In PNG, some writers put the head of JPEG's segment before the Exif data.
     let exif = exif.strip_prefix(EXIF).unwrap_or(exif);
     let is_little_endian = match exif.get(..2)? {
         b"II" => true,

@@ -1,5 +1,5 @@
-//! Generated recordings of one target each that moves slowly on ordinary ground: dark, bright, textured, smooth and noisy, so that what
-//! is measured on them is measured on each kind of target. Integers only, own random numbers, fixed seeds.
+//! Generated recordings, each of one target that moves slowly on ordinary ground. The targets are dark, bright,
+//! textured, smooth and noisy, so that a measurement covers each kind. Integers only, own random numbers, fixed seeds.
 
 use super::random::Random;
 use super::synthetic::{Keys, PIXEL, Texture, between};
@@ -17,7 +17,7 @@ const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
 struct Kind {
     name: &'static str,
-    /// Pixels between the random levels of its texture, coarse and fine.
+    /// Pixels between the random levels of the target's texture, coarse and fine.
     grain: (i32, i32),
     /// The darkest and the brightest level.
     levels: (i32, i32),
@@ -36,7 +36,7 @@ const KINDS: [Kind; 5] = [
 /// Number of the recordings.
 pub const COUNT: usize = KINDS.len();
 
-/// The recording of this number, below [`COUNT`].
+/// Makes the recording of this number, below [`COUNT`].
 pub fn sequence(number: usize) -> Sequence {
     KINDS[number].sequence(number as u64)
 }
@@ -49,7 +49,7 @@ fn place(index: usize) -> (i32, i32) {
 
 impl Kind {
     fn sequence(&'static self, number: u64) -> Sequence {
-        // Each has ground of its own.
+        // Each recording has ground of its own.
         let target = Texture::new(0x7A00 + number, self.grain, self.levels);
         let ground = Texture::new(0x6B00 + number, (16, 8), (40, 200));
         let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));

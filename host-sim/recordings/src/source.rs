@@ -1,4 +1,4 @@
-//! The source of a recording: its frames in color, and from any of them on.
+//! The source of a recording: it gives frames in color, and frames from any number on.
 
 use super::ffmpeg::Moment;
 use super::index::{self, Index};
@@ -14,14 +14,14 @@ use std::time::Duration;
 /// The source that a recording can be read from again.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// Gray frames, or a pipe.
+    /// Gray frames or a pipe: they cannot be read again.
     #[default]
     Once,
     /// One picture a frame.
     Pictures(Vec<images::Picture>),
     /// A video or Y4M.
     Video(PathBuf),
-    /// A live source, whose frames have their colors with them.
+    /// A live source; its frames carry their colors.
     Live(Arc<Arrivals>),
     /// A function that draws a frame from its index, and the number of frames.
     Made(fn(usize) -> ColorFrame, usize),
@@ -31,29 +31,29 @@ pub enum Source {
 type Colors = Box<dyn Iterator<Item = (ColorFrame, Option<Moment>)> + Send>;
 
 impl Source {
-    /// The file that may have sound.
+    /// Returns the file of a video, which may have sound.
     pub fn video(&self) -> Option<&Path> {
         if let Self::Video(file) = self { Some(file) } else { None }
     }
 
-    /// The file names of pictures.
+    /// Returns the file names of pictures.
     pub fn picture_names(&self) -> Vec<String> {
         let Self::Pictures(pictures) = self else { return Vec::new() };
         pictures.iter().filter_map(images::Picture::name).collect()
     }
 
-    /// The number of frames of a video, as far as it says so itself.
+    /// Returns the number of frames of a video, if the file tells it without being decoded.
     pub fn length(&self, patience: Duration) -> Option<usize> {
         index::count(self.video()?, patience)
     }
 
-    /// The counts of a live source.
+    /// Returns the counts of a live source.
     pub fn live(&self) -> Option<Arc<Arrivals>> {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
 
-    /// The frames from the one with the number `first` on, as long as they can be read. No side of a frame of a video is longer than `side`:
-    /// ffmpeg makes them smaller, which is quick.
+    /// Returns the frames from the one with the number `first` on, as long as they can be read. In a video, ffmpeg
+    /// makes frames smaller, which is quick: no side is longer than `side`.
     fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
@@ -79,8 +79,8 @@ impl From<&GrayFrame> for ColorFrame {
 }
 
 impl Sequence {
-    /// Gives each frame its colors, in the size of the gray one, and the time at which a film shows it. Where there is no color, it is gray:
-    /// errors are those of the gray frames.
+    /// Adds to each frame its colors, in the size of the gray frame, and the time at which a film shows it. A frame
+    /// whose colors cannot be read becomes gray.
     pub fn in_color(self, patience: Duration) -> Self {
         let mut colors = self.source.color_from(self.first, u16::MAX, patience);
         let frames = self.frames.map(move |frame| Ok(colored(frame?, &mut colors)));
@@ -102,10 +102,10 @@ fn colored(frame: Frame, colors: &mut Colors) -> Frame {
     Frame { color: Some(resized(color, width, height)), moment, ..frame }
 }
 
-/// The shape of a pixel that is `by` times as wide, so that the picture keeps its shape.
+/// Returns the shape of a pixel that is made `by` times as wide, so that the picture keeps its shape.
 fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     if (by - 1.0).abs() < 0.01 {
-        // Half of an odd side is rounded.
+        // Rounding half of an odd side causes so small a stretch.
         return (width, height);
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and it saturates
@@ -113,10 +113,10 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     (thousandths.max(1), 1000)
 }
 
-/// A recording that is read from any of its frames on.
+/// A recording that can be read from any of its frames on.
 ///
-/// Pictures and Y4M are read by their numbers, videos from the nearest place where ffmpeg can begin, if each frame that comes from there is
-/// at its time in the index. If it is not, or ffmpeg complains, the video is read from its beginning, as raw dumps are.
+/// Pictures and Y4M are read by number. A video is read from the nearest place where ffmpeg can begin, as long as each
+/// frame from there is at its time in the index and ffmpeg does not complain; else from its beginning, as raw dumps.
 pub struct Seekable {
     path: PathBuf,
     options: OpenOptions,
@@ -126,7 +126,7 @@ pub struct Seekable {
 }
 
 impl Seekable {
-    /// Opens the recording at `path`, and also gives it as it is read in order.
+    /// Opens the recording at `path`. Also returns it as a sequence that is read in order.
     /// Errors: Those of [`open`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<(Self, Sequence)> {
         let sequence = open(path, options)?;
@@ -135,12 +135,12 @@ impl Seekable {
         Ok((Self { path: path.to_owned(), options: options.clone(), source, length, index }, sequence))
     }
 
-    /// The number of frames, and the time of each in seconds, once both are known. A recording may know no times.
+    /// Returns the number of frames and the time of each in seconds, once both are known. Times may be missing.
     pub fn known(&self) -> (Option<usize>, Vec<f64>) {
         self.index.times().map_or_else(|| (self.length, Vec::new()), |times| (Some(times.len()), times))
     }
 
-    /// The gray frames from `number` on.
+    /// Returns the gray frames from `number` on.
     /// Errors: The recording cannot be read.
     pub fn gray_from(&self, number: usize) -> Result<Frames> {
         Ok(match &self.source {
@@ -154,7 +154,7 @@ impl Seekable {
         })
     }
 
-    /// The frames from `number` on in their colors, no side of a frame of a video longer than `side`. They end where nothing more can be read.
+    /// Returns the color frames from `number` on, as long as they can be read; `side` limits the frames of a video.
     /// Errors: The recording cannot be read.
     pub fn color_from(&self, number: usize, side: u16) -> Result<Box<dyn Iterator<Item = ColorFrame> + Send>> {
         Ok(match &self.source {
@@ -169,8 +169,8 @@ impl Seekable {
         })
     }
 
-    /// The pictures of a video from `number` on: sought, as long as each is at its time and nothing is wrong with it, then read from the
-    /// beginning.
+    /// Returns the pictures of a video from `number` on: after a seek, as long as each is at its time and ffmpeg does
+    /// not complain; then read from the beginning.
     fn pictures_from(
         &self,
         file: &Path,
@@ -256,8 +256,8 @@ mod tests {
         assert_eq!(gray(&recording, 100), synthetic::frame(99));
     }
 
-    /// A file of this name in the folder, of 30 frames made with such options; twice in a row if the name says so. `None` if this ffmpeg cannot
-    /// write it.
+    /// Makes a file of this name with 30 frames by these options, twice in a row if the name begins with `joined`.
+    /// `None` if this ffmpeg cannot write it.
     fn made(folder: &Path, name: &str, options: &str) -> Option<PathBuf> {
         let (file, mut ffmpeg) = (folder.join(name), Command::new("ffmpeg"));
         ffmpeg.args(["-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=64x48:rate=10:duration=3"]);

@@ -8,9 +8,9 @@ use std::str::FromStr;
 /// A box, the name of the target in it, and the frame that it lies in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// `None` if there is only one target.
+    /// Name of the target; `None` if there is only one target.
     pub name: Option<String>,
-    /// The number of the frame in the recording, from 1; `None`: the first one that is read.
+    /// Number of the frame in the recording, from 1; `None` for the first one that is read.
     pub frame: Option<usize>,
     pub bbox: BoundingBox,
 }
@@ -18,16 +18,15 @@ pub struct Start {
 /// One target: its name, and the boxes that it is locked on, each with the number of its frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// `None` if it is the only one, and was given none.
+    /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// At least one, in the order of their frames.
+    /// At least one box, in the order of their frames.
     pub starts: Vec<(usize, BoundingBox)>,
 }
 
 impl Target {
-    /// The targets of a recording whose first frame has the number `first`, in the order in which they were given.
-    /// Errors: Two boxes of one target in one frame, a target without a name beside others, or a frame before the
-    /// first.
+    /// Collects starts by target, in the order in which they were given. Frame `first` is the first that is read.
+    /// Errors: Two boxes of one target in one frame, a target without a name beside others, or a frame before `first`.
     pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
         let mut targets: Vec<Self> = Vec::new();
         for Start { name, frame, bbox } in starts {
@@ -56,7 +55,7 @@ impl Target {
 
     /// Errors: A box lies in a frame that a recording of this length does not have.
     pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
-        // A recording without frames has other troubles.
+        // A recording without frames gets another error.
         let last = length.filter(|&length| length > 0).map_or(usize::MAX, |length| first + length - 1);
         let starts =
             targets.iter().flat_map(|target| target.starts.iter().map(move |(frame, _)| (*frame, &target.name)));
@@ -67,7 +66,7 @@ impl Target {
         bail!("there is no frame {frame}{of} (--init): expected {first} to {last}")
     }
 
-    /// The boxes in whole pixels, as every tracker takes them, each with its frame.
+    /// Returns the boxes in whole pixels, as every tracker takes them, each with its frame.
     pub fn rects(&self) -> Result<Vec<(usize, smr_core::Rect)>> {
         let rect = |(frame, bbox): &(usize, BoundingBox)| {
             bbox.pixels().map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
@@ -93,14 +92,14 @@ impl FromStr for Start {
     }
 }
 
-/// Splits text from the `@FRAME` behind it.
+/// Splits text at the `@FRAME` that may follow it.
 fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
     let number = frame.parse().ok().filter(|&number: &usize| number > 0);
     Ok((before, Some(number.with_context(|| format!("@{frame}: expected the number of a frame; the first is 1"))?)))
 }
 
-/// A name stands in tables, file names and pictures.
+/// Checks a name, which stands in tables, file names and pictures.
 pub fn checked_name(name: &str) -> Result<String> {
     let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let plain = !name.trim().is_empty() && name.trim() == name && name.chars().all(fits);

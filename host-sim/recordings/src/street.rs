@@ -1,7 +1,7 @@
 //! The built-in recording to look at: a street seen from a mast, drawn by code in color, with a red car to follow.
 //!
-//! 300 frames of 320x240 pixels, the same on every platform: see `rays.rs`. What stands still is drawn once; then each
-//! frame draws the two cars and their shadows.
+//! 300 frames of 320x240 pixels, the same on every platform: see `rays.rs`. The still objects are drawn once; each
+//! frame adds the two cars and their shadows.
 //!
 //! | frames (from 0) | what happens |
 //! |---|---|
@@ -21,11 +21,11 @@ pub const NAME: &str = "street";
 pub const LENGTH: usize = 300;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 240;
-/// Rays a pixel along each side.
+/// Rays along each side of a pixel.
 const FINE: u16 = 3;
 
 const EYE: Triple = [0.0, 12.0, 0.0];
-/// Down by one meter in `1 / DOWN`.
+/// Slope of the view: meters down for each meter ahead.
 const DOWN: f64 = 0.2;
 /// The focal length in pixels.
 const FOCAL: f64 = 540.0;
@@ -40,10 +40,10 @@ pub(super) fn sequence() -> Sequence {
     Sequence { source, ..Sequence::made(NAME, (0..LENGTH).map(gray), (0..LENGTH).map(truth).collect()) }
 }
 
-/// The frame that was drawn last: it is asked for in gray, then in color.
+/// Frame that was drawn last: a reader asks for it in gray, then in color.
 static LAST: Mutex<Option<(usize, ColorFrame)>> = Mutex::new(None);
 
-/// Frame `index`, counted from 0.
+/// Returns frame `index`, counted from 0.
 pub fn frame(index: usize) -> ColorFrame {
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
     match &*last {
@@ -54,7 +54,7 @@ pub fn frame(index: usize) -> ColorFrame {
 
 fn drawn(index: usize) -> ColorFrame {
     let cars = cars(index);
-    // Farther from the middle of a car than this nothing of it is.
+    // No part of a car lies farther than 4 meters from its middle.
     let may_shade = |solid: &&Solid| cars.iter().any(|car| solid.may_shade(car[0].origin, 4.0));
     let shading: Vec<&Solid> = STREET.solids.iter().filter(may_shade).collect();
     let mut noise = Random(0x57EE_0000 + index as u64);
@@ -97,7 +97,7 @@ fn place(x: u16, y: u16) -> usize {
     usize::from(y) * usize::from(WIDTH) + usize::from(x)
 }
 
-/// The direction of a ray of a pixel.
+/// Returns the direction of ray number `ray` of a pixel.
 fn direction(x: u16, y: u16, ray: usize) -> Triple {
     let within = |place: usize| (place as f64 + 0.5) / f64::from(FINE);
     let right = f64::from(x) + within(ray % usize::from(FINE)) - f64::from(WIDTH) / 2.0;
@@ -105,7 +105,7 @@ fn direction(x: u16, y: u16, ray: usize) -> Triple {
     unit([right, up - DOWN * FOCAL, FOCAL + DOWN * up])
 }
 
-/// The pixels that a car and its shadow may reach.
+/// Returns the pixels that a car and its shadow may reach.
 fn around(car: &[Solid]) -> impl Iterator<Item = (u16, u16)> + use<> {
     let [x, y, z] = minus(car[0].origin, EYE);
     let scale = FOCAL * (1.0 + DOWN * DOWN) / (z - DOWN * y);
@@ -129,10 +129,10 @@ fn mean(color: impl Fn(usize) -> [u8; 3]) -> [u8; 3] {
     sum.map(|sum| u8::try_from(sum / RAYS).unwrap_or(u8::MAX))
 }
 
-/// The first still thing that a ray meets.
+/// The first still object that a ray meets.
 struct Ray {
     far: f64,
-    /// Its color in the sun, if no other thing is between.
+    /// Color in the sun, if no other object stands between.
     lit: [u8; 3],
     shaded: [u8; 3],
 }
@@ -154,7 +154,7 @@ impl Ray {
         Self { far, lit: if is_lit { levels(shown(color, normal, far, true)) } else { shaded }, shaded }
     }
 
-    /// The color that it shows with the cars there, which may be in the shadow of `shading`.
+    /// Returns the color of the ray with the cars in the scene; solids in `shading` may cast shadows on the cars.
     fn with(&self, cars: &[[Solid; 2]; 2], shading: &[&Solid], along: Triple) -> [u8; 3] {
         let solids = cars.as_flattened();
         match nearest(solids, EYE, along).filter(|(far, ..)| *far < self.far) {
@@ -172,11 +172,11 @@ impl Ray {
 /// The car to follow, and its twin, which comes the other way.
 fn cars(index: usize) -> [[Solid; 2]; 2] {
     let frame = index.min(LENGTH - 1) as f64;
-    // They brake a little.
+    // The cars brake a little.
     let gone = (0.24 - 0.00014 * frame) * frame;
     let on = |along: f64, way: f64| {
         let ([x, z], [right, away]) = STREET.road.at(along);
-        // On the right.
+        // Each car drives on the right.
         car([x + 1.7 * way * away, z - 1.7 * way * right], [way * right, way * away], RED)
     };
     [on(33.0 + gone, 1.0), on(112.0 - gone, -1.0)]
@@ -214,7 +214,7 @@ fn car([x, z]: [f64; 2], heading: [f64; 2], base: Triple) -> [Solid; 2] {
     ]
 }
 
-/// The middle of the road, a point each few decimeters, with how far along it is.
+/// Middle line of the road: points a few decimeters apart, each with its distance along the road.
 struct Road {
     points: Vec<([f64; 2], f64)>,
     grass: Texture,
@@ -223,7 +223,7 @@ struct Road {
 
 impl Road {
     fn new() -> Self {
-        /// Ends of bends, and between two of them the place where their tangents meet.
+        /// Ends of bends in turn with the points where the tangents of two ends meet.
         const BENDS: [f64; 18] =
             [48.0, 62.0, 26.0, 62.0, 6.0, 62.0, -12.0, 62.0, -9.5, 48.5, -7.1, 35.5, 5.0, 32.8, 22.0, 29.0, 39.0, 25.2];
         let mut points: Vec<([f64; 2], f64)> = Vec::new();
@@ -238,7 +238,7 @@ impl Road {
         Self { points, grass, asphalt }
     }
 
-    /// The place so far along the road, and its heading.
+    /// Returns the place at a distance along the road, and the heading there.
     fn at(&self, along: f64) -> ([f64; 2], [f64; 2]) {
         let next = self.points.partition_point(|(_, length)| *length <= along).clamp(1, self.points.len() - 1);
         let ((from, start), (to, end)) = (self.points[next - 1], self.points[next]);
@@ -246,7 +246,7 @@ impl Road {
         ([0, 1].map(|axis| from[axis] + step[axis] * (along - start)), step)
     }
 
-    /// The color of the ground.
+    /// Returns the color of the ground at a place.
     fn color(&self, [x, _, z]: Triple) -> Triple {
         let apart = |(at, along): &([f64; 2], f64)| (distance(*at, [x, z]), *along);
         let near = self.points.iter().map(apart).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -268,14 +268,14 @@ impl Road {
     }
 }
 
-/// The brightness of a texture at a place, from 0 to 1.
+/// Returns the brightness of a texture at a place, from 0 to 1.
 fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation)] // it saturates
     let sixteenths = |side: f64| (side * f64::from(PIXEL)) as i32;
     f64::from(texture.sample(sixteenths(x), sixteenths(z))) / 65536.0
 }
 
-/// All that stands still.
+/// All objects that stand still.
 struct Street {
     road: Road,
     solids: Vec<Solid>,
@@ -307,7 +307,7 @@ fn solids() -> Vec<Solid> {
         let (eaves, ridge) = ([-5.0, 5.0, 4.1], [-4.2, 4.2, 0.0]);
         solids.push(Solid::block([x, tall, z], [1.0, 0.0], [0.0, 3.2], [eaves, ridge], roof, tiles));
     }
-    // Right, away, height and width of each.
+    // Each tree: right, away, height and width.
     const TREES: [f64; 44] = [
         3.4, 46.0, 3.3, 0.65, -2.5, 45.0, 0.7, 0.7, 0.2, 40.6, 0.5, 0.6, 10.5, 41.5, 0.8, 0.8, -7.9, 27.5, 0.6, 0.8,
         -5.9, 26.6, 0.4, 0.6, 8.2, 25.0, 0.5, 0.6, -18.5, 60.0, 4.2, 1.0, 1.5, 73.0, 4.4, 1.2, 15.0, 72.5, 4.0, 1.1,
@@ -333,7 +333,7 @@ fn solids() -> Vec<Solid> {
 fn tree(solids: &mut Vec<Solid>, [x, z]: [f64; 2], tall: f64, wide: f64) {
     let (low, high) = ([-0.2, 0.2, 0.2], [-0.12, 0.12, 0.12]);
     solids.push(Solid::block([x, 0.0, z], [1.0, 0.0], [0.0, tall], [low, high], [0.38, 0.27, 0.18], plain));
-    // Right, up, away and size of each.
+    // Each ball: right, up, away and size.
     const BALLS: [f64; 20] =
         [0.0, 0.0, 0.0, 1.5, -0.9, -0.5, -0.3, 1.1, 0.9, -0.4, -0.2, 1.15, 0.2, 0.9, 0.1, 1.1, -0.1, -0.7, -0.7, 1.1];
     for &[right, up, away, reach] in BALLS.as_chunks().0 {

@@ -1,4 +1,4 @@
-//! The built-in recording: generated, so that there is something to check with on a machine that has nothing else.
+//! The built-in recording that is generated, for checks on a machine without recordings.
 //!
 //! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A
 //! textured target of 24x28 pixels moves, in whole pixels, over a textured background that pans in sixteenths of a
@@ -32,11 +32,11 @@ const TARGET_WIDTH: i32 = 24 * PIXEL;
 const TARGET_HEIGHT: i32 = 28 * PIXEL;
 const POST_WIDTH: i32 = 36 * PIXEL;
 
-/// Frame and value: what holds in that frame; between two of them the value goes smoothly from one to the other.
+/// Frames and values. A value holds in its frame and changes smoothly to the value of the next.
 pub(super) type Keys = [(i32, i32)];
 
-/// Left and top edge of the target, in pixels. It is moved by whole ones: a template that is replaced every frame loses
-/// a fraction of a pixel at each step of a slow motion, and this recording is to be followed to its end.
+/// Left and top edge of the target in whole pixels: with fractions, a template that is replaced every frame loses a
+/// part of each step of a slow motion, and this recording is to be followed to its end.
 const TARGET_X: &Keys =
     &[(0, 36), (32, 84), (66, 60), (134, 64), (160, 8), (184, -28), (190, -28), (224, 56), (239, 66)];
 const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
@@ -45,7 +45,7 @@ const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (1
 /// Motion of the background to the left and up in pixels: never so far that its texture repeats.
 const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];
 const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
-/// Light, 256 being that of the textures. It does not change while the target is outside.
+/// Light; 256 leaves the textures as they are. It does not change while the target is outside.
 const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
 
 pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
@@ -62,7 +62,7 @@ fn drawn(textures: &Textures, index: usize, noise: u64) -> GrayFrame {
     GrayFrame::drawn(WIDTH, HEIGHT, |x, y| scene.pixel(textures, x * PIXEL, y * PIXEL, &mut noise))
 }
 
-/// Frames without end, in textures of this seed: the recording forward and backward in turns, with new noise in each frame.
+/// Makes frames without end in textures of this seed: the recording forward and backward, with new noise.
 fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
     let seed = u64::from(seed);
     let textures = Textures::new(seed);
@@ -115,7 +115,7 @@ impl Scene {
         }
     }
 
-    /// The pixel whose top left corner is at (`x`, `y`), as the sensor gives it.
+    /// Returns the pixel whose top left corner is at (`x`, `y`), as the sensor gives it.
     fn pixel(&self, textures: &Textures, x: i32, y: i32, noise: &mut Random) -> u8 {
         let lit = (self.texture(textures, x, y) * self.light) >> 16;
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
@@ -146,7 +146,7 @@ impl Scene {
     }
 }
 
-/// The value in `frame`, times `unit`: slow at each key, fastest half way between (3 t^2 - 2 t^3).
+/// Returns the value in `frame`, times `unit`. It changes fastest half way between two keys (3 t^2 - 2 t^3).
 pub(super) fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
     let next = keys.partition_point(|&(key, _)| key <= frame);
     let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };
@@ -160,8 +160,8 @@ pub(super) fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
 pub(super) struct Texture(Vec<u8>);
 
 impl Texture {
-    /// Random gray levels `coarse` pixels apart, with as many again `fine` pixels apart, and what lies between them
-    /// blended; from `darkest` to `brightest`.
+    /// Averages random gray levels `coarse` pixels apart and others `fine` pixels apart, with blended levels between;
+    /// from `darkest` to `brightest`.
     pub(super) fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
         let mut random = Random(seed);
         let mut grid = || Self((0..1 << 16).map(|_| random.next().to_le_bytes()[0]).collect());
@@ -174,7 +174,7 @@ impl Texture {
         Self((0..1 << 16).map(|place| level(place).to_le_bytes()[0]).collect())
     }
 
-    /// Blended from the four pixels around the position, in 256ths of a gray level.
+    /// Blends the four pixels around the position, in 256ths of a gray level.
     pub(super) fn sample(&self, x: i32, y: i32) -> i32 {
         let (column, row) = (x.div_euclid(PIXEL), y.div_euclid(PIXEL));
         let (right, low) = (x.rem_euclid(PIXEL), y.rem_euclid(PIXEL));
@@ -214,7 +214,7 @@ mod tests {
     use smr_core::paper::Config;
     use smr_core::{State, Tracker};
 
-    /// Pixels and boxes, and so all that the script says.
+    /// Hashes of all pixels and boxes show that the script has not changed.
     #[test]
     fn the_script_is_kept() {
         let fnv = crate::fnv(frames().flat_map(|frame| frame.pixels));
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(truth(LENGTH - 1), truth(usize::MAX), "it stands still at the end");
     }
 
-    /// Every state of the tracker occurs, and the target is found again: a recording to check with.
+    /// The recording can check a tracker: all its states occur, and the target is found again.
     #[test]
     fn the_tracker_follows_loses_and_finds_again() {
         let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();

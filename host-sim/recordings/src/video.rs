@@ -1,7 +1,7 @@
 //! Pictures of any video that ffmpeg decodes, one after the other, each with its time.
 //!
-//! Gray pixels are those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`. Sizes and times are those that its filter
-//! `showinfo` says on standard error.
+//! Gray pixels equal those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`. Sizes and times are
+//! those that its filter `showinfo` prints on standard error.
 
 use super::ffmpeg::{Ffmpeg, Moment, Shown, command, input};
 use super::hdr::Tones;
@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::Duration;
 
-/// Extensions that are looked for in a folder. A file that is named is given to ffmpeg whatever its extension.
+/// Extensions of videos in a folder. A file that the user names is given to ffmpeg whatever its extension.
 const EXTENSIONS: [&str; 22] = [
     "mpg", "mpeg", "mp4", "m4v", "mov", "avi", "mkv", "webm", "wmv", "flv", "ts", "mts", "m2ts", "ogv", "3gp", "m1v",
     "m2v", "h264", "h265", "hevc", "ivf", "mjpeg",
@@ -22,18 +22,18 @@ pub(super) fn is_video(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
-/// The use that pictures have.
+/// The purpose of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// To be followed in.
+    /// For trackers.
     Gray,
-    /// To be looked at; no side is longer than this.
+    /// For people; no side is longer than this.
     Color(u16),
-    /// Only their times count.
+    /// For their times alone.
     Times,
 }
 
-/// All pictures of a file, then the error that ffmpeg's verdict is, if it is one.
+/// Returns all pictures of a file, then an error if ffmpeg has complained.
 /// Errors: There is no ffmpeg, or it decodes nothing of the file.
 pub(super) fn open(
     program: &str,
@@ -42,7 +42,7 @@ pub(super) fn open(
     patience: Duration,
 ) -> Result<impl Iterator<Item = Result<Picture>> + use<>> {
     let name = file.display().to_string();
-    // With several threads, what ffmpeg puts in place of damage is different in every run.
+    // With several threads, each run of ffmpeg conceals damage by other pixels.
     let options = if wanted == Use::Times { &[][..] } else { &["-threads", "1"] };
     let cannot_read = || format!("cannot read {name} through ffmpeg");
     let mut pictures = Pictures::start((program, file), options, "", wanted, patience)?;
@@ -66,17 +66,17 @@ pub(super) fn open(
     }))
 }
 
-/// The pictures of a file up to the first error.
+/// Returns the pictures of a file up to the first error.
 pub(super) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterator<Item = Picture> + use<> {
     open("ffmpeg", file, wanted, patience).into_iter().flatten().map_while(Result::ok)
 }
 
-/// A picture as it comes out of an ffmpeg: gray, or red, green and blue.
+/// A picture from ffmpeg: gray, or red, green and blue.
 pub(super) struct Picture {
     size: (u16, u16),
     pub moment: Option<Moment>,
     bytes: Vec<u8>,
-    /// ffmpeg has complained before.
+    /// True if ffmpeg has complained before this picture.
     pub is_doubtful: bool,
 }
 
@@ -100,7 +100,7 @@ impl Picture {
 pub(super) struct Pictures {
     ffmpeg: Ffmpeg,
     pixels: Patient,
-    /// The next picture, if that is known already.
+    /// Facts of the next picture, if they are known already.
     shown: Option<Shown>,
     tones: Option<Tones>,
     /// Bytes of a pixel.
@@ -108,15 +108,15 @@ pub(super) struct Pictures {
     times: Continued,
 }
 
-/// Times begin with the file, not with the first picture, wherever reading begins.
+/// Options by which times begin with the file, not with the first picture that is read.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// Seconds from the wanted time within which a seek has found a picture: files in milliseconds round by half of that. This only tells whether
-/// the seek has come to the right place; `Index::has` then tests the time of each picture to the microsecond.
+/// Seconds from the wanted time within which a seek counts as right: files in milliseconds round by half of that.
+/// Afterwards `Index::has` tests the time of each picture to the microsecond.
 const NEAR: f64 = 0.0006;
 
 impl Pictures {
-    /// Starts ffmpeg on a file, with such options, and filters that come first.
+    /// Starts ffmpeg on a file with these options; `filters` come before all others.
     fn start(
         (program, file): (&str, &Path),
         options: &[&str],
@@ -124,7 +124,7 @@ impl Pictures {
         wanted: Use,
         patience: Duration,
     ) -> Result<Self> {
-        // Frames of another size would be scaled without a word: without a new filter there is at least a warning.
+        // Frames of another size would be scaled silently; without a new filter, ffmpeg warns at least.
         let options = [&FROM_ZERO, &["-reinit_filter", "0"], options].concat();
         let (scale, format, depth) = match wanted {
             Use::Gray => (String::new(), "gray", 1),
@@ -135,7 +135,7 @@ impl Pictures {
         };
         let start = |format, depth| -> Result<Self> {
             let mut command = command(program, "level+info", &input(file), &options);
-            // Behind showinfo, times that grow, as what writes them expects.
+            // After showinfo, times must grow, or ffmpeg would not write the frames.
             let filters = format!("{filters}{scale}format={format},showinfo=checksum=0,setpts=N*1000/TB");
             command.args(["-vf", &filters, "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
             let mut ffmpeg = Ffmpeg::run(&mut command, &file.display().to_string(), patience)?;
@@ -151,10 +151,10 @@ impl Pictures {
         Ok(pictures)
     }
 
-    /// The picture that is shown at `time`, and all behind it, without decoding all that comes before. `None` if that one is not found.
+    /// Seeks the picture shown at `time`. Returns it and all after it; `None` if the seek does not find it.
     pub fn at(file: &Path, time: f64, wanted: Use, patience: Duration) -> Option<(Picture, Self)> {
         let select = format!("select='gte(t,{:.6})',", time - NEAR / 2.0);
-        // In some files the place is not where a picture begins: then it begins earlier.
+        // In some files no picture begins at that place: the second seek goes ten seconds further back.
         [0.0001, 10.0].iter().find_map(|before| {
             let seek = format!("{:.6}", (time - before).max(0.0));
             let mut pictures = Self::start(("ffmpeg", file), &["-ss", &seek], &select, wanted, patience).ok()?;
@@ -163,7 +163,7 @@ impl Pictures {
         })
     }
 
-    /// The next picture; `None` at the end.
+    /// Returns the next picture; `None` at the end.
     pub fn next(&mut self) -> Result<Option<Picture>> {
         let shown = self.shown.take().map_or_else(|| self.ffmpeg.shown(), |shown| Ok(Some(shown)))?;
         let Some(Shown { size: (width, height), moment, is_doubtful, .. }) = shown else { return Ok(None) };
@@ -189,27 +189,27 @@ impl Pictures {
     }
 }
 
-/// A jump of more than this many seconds is a new beginning: in MPEG-TS, time that goes back looks like a clock that has run over.
+/// A jump by more seconds begins a new piece: in MPEG-TS, time that goes back looks like a clock that ran over.
 pub(super) const LEAP: u32 = 43_200;
 
-/// Times that do not go back: where a file begins anew (pieces that were joined), they go on from there.
+/// Times that never go back: in a file of joined pieces, each piece continues the times of the one before.
 #[derive(Default)]
 struct Continued {
     last: Option<i64>,
-    /// Between the last two.
+    /// Distance of the last two times.
     step: i64,
-    /// Later than the file says by this.
+    /// Number added to the times of the file.
     shift: i64,
-    /// Frames are missing: for a moment, not for so long that another piece begins.
+    /// True if frames are missing for less than a second; a longer gap begins another piece.
     has_gap: bool,
 }
 
 impl Continued {
-    /// `second`: in units of the times.
+    /// Returns the continued time of a picture. `second` is one second in the unit of the times.
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A little too early is a fault of one time.
+            // A time that is only a little too early is a single fault.
             if now <= last - self.step || now - last > i64::from(LEAP) * second {
                 now = last + self.step;
                 self.shift = now - time;
@@ -238,7 +238,7 @@ mod tests {
         );
     }
 
-    /// A program in place of ffmpeg.
+    /// Writes a program that stands in for ffmpeg.
     #[cfg(unix)]
     fn program(folder: &Path, script: &str) -> String {
         use std::os::unix::fs::PermissionsExt;

@@ -1,6 +1,6 @@
 //! YUV4MPEG2 (`.y4m`) as a recording: the luma plane is the gray picture, byte for byte.
 //!
-//! A live source comes through here as well, see [`super::live`].
+//! A live source comes through here as well: see [`super::live`].
 
 use super::damage::damaged;
 use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
@@ -9,7 +9,7 @@ use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Limit of a line, the header of the stream or that of a frame, in bytes.
+/// Most bytes of a line: the header of the stream, or that of a frame.
 const LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {
@@ -22,7 +22,7 @@ pub(super) fn open(file: &Path) -> Result<Frames<BufReader<File>>> {
     Frames::new(BufReader::new(data), name)
 }
 
-/// The times of the frames of a file, in seconds; `None` if its header says no rate.
+/// Returns the times of a file's frames in seconds; `None` if its header states no rate.
 pub(super) fn times(file: &Path) -> Option<impl Iterator<Item = f64> + use<>> {
     let mut frames = open(file).ok()?;
     let (number, seconds) = frames.header.rate?;
@@ -39,14 +39,14 @@ pub(super) struct Frames<R> {
 }
 
 impl<R: BufRead> Frames<R> {
-    /// Reads the header. `name` is what the stream is called in errors.
+    /// Reads the header. Errors call the stream `name`.
     pub(super) fn new(mut stream: R, name: String) -> Result<Self> {
         let line = line(&mut stream).with_context(|| format!("cannot read {name}"))?;
         let header = Header::parse(&line).with_context(|| name.clone())?;
         Ok(Self { stream, header, name, number: 0 })
     }
 
-    /// The next frame with its colors; `None` at the end.
+    /// Reads the next frame with its colors; `None` at the end.
     pub(super) fn next_planes(&mut self) -> Result<Option<Planes>> {
         self.number += 1;
         let read = self.read();
@@ -54,7 +54,7 @@ impl<R: BufRead> Frames<R> {
         Ok(bytes.map(|bytes| Planes { size: self.header.size, chroma: self.header.chroma, bytes }))
     }
 
-    /// All planes of a frame.
+    /// Reads all planes of a frame; `None` at the end.
     fn read(&mut self) -> Result<Option<Vec<u8>>> {
         let frame_bytes = self.header.frame_bytes;
         let line = line(&mut self.stream)?;
@@ -81,7 +81,7 @@ impl<R: BufRead> Frames<R> {
 }
 
 impl Frames<BufReader<File>> {
-    /// The frames from the one with the number `first` on.
+    /// Returns the frames from the one with the number `first` on.
     pub(super) fn from(mut self, first: usize) -> impl Iterator<Item = Result<Frame>> {
         while self.number + 1 < first && self.skip_frame().is_some() {
             self.number += 1;
@@ -89,7 +89,7 @@ impl Frames<BufReader<File>> {
         self
     }
 
-    /// Skips a frame. Returns the place of the next one; `None` if none begins here.
+    /// Skips a frame. Returns the place of the next one; `None` if no frame begins here.
     fn skip_frame(&mut self) -> Option<u64> {
         line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;
         self.stream.seek_relative(self.header.frame_bytes.try_into().ok()?).ok()?;
@@ -123,10 +123,10 @@ pub struct Planes {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Chroma {
-    /// Pixels across and down that have one color; 0 of gray frames.
+    /// Pixels across that share one color; 0 in gray frames, as `down`.
     across: usize,
     down: usize,
-    /// Levels from 0 to 255, not from 16 on; gray frames are shown as they are.
+    /// True if levels go from 0 to 255, not from 16 on. Gray frames are shown as they are.
     is_full: bool,
 }
 
@@ -137,7 +137,7 @@ impl Planes {
         GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
     }
 
-    /// The frame in red, green and blue, by the matrix of BT.601: the stream does not say which.
+    /// Returns the frame in red, green and blue by the matrix of BT.601, since the stream names none.
     pub fn color(&self) -> ColorFrame {
         let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
         let Chroma { across, down, is_full } = self.chroma;
@@ -190,7 +190,7 @@ impl Header {
             frame_bytes <= MOST_PIXELS,
             "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
         );
-        // They tell whether this is such a header.
+        // The ratios tell such a header from other text.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
         let ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
@@ -211,7 +211,7 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-/// Pixels across and down that have one color.
+/// Returns the pixels across and down that share one color; 0 for gray.
 fn chroma(colour: &str) -> Result<(usize, usize)> {
     Ok(match colour {
         "mono" => (0, 0),

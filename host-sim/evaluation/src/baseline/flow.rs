@@ -3,9 +3,9 @@
 
 use smr_core::Image;
 
-/// Steps on each level of the pyramid, at most.
+/// Most steps on each level of the pyramid.
 const STEPS: usize = 30;
-/// A step below this many pixels of its level is the last one.
+/// A step shorter than this, in pixels of its level, is the last one.
 const SMALL: f64 = 0.005;
 /// A template is halved while its sides keep this many pixels.
 const LEAST_SIDE: usize = 5;
@@ -26,14 +26,14 @@ pub(super) fn find(
     let scene = Plane::new(frame, first.into(), size.into());
     let pixels = template.iter().map(|&pixel| pixel.into()).collect();
     let template = Plane { width: width.into(), height: height.into(), pixels };
-    // From the window's corner: half of it is the place one level higher.
+    // Places count from the window's corner: half of such a place is the place one level higher.
     let corner = first.map(f64::from);
     let limits = [0, 1].map(|axis| (limits[axis].0 - corner[axis], limits[axis].1 - corner[axis]));
     let place = coarse_to_fine(&scene, &template, [from[0] - corner[0], from[1] - corner[1]], limits);
     [place[0] + corner[0], place[1] + corner[1]]
 }
 
-/// Fits down the pyramid to `scene` itself; each level begins where the one above it ended.
+/// Fits from the smallest level of the pyramid down to `scene`; each level begins where the one above ended.
 fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut start = from;
     if template.width.min(template.height) / 2 >= LEAST_SIDE {
@@ -45,7 +45,7 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
     fit(scene, template, start, limits)
 }
 
-/// Gauss-Newton steps on the sum of squared differences; a place at which there is no gradient is left as it is.
+/// Takes Gauss-Newton steps on the sum of squared differences; without a gradient the place stays.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
     for _ in 0..STEPS {
@@ -60,7 +60,7 @@ fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]
     place
 }
 
-/// Returns the shift that would make `scene` at `place` equal to `template`, were its gradients to go on as they are.
+/// Returns the shift that makes `scene` at `place` equal to `template`, if gradients stay the same on the way.
 fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     // Sums of gx gx, gx gy, gy gy, gx d, gy d.
     let mut sums = [0.0; 5];
@@ -76,7 +76,7 @@ fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     }
     let [xx, xy, yy, xd, yd] = sums;
     let determinant = xx * yy - xy * xy;
-    // Without texture, or with an edge alone, nothing tells where to go.
+    // Without texture, or with a single edge, gradients do not determine the shift.
     (determinant > 1e-6 * (xx + yy).powi(2) && xx + yy > 0.0)
         .then(|| [(yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant])
 }
@@ -89,13 +89,13 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// The pixels of `frame` from a place on; outside of it there are zeroes.
+    /// Copies the pixels of `frame` from a place on; outside of the frame there are zeroes.
     pub fn new(frame: Image<'_>, place: (i32, i32), size: (i32, i32)) -> Self {
         let side = |length: i32| usize::try_from(length).unwrap_or(0);
         Self { width: side(size.0), height: side(size.1), pixels: levels(frame, place, size).map(f64::from).collect() }
     }
 
-    /// Means of 2x2 pixels; an odd column or row at the end is left out.
+    /// Halves the sides by means of 2x2 pixels; an odd column or row at the end is left out.
     fn halved(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
         let mean = |x: usize, y: usize| {
@@ -107,7 +107,7 @@ impl Plane {
         Self { width, height, pixels: pixels.map(|(x, y)| mean(x, y)).collect() }
     }
 
-    /// Interpolates between pixels; beyond the last ones these go on.
+    /// Interpolates between pixels; beyond the edge the last pixels are repeated.
     fn at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = (x.clamp(0.0, (self.width - 1) as f64), y.clamp(0.0, (self.height - 1) as f64));
         let (column, row) = (whole(x), whole(y));
@@ -125,7 +125,7 @@ impl Plane {
     }
 }
 
-/// Returns the pixels of `frame` from (`left`, `top`) on, row by row; outside of it there are zeroes.
+/// Returns the pixels of `frame` from (`left`, `top`) on, row by row; outside of the frame there are zeroes.
 pub(super) fn levels(
     frame: Image<'_>,
     (left, top): (i32, i32),

@@ -1,8 +1,8 @@
-//! The baselines of the paper's comparison: SMR's window, padding, tie rule and template update, another cost.
+//! The baselines of the paper's comparison: SMR's window, padding, tie rule and template update with another cost.
 //!
-//! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least, NCC the largest correlation coefficient of F and G, 0 where either is constant.
-//! Lucas-Kanade follows gradients in place of a search: see `flow`. They always answer: they have no gate, so they are never lost and their window
-//! never grows.
+//! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation coefficient of F
+//! and G, 0 if either is constant. Lucas-Kanade follows gradients instead of a search: see `flow`. Baselines have no
+//! gate, so they always answer, are never lost, and their window never grows.
 
 mod flow;
 
@@ -14,18 +14,18 @@ use smr_core::unstable::Window;
 use smr_core::{Frame, Image, LockError, Rect, UpdateError};
 use smr_recordings::BoundingBox;
 
-/// The most pixels of a box, 1024x1024: all sums are exact.
+/// Most pixels of a box, 1024x1024, for which all sums are exact.
 pub(super) const MAX_PIXELS: u32 = 1 << 20;
 
 pub(super) struct Baseline {
     kind: MethodKind,
     radius: Radius,
     padding: u16,
-    /// Of the frame that was locked on; empty before the first lock.
+    /// Bounds of the frame that was locked on; empty before the first lock.
     bounds: Rect,
     /// Width and height of the target.
     size: (u16, u16),
-    /// Left and top edge of the target; whole numbers, but of Lucas-Kanade.
+    /// Left and top edge of the target; only Lucas-Kanade gives fractions.
     place: [f64; 2],
     template: Vec<u8>,
 }
@@ -43,7 +43,7 @@ impl Baseline {
         let window = Window::new(last, self.radius, self.bounds, self.padding);
         let (left, top) = (*window.xs().start(), *window.ys().start());
         let size = (window.xs().end() + i32::from(width) - left, window.ys().end() + i32::from(height) - top);
-        // All pixels that the boxes of the window cover.
+        // The canvas holds all pixels that boxes in the window cover.
         let canvas: Vec<u8> = levels(image, (left, top), size).collect();
         let rows = |x: i32, y: i32| {
             let (column, row, stride) = (index(x - left), index(y - top), index(size.0));
@@ -63,7 +63,7 @@ impl Baseline {
         [x.into(), y.into()]
     }
 
-    /// Returns the place to which gradients lead, at most as far as the window reaches.
+    /// Returns the place to which gradients lead, limited to the window.
     fn flow(&self, image: Image<'_>) -> [f64; 2] {
         let limits = |place: f64, radius: u16, size: u16, frame: u16| {
             let (radius, padding) = (f64::from(radius), f64::from(self.padding));
@@ -121,14 +121,14 @@ impl Method for Baseline {
     }
 }
 
-/// Returns the position of least cost, of equal ones the closest to `last`, then the upper, then the left one.
+/// Returns the position of least cost; of equal ones the closest to `last`, then the upper, then the left one.
 ///
-/// `cost` is told the least cost so far, and may stop and give anything larger once it is past that.
+/// `cost` gets the least cost so far; once its sum is larger, it may stop and return that sum.
 fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
     let distance = |(x, y): (i32, i32)| u64::from(x.abs_diff(last.x)).pow(2) + u64::from(y.abs_diff(last.y)).pow(2);
-    // The last position comes first: it is in the window, and mostly gives a bound that stops the others early.
+    // The last position comes first: it is in the window, and its cost mostly lets the others stop early.
     let (mut best, mut least) = ((last.x, last.y), cost(last.x, last.y, f64::INFINITY));
-    // Rows from the top, columns from the left: of equally close ones the first to come is the one that wins. The last
+    // Rows run from the top and columns from the left, so that the first of equally close positions wins. The last
     // position loses to none of them, for it alone is at distance 0.
     for at in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
         let here = cost(at.0, at.1, least);
@@ -139,7 +139,7 @@ fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64)
     best
 }
 
-/// A row of a box, and that of the template, which may be shorter.
+/// A row of a box, and the row of the template, which may be shorter.
 type Pair<'a> = (&'a [u8], &'a [u8]);
 
 /// Returns the sum of `pixel` over all pairs, row by row until it is more than `enough`.
@@ -200,7 +200,7 @@ fn byte(level: f64) -> u8 {
     level.round() as u8
 }
 
-/// The index of a place that is not before the canvas.
+/// Returns the index of a place that is not before the canvas.
 fn index(value: i32) -> usize {
     usize::try_from(value).expect("the canvas begins where the window does")
 }
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Everything anew, pixel by pixel: what a box at (`x`, `y`) costs.
+    /// Computes the cost of `target` anew, pixel by pixel.
     fn plain_cost(kind: MethodKind, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
         let pixel = |x: i32, y: i32| {
             let inside = (0..i32::from(frame.width)).contains(&x) && (0..i32::from(frame.height)).contains(&y);
@@ -347,11 +347,11 @@ mod tests {
             for frame in &frames[1..] {
                 let window = Window::new(target, config.window, frame.frame().bounds(), padding);
                 let cost = |x, y| plain_cost(kind, frame, &baseline.template, Rect { x, y, ..target });
-                // As core states it: the least cost, then the closest, then the upper, then the left one.
+                // The tie rule of smr-core: the least cost, then the closest, then the upper, then the left one.
                 let rank = |(x, y): (i32, i32)| (x.abs_diff(target.x).pow(2) + y.abs_diff(target.y).pow(2), y, x);
                 let all: Vec<_> = window.ys().flat_map(|y| window.xs().map(move |x| (x, y))).collect();
                 let least = all.iter().map(|&(x, y)| cost(x, y)).fold(f64::INFINITY, f64::min);
-                // A plain correlation is not exact: what is equal but for its last digits may be the best.
+                // A plain correlation is not exact: a cost that is equal but for its last digits may be the best.
                 let slack = if kind == MethodKind::Ncc { 1e-9 } else { 0.0 };
                 let best: Vec<_> = all.into_iter().filter(|&(x, y)| cost(x, y) <= least + slack).collect();
 

@@ -11,20 +11,20 @@ use std::time::Duration;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunFigures {
     pub score: Score,
-    /// The counts of the run; the means are those over starts.
+    /// Counts of the run. Its means stay 0: [`Figures::over_starts`] computes them.
     counts: Figures,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
-    /// Frames without the one that was locked on.
+    /// Number of updates: all frames but the one of the lock.
     updates: u64,
-    /// `None` if that of one update was not counted.
+    /// Comparisons of all updates; `None` if they were not counted in one of them.
     work: Option<u64>,
     time: Duration,
 }
 
 impl RunFigures {
-    /// `truth` begins with the frame that was locked on, too.
-    /// Errors: It is of another length.
+    /// `truth` begins with the frame of the lock, as the run does.
+    /// Errors: `truth` has another length than the run.
     pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
         let (overlaps, score) = (overlaps(&answers, truth)?, Score::new(&answers, truth)?);
@@ -48,10 +48,10 @@ impl RunFigures {
     }
 }
 
-/// The target is found again if an answer is correct in so many frames from the one in which it came back.
+/// Frames from the target's return on within which a correct answer counts as found again.
 const SOON: usize = 50;
 
-/// Returns how often the target came back, and how often it was found again, by the overlaps of all frames: `None` where it is hidden.
+/// Counts the target's returns, and those after which it was found again. An overlap is `None` while it is hidden.
 fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
     let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
@@ -63,8 +63,8 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
 pub(super) const HEADLINE: [(&str, &str); 3] =
     [("mean_correct", "correct"), ("mean_correct_50", "correct@0.5"), ("f", "F")];
 
-/// Declares figures: how each goes from recordings to all of them (every recording counts alike), its column, and, for people, that of a part
-/// of it.
+/// Declares figures. A line gives the figure's mean or sum over recordings (each counts alike), its column, and for
+/// some a column `part/whole` for people.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
@@ -90,43 +90,42 @@ macro_rules! figures {
 figures! {
     /// Correct frames over those in which the target is visible: mean over the starts.
     mean_correct: f64 = mean, "correct" 3;
-    /// The same from the start from which it is least.
+    /// Correct frames over those in which the target is visible, in the worst start.
     worst_correct: f64 = mean, "worst" 3;
-    /// As `mean_correct`, were more than 0.5 of intersection over union needed.
+    /// As `mean_correct`, but a correct frame needs an intersection over union above 0.5.
     mean_correct_50: f64 = mean, "correct@0.5" 3;
-    /// The harmonic mean of the correct answers over all answers (those while the target is hidden, too) and of the correct
-    /// frames over those in which the target is visible: mean over the starts.
+    /// Harmonic mean of precision (correct answers over all answers, also while the target is hidden) and recall
+    /// (correct frames over those in which the target is visible): mean over the starts.
     f: f64 = mean, "F" 3;
-    /// Intersection over union, mean over the frames in which there is an answer and the target is visible; 0 if there is
-    /// none.
+    /// Intersection over union: mean over the frames with an answer and a visible target; 0 without such frames.
     mean_iou: f64 = mean, "mean IoU" 3;
     /// Correct answers over all answers; 0 if nothing was answered.
     precision: f64 = mean, "precision" 3;
-    /// Frames in which the target is hidden, counted once for every start.
+    /// Frames in which the target is hidden, summed over the starts.
     hidden: usize = sum, "" 0;
-    /// Of these, the ones with an answer.
+    /// Frames with an answer while the target is hidden.
     answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
-    /// Times that the target came back after it was hidden, counted once for every start.
+    /// Returns of the target after it was hidden, summed over the starts.
     returns: usize = sum, "" 0;
-    /// Of these, the ones with a correct answer in the first 50 frames.
+    /// Returns of the target with a correct answer in the first 50 frames.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
-    /// Frames in which *tracking* was said, without those that were locked on.
+    /// Updates with the state *tracking*.
     tracking: usize = sum, "" 0;
-    /// Of these, the ones in which the target is hidden or the box is wrong.
+    /// Updates with the state *tracking* in which the target is hidden or the box is wrong.
     tracking_wrong: usize = sum, "" 0, "wrong/tracking" tracking_wrong tracking;
-    /// All frames in which the target is hidden or the box is wrong, without those that were locked on.
+    /// Updates in which the target is hidden or the box is wrong.
     wrong: usize = sum, "" 0, "tracking/wrong" tracking_wrong wrong;
-    /// Frames in which the box is right, without those that were locked on.
+    /// Updates in which the box is right.
     right: usize = sum, "" 0;
-    /// Of these, the ones in which *tracking* was not said.
+    /// Updates in which the box is right but the state is not *tracking*.
     right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
-    /// Comparisons of bytes per update, at most; `None` from methods that do not count them.
+    /// Upper bound of the byte comparisons per update; `None` from methods that do not count them.
     work_per_frame: Option<f64> = mean_of_all, "work/frame" 0;
-    /// Time per update, on one thread while others are at work. Of all figures the only one that differs from run to run.
+    /// Time per update, on one thread while others are at work. No other figure differs from run to run.
     microseconds_per_frame: f64 = mean, "us/frame" 0;
 }
 
-/// A part of a whole in words; unknown of nothing.
+/// Formats `part/whole`; unknown if `whole` is 0.
 fn part(part: usize, whole: usize) -> Value {
     (whole > 0).then(|| format!("{part}/{whole}")).into()
 }
@@ -136,7 +135,7 @@ fn mean(parts: impl ExactSizeIterator<Item = f64>) -> f64 {
     ratio(parts.sum(), count)
 }
 
-/// `None` if one of them is missing.
+/// Returns the mean; `None` if one of the parts is missing.
 fn mean_of_all(parts: impl ExactSizeIterator<Item = Option<f64>>) -> Option<f64> {
     let count = parts.len() as f64;
     parts.sum::<Option<f64>>().map(|sum| ratio(sum, count))
@@ -147,12 +146,12 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Over the starts of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons and time
-    /// are of all frames of all starts together.
+    /// Averages the runs of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons
+    /// and time are taken over all frames of all starts together.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;
-        // The target is visible in a frame of each run: recordings without one are not measured.
+        // Each run has a frame with a visible target: recordings without one are not measured.
         let recalls = || runs.iter().filter_map(|run| run.score.recall);
         let iou_sum = runs.iter().filter_map(|run| Some(run.score.mean_iou? * run.score.visible as f64)).sum();
         let updates = runs.iter().map(|run| run.updates).sum::<u64>() as f64;
@@ -191,7 +190,7 @@ mod tests {
         Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
     }
 
-    /// The first frame is the one that was locked on; in the others there is a state, too.
+    /// Makes a run whose first frame is the one of the lock; `states` are those of the other frames.
     fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
         let states = std::iter::once(&State::Tracking).chain(states);
         let (confidence, ratio, scale) = (0.5, 1.0, 1.0);
@@ -222,7 +221,7 @@ mod tests {
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
-            // Above 0.5 only the frames of the starts.
+            // Only the frames of the locks are above 0.5.
             mean_correct_50: (1.0 / 4.0 + 1.0 / 3.0) / 2.0,
             // 2 of 4 answers and 2 of 4 visible frames; 1 of 3 and 1 of 3.
             f: (1.0 / 2.0 + 1.0 / 3.0) / 2.0,

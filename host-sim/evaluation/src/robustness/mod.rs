@@ -1,7 +1,7 @@
 //! Robustness: runs each tracker from several starts of a recording and averages.
 //!
-//! Each run is scored by the protocol of the recordings, from the frame in which it starts: its answers are normalised by its
-//! own start and the truth of that frame, and the frame of the start counts.
+//! Each run is scored by the protocol of the TLD recordings, from the frame of its start on, which counts. Its answers
+//! are normalised by its own start and the truth of that frame.
 
 mod figures;
 mod paired;
@@ -22,7 +22,7 @@ use smr_recordings::Sequence;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A method on a recording.
+/// The figures of a method on a recording.
 struct Row<'a> {
     variant: &'a Variant,
     sequence: String,
@@ -44,8 +44,8 @@ const START: &[Column<(Case, Score)>] = &[
     ("correct", "", 0, |(_, score)| score.correct.into()),
 ];
 
-/// Runs every variant, each of a name of its own, from every start on the recordings at `paths`, which `open` opens, and pairs them with what was
-/// measured before, or with one another.
+/// Runs every variant, each with a name of its own, from every start on the recordings at `paths`, and pairs the
+/// results with an earlier measurement, or with one another.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -74,8 +74,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns the tables of the recordings of each method, of their starts in the same order, and of the means over all recordings and, if they lie in
-/// several folders, by folder.
+/// Returns three tables: each method by recording, their starts in the same order, and means over all recordings and
+/// over each folder, if there are several.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
@@ -83,7 +83,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let names = Head::list(&[("tracker", ""), ("sequence", ""), ("folder", "")]);
     let mut starts = Table::new(TableName::Starts, 0, [names, Head::all(START)].concat());
     let names = Head::list(&[("tracker", ""), ("folder", ""), ("recordings", "")]);
-    // For people means are remarks below what was measured.
+    // For people, means are remarks below the measured rows.
     let mut figures = figures;
     figures.iter_mut().for_each(Head::hide);
     let errors = HEADLINE.map(|(key, _)| Head::error(key)).to_vec();
@@ -95,7 +95,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
             folders.push(&row.folder);
         }
     }
-    // Of one folder the mean is that of all.
+    // With one folder, its mean is that of all recordings.
     let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
     for variant in variants {
         let name = || Value::from(variant.name.as_str());
@@ -140,12 +140,12 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     Tables { tables: vec![measured, starts, means], ..Tables::default() }
 }
 
-/// A folder is called by its last name: paths differ from machine to machine.
+/// Returns the last name of a folder, because paths differ from machine to machine.
 fn name_of(folder: &Path) -> String {
     folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The folder of the recordings that belong together with the one at `path`.
+/// Returns the folder of the recordings that belong together with the one at `path`.
 fn folder_of(path: &Path) -> PathBuf {
     if smr_recordings::BUILT_IN.iter().any(|name| path == Path::new(name)) {
         return PathBuf::from("built in");
@@ -154,7 +154,7 @@ fn folder_of(path: &Path) -> PathBuf {
     absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// The folder's name; where two have the same one, the whole path.
+/// Returns the folder's name; the whole path if another folder has the same name.
 fn label(folder: &Path, all: &[&Path]) -> String {
     let alike = all.iter().filter(|other| other.file_name() == folder.file_name()).count();
     match folder.file_name() {

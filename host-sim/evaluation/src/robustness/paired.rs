@@ -1,5 +1,4 @@
-//! Paired differences: recordings differ by far more than methods do, and the difference of two methods on the same recording does not contain
-//! that.
+//! Paired differences of methods on the same recordings, because recordings differ by far more than methods do.
 
 use super::figures::HEADLINE;
 use crate::Tables;
@@ -12,14 +11,14 @@ use serde_json::Value;
 use smr_recordings::input;
 use std::path::Path;
 
-/// An earlier measurement, as far as it is compared.
+/// The figures of an earlier measurement that are compared.
 #[derive(Debug)]
 pub struct Former {
     name: String,
     recordings: Vec<FormerRow>,
 }
 
-/// A tracker on a recording.
+/// The figures of a tracker on a recording.
 #[derive(Clone, Debug, Deserialize)]
 struct FormerRow {
     tracker: String,
@@ -28,7 +27,7 @@ struct FormerRow {
     mean_correct: f64,
     mean_correct_50: f64,
     f: f64,
-    /// Number of its starts.
+    /// Number of starts.
     #[serde(rename = "starts")]
     count: usize,
     #[serde(skip)]
@@ -41,7 +40,7 @@ struct FormerStart {
     frame: usize,
 }
 
-/// The tables that are read. The starts come in the order of the rows of `measured` that they belong to.
+/// The tables that are read. Starts come in the order of their rows in `measured`.
 #[derive(Deserialize)]
 struct FormerTables {
     measured: Vec<FormerRow>,
@@ -56,7 +55,7 @@ impl FormerTables {
     }
 }
 
-/// A file of an earlier version, which had this in place of the tables.
+/// A file of an earlier version, which had `recordings` in place of the tables.
 #[derive(Deserialize)]
 struct Nested {
     #[serde(rename = "recordings")]
@@ -93,8 +92,9 @@ impl FormerRow {
     }
 }
 
-/// Sets every method of `tables` against the one of its name in `former`, else against the first there; without it, against the first method here.
-/// Errors: The former measurement is from other starts, or on no recording that is here.
+/// Makes the table of mean differences. A method is compared with the one of its name in `former`, or with the first
+/// one there if its name is missing; without `former`, with the first method of `tables`.
+/// Errors: The former measurement has other starts, or none of these recordings.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =
         Head::list(&[("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")]);

@@ -11,16 +11,16 @@ use std::str::FromStr;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Starts {
-    /// The given box, the same 2 pixels to the right, 2 pixels down, and scaled by 0.95 and 1.05; in the first frame.
+    /// The given box in the first frame; also moved 2 pixels right or down, and scaled by 0.95 and 1.05.
     Near,
-    /// The first frame in which the target is visible, and every N-th of those that follow; the box is the ground
-    /// truth's. The recording's last frame is none: nothing follows it.
+    /// The box of the ground truth, in the first frame in which the target is visible, and in every N-th such frame
+    /// after it; not in the last frame, which nothing follows.
     Every(NonZeroUsize),
     /// The given box in the first frame alone.
     Given,
 }
 
-/// As on the command line.
+/// Parses a value of the command line: `1`, `5` or `every:N`.
 impl FromStr for Starts {
     type Err = Error;
 
@@ -38,7 +38,7 @@ impl Protocol for Starts {
     type Figures = RunFigures;
     const IS_COMMON: bool = false;
 
-    /// At least one.
+    /// Returns at least one case.
     fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
         let name = &recording.name;
         let starts = match self {
@@ -56,11 +56,11 @@ impl Protocol for Starts {
     }
 }
 
-/// Returns the first `most` of these: the box to start from as it is given; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as wide and
-/// as high about its centre.
+/// Returns the first `most` of five cases: the given box; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as
+/// wide and as high about its centre.
 ///
-/// The four numbers of a box are rounded to the nearest integer once, after the change: a small box may be the same when
-/// scaled. A part outside the frame is cut off; the given box is left as it is.
+/// The numbers of a box are rounded once, after the change: a small box may be the same when scaled. A part outside the
+/// frame is cut off; the given box is left as it is.
 fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [
@@ -77,7 +77,7 @@ fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     changed.into_iter().take(most).map(case).collect()
 }
 
-/// Ground truth may reach out of the picture: the part outside is cut off.
+/// Makes cases along the recording. The part of the ground truth outside the picture is cut off.
 fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Case>> {
     let last = recording.truth.len().saturating_sub(1);
     let visible = (0..last).filter_map(|frame| Some((frame, recording.truth[frame]?)));
@@ -87,7 +87,7 @@ fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Case>> {
     visible.step_by(every.get()).map(case).collect()
 }
 
-/// A run to the end of the recording.
+/// Makes a case that runs to the end of the recording.
 fn case(name: String, frame: usize, target: Result<Rect>, recording: &Recording) -> Result<Case> {
     let target = target.with_context(|| format!("start {name}"))?;
     Ok(Case { name, frame, target, end: recording.frames.len(), intervention: Intervention::None })
@@ -130,7 +130,7 @@ mod tests {
         starts.into_iter().map(|start| start.target).collect()
     }
 
-    /// They are rounded once, and the part outside the frame is cut off.
+    /// The numbers of a box are rounded once, and the part outside the frame is cut off.
     #[test]
     fn five_boxes_near_the_given_one() {
         let near = |given: &str, expected: [[i32; 4]; 5]| {
@@ -138,11 +138,11 @@ mod tests {
             let boxes = boxes.map(|Rect { x, y, width, height }| [x, y, width.into(), height.into()]);
             assert_eq!(boxes.collect::<Vec<_>>(), expected);
         };
-        // 10.5, 5.6, 19, 22.8; and 9.5, 4.4, 21, 25.2.
+        // Before rounding, the scaled boxes are 10.5, 5.6, 19, 22.8 and 9.5, 4.4, 21, 25.2.
         near("10,5,20,24", [[10, 5, 20, 24], [12, 5, 20, 24], [10, 7, 20, 24], [11, 6, 19, 23], [10, 4, 21, 25]]);
         // 10.4 + 2 is 12; rounded first, 10.4 would be 10, and 19.6 * 0.95 = 18.62 would be 20 * 0.95 = 19. 9.91, 5.375, 20.58, 9.45.
         near("10.4,5.6,19.6,9", [[10, 6, 20, 9], [12, 6, 20, 9], [10, 8, 20, 9], [11, 6, 19, 9], [10, 5, 21, 9]]);
-        // 40.5, 1, 19, 38: cut to nothing less; and 39.5, -1, 21, 42.
+        // Before rounding, the scaled boxes are 40.5, 1, 19, 38 (wholly inside) and 39.5, -1, 21, 42.
         near("40,0,20,40", [[40, 0, 20, 40], [42, 0, 18, 40], [40, 2, 20, 38], [41, 1, 19, 38], [40, 0, 20, 40]]);
         assert_eq!(targets(Starts::Given, "10,5,20,24"), [Rect::new(10, 5, 20, 24)]);
     }

@@ -39,7 +39,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// True if it says which target a box is of.
+    /// True if the format says which target a box belongs to.
     pub const fn has_names(self) -> bool {
         matches!(self, Self::Csv | Self::Json | Self::Mot | Self::Coco | Self::Cvat)
     }
@@ -47,7 +47,7 @@ impl Format {
     /// The extensions of files with boxes; `txt` is for any format.
     pub const ENDINGS: [&str; 5] = ["txt", "csv", "json", "jsonl", "xml"];
 
-    /// The extensions of its files but `txt`, the usual one last.
+    /// Extensions of the format's files except `txt`, the usual one last.
     pub const fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Csv => &["csv"],
@@ -58,13 +58,13 @@ impl Format {
         }
     }
 
-    /// True if a file of this name can be in this format, by its extension.
+    /// True if the extension of `file` fits this format.
     pub fn is_called(self, file: &Path) -> bool {
         let ending = file.extension().and_then(|ending| ending.to_str());
         ending.is_some_and(|ending| self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)))
     }
 
-    /// The format of a file of this name, if the extension tells.
+    /// Returns the format that the extension of `file` tells, if it tells one.
     pub fn of_file(file: &Path) -> Option<Self> {
         [Self::Csv, Self::Json, Self::Cvat].into_iter().find(|format| format.is_called(file))
     }
@@ -74,14 +74,14 @@ impl Format {
 pub struct About {
     pub name: String,
     pub origin: Origin,
-    /// The name of each target; `None` if it is the only one, and was given none.
+    /// Name of each target; `None` for a single target without a name.
     pub targets: Vec<Option<String>>,
-    /// The names of the pictures, the first of which is frame 1; empty of other recordings.
+    /// File names of the pictures from frame 1 on; empty for other recordings.
     pub pictures: Vec<String>,
 }
 
 impl About {
-    /// The target's name, also where it has none.
+    /// Returns the target's name; `target` if it has none.
     fn label(&self, target: usize) -> &str {
         self.targets.get(target).and_then(Option::as_deref).unwrap_or("target")
     }
@@ -98,7 +98,7 @@ pub struct Answer<'a> {
     pub size: (u16, u16),
     /// `None` before the target's first box.
     pub report: Option<&'a Report>,
-    /// Only in a frame that the target was locked on.
+    /// Quality of the target, only in a frame that it was locked on.
     pub quality: Option<Quality>,
 }
 
@@ -124,7 +124,7 @@ impl Printer {
         }
     }
 
-    /// Lines of CSV begin with the target's name.
+    /// True if targets have names; lines of CSV then begin with the name.
     fn is_named(&self) -> bool {
         self.about.targets.iter().any(Option::is_some)
     }
@@ -192,7 +192,7 @@ impl Printer {
 
 const CSV_NAMES: &str = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
-/// One frame as JSON. The boxes are null when the target is lost; what the method does not know is null, too.
+/// One frame as JSON. Boxes are null when the target is lost, and figures that the method does not know are null.
 #[derive(Serialize)]
 struct JsonLine<'a> {
     #[serde(flatten)]
@@ -205,7 +205,7 @@ struct JsonLine<'a> {
     state: &'static str,
     #[serde(rename = "box")]
     bbox: Option<Whole>,
-    /// Pixels and fractions of them.
+    /// Box in pixels, with fractions.
     fine: Option<BoundingBox>,
     confidence: Option<f64>,
     ratio: Option<f64>,
@@ -214,7 +214,7 @@ struct JsonLine<'a> {
     scale: Option<f64>,
     found_again: Option<bool>,
     work: Option<u32>,
-    /// Only of a frame that was locked on: 1 if the target differs clearly from its surroundings, 0 if it looks like them.
+    /// Only in a frame of a lock: 1 if the target differs clearly from its surroundings, 0 if it looks like them.
     quality: Option<f64>,
 }
 
@@ -226,7 +226,7 @@ struct Whole {
     height: u16,
 }
 
-/// A line of MOTChallenge: frames, targets and pixels are counted from 1 (MOT16, arXiv:1603.00831, Data Format), and what is not known is -1.
+/// A line of MOTChallenge (MOT16, arXiv:1603.00831): frames, targets and pixels count from 1; an unknown figure is -1.
 fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     let Some((report, BoundingBox { x, y, width, height })) = report.and_then(|report| Some((report, report.target?)))
     else {
@@ -236,7 +236,7 @@ fn mot(&Answer { target, frame, report, .. }: &Answer<'_>) -> String {
     format!("{frame},{number},{},{},{width},{height},{confidence},-1,-1,-1\n", x + 1.0, y + 1.0)
 }
 
-/// The confidence; a box that was given is certain.
+/// Returns the confidence; 1 for a box that the user gave.
 fn score(report: &Report) -> f64 {
     report.confidence().map_or(1.0, rounded)
 }
@@ -262,7 +262,7 @@ fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
     fields.join(",") + "\n"
 }
 
-/// Rounds to six digits: microseconds, and more than the 1/65535 that a ratio is made of needs.
+/// Rounds to six digits: microseconds, and finer than a ratio's 1/65535.
 fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
 }

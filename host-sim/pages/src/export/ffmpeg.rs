@@ -14,25 +14,25 @@ use std::{fs, thread};
 
 /// The most frames that wait for ffmpeg.
 const WAITING: usize = 2;
-/// Bytes that are written at a time: each chunk that ffmpeg takes is a sign of life.
+/// Bytes of a chunk; each chunk that ffmpeg takes is a sign of life.
 const CHUNK: usize = 1 << 16;
 
 pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<String>,
-    /// The way to the thread that writes into ffmpeg, which may block.
+    /// Channel to the thread that writes into ffmpeg and may block.
     frames: Sender<Vec<u8>>,
     /// A message for each frame that ffmpeg took.
     taken: Receiver<()>,
     waiting: usize,
-    /// Counts the chunks that ffmpeg took.
+    /// Number of chunks that ffmpeg took.
     chunks: Arc<AtomicU64>,
     file: PathBuf,
     patience: Duration,
 }
 
 impl Ffmpeg {
-    /// Starts it with these arguments; it reads standard input and writes `file`.
+    /// Starts ffmpeg with these arguments; it reads standard input and writes `file`.
     pub fn start(arguments: Command, file: &Path, patience: Duration) -> Result<Self> {
         let mut command = arguments;
         command.arg("-y").arg(file).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -50,7 +50,7 @@ impl Ffmpeg {
         thread::spawn(move || {
             for frame in to_write {
                 for chunk in frame.chunks(CHUNK) {
-                    // An ffmpeg that has ended says why itself.
+                    // An ffmpeg that has ended gives the reason itself.
                     let Ok(()) = pipe.write_all(chunk) else { return };
                     count.fetch_add(1, Ordering::Relaxed);
                 }
@@ -72,7 +72,7 @@ impl Ffmpeg {
             }
         }
         self.waiting += 1;
-        // If nobody takes it, the next one waits in vain, and learns why.
+        // If nobody takes the frame, the next call waits in vain and learns the reason.
         let _ = self.frames.send(frame);
         Ok(())
     }
@@ -84,7 +84,7 @@ impl Ffmpeg {
     }
 
     /// Waits for the end of ffmpeg.
-    /// Errors: It failed, or shows no sign of life for as long as `patience`.
+    /// Errors: ffmpeg failed, or shows no sign of life for longer than `patience`.
     fn verdict(&self) -> Result<()> {
         let (mut last, mut since) = (self.signs_of_life(), Instant::now());
         let status = self.process.wait_while(|_| {
@@ -101,7 +101,7 @@ impl Ffmpeg {
         Ok(())
     }
 
-    /// Values that change as long as ffmpeg reads frames or writes its file.
+    /// Returns values that change as long as ffmpeg reads frames or writes its file.
     fn signs_of_life(&self) -> (u64, Option<(u64, SystemTime)>) {
         let file = fs::metadata(&self.file).ok().and_then(|data| Some((data.len(), data.modified().ok()?)));
         (self.chunks.load(Ordering::Relaxed), file)

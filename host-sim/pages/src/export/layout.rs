@@ -41,7 +41,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// True if it is a layout with boxes in it, without which it is of no use.
+    /// True for the layouts of toolkits, which are of no use without boxes.
     pub const fn needs_boxes(self) -> bool {
         matches!(self, Self::Vot | Self::Otb | Self::Got10k)
     }
@@ -49,7 +49,7 @@ impl Format {
     /// The extensions of files that hold all frames.
     pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
 
-    /// The format of a file of this name, if the extension tells.
+    /// Returns the format that the extension of `path` tells, if it tells one.
     pub fn of_file(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "y4m" => Some(Self::Y4m),
@@ -64,20 +64,20 @@ impl Format {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
     pub frames: usize,
-    /// Pixels of a frame; 0 before the first one.
+    /// Width of a frame in pixels; 0 before the first frame.
     pub width: u16,
     pub height: u16,
     /// Bytes of all frames, with the headers of their format.
     pub bytes: u64,
     /// The other files: boxes, and the texts that a toolkit reads.
     pub boxes: Vec<&'static str>,
-    /// The list of sequences that it was added to.
+    /// List of sequences that the recording was added to.
     pub list: Option<PathBuf>,
-    /// The configuration of a workspace of the VOT toolkit, if it made one.
+    /// Configuration of a workspace of the VOT toolkit, if one was written.
     pub config: Option<PathBuf>,
 }
 
-/// The name of the frame with this number; the first is 1.
+/// Returns the file name of frame `number`, counted from 1.
 pub(super) fn picture(format: Format, number: usize) -> String {
     match format {
         Format::Vot => format!("color/{number:08}.png"),
@@ -87,7 +87,7 @@ pub(super) fn picture(format: Format, number: usize) -> String {
     }
 }
 
-/// The files of a toolkit beside the pictures: those with boxes first, the one with all boxes before all others. `boxes` has one entry for each frame;
+/// Returns the files of a toolkit beside the pictures; the first holds all boxes. `boxes` has one entry for each frame;
 /// without ground truth it is the box to start from alone.
 pub(super) fn files(
     format: Format,
@@ -98,7 +98,7 @@ pub(super) fn files(
     let lines = |line: &dyn Fn(Option<&BoundingBox>) -> String| {
         boxes.iter().map(|entry| line(entry.as_ref()) + "\n").collect::<String>()
     };
-    // The toolkits of OTB and GOT-10k read four numbers in each line, and take NaN for a box. VOT's knows a number alone.
+    // OTB's and GOT-10k's toolkits need four numbers a line and take NaN for a box. VOT's reads a single number.
     let shown = |form: Form| lines(&|entry| entry.map_or_else(|| "0,0,0,0".to_owned(), |seen| form.line(Some(seen))));
     if format == Format::Otb {
         return vec![("groundtruth_rect.txt", shown(Form::Otb))];
@@ -115,7 +115,7 @@ pub(super) fn files(
         let is_cut =
             |of: &BoundingBox| of.x < 0.0 || of.y < 0.0 || of.x + of.width > right || of.y + of.height > bottom;
         files.push(("absence.label", lines(&|entry| u8::from(entry.is_none()).to_string())));
-        // The covered part of a target is not known: 8 of 8 parts are visible, or none.
+        // The covered part of a target is unknown: 8 of 8 parts count as visible, or none.
         files.push(("cover.label", lines(&|entry| if entry.is_some() { "8" } else { "0" }.to_owned())));
         files.push(("cut_by_image.label", lines(&|entry| u8::from(entry.is_some_and(is_cut)).to_string())));
     }
@@ -130,15 +130,15 @@ pub(super) fn files(
     files
 }
 
-/// The list of sequences in the folder that has this one and others, if the toolkit reads one.
+/// Returns the list of sequences beside the folder `out`, if the toolkit reads one.
 pub(super) fn list(format: Format, out: &Path) -> Option<PathBuf> {
     matches!(format, Format::Vot | Format::Got10k).then(|| out.with_file_name("list.txt"))
 }
 
-/// Writes the configuration of a workspace of the VOT toolkit, if `list` lies in a folder called `sequences`, where
-/// workspaces have theirs, and there is none yet. Returns the file.
+/// Writes the configuration of a workspace of the VOT toolkit and returns its path, if `list` lies in a folder called
+/// `sequences`, as in a workspace, and there is no configuration yet.
 ///
-/// The stack names no data set, so the toolkit downloads nothing. The experiment is the one that version 0.9 can run.
+/// The stack names no data set, so the toolkit downloads nothing. Version 0.9 can run this one experiment.
 pub(super) fn configure(format: Format, list: &Path) -> Result<Option<PathBuf>> {
     const WORKSPACE: &str = "registry:\n- trackers.ini\nsequences: sequences\nstack:\n  title: Recordings of host-sim\n  experiments:\n    unsupervised:\n      type: unsupervised\n";
     let above = list.parent().filter(|above| above.ends_with("sequences") && format == Format::Vot);

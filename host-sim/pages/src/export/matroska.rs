@@ -2,7 +2,7 @@
 //!
 //! Elements are an identifier, a size and data: see <https://www.matroska.org/technical/elements.html>.
 
-/// A size that is not known: the element goes on to the next of its kind.
+/// An unknown size: the element goes on to the next of its kind.
 const UNKNOWN: [u8; 8] = [1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
 /// The unit of times, in nanoseconds.
 const MICROSECOND: u64 = 1000;
@@ -26,9 +26,9 @@ pub(super) fn head((width, height): (u32, u32)) -> Vec<u8> {
     .concat()
 }
 
-/// A frame of red, green and blue that is shown at this time.
+/// Returns a frame of red, green and blue that is shown at this time.
 pub(super) fn frame(microseconds: u64, rgb: &[u8]) -> Vec<u8> {
-    // Track 1, no time after that of the cluster, a key frame.
+    // Track 1, at the time of the cluster, a key frame.
     let block = [&[0x81, 0, 0, 0x80], rgb].concat();
     element(&[0x1F, 0x43, 0xB6, 0x75], &[number(&[0xE7], microseconds), element(&[0xA3], &block)].concat())
 }

@@ -25,15 +25,15 @@ impl Overlay {
         self.0.pixels.as_flattened()
     }
 
-    /// Width of lines in pixels: large frames have wider ones, so that they are seen.
+    /// Returns the width of lines in pixels. Large frames have wider lines, so that they are seen.
     fn dot(&self) -> u32 {
         self.0.width.min(self.0.height) / 240 + 1
     }
 
-    /// Draws lines around the box, with a dark one outside so that they are seen on any ground. Nothing is drawn in the box: targets are small.
+    /// Draws lines around the box, and a dark line outside for any ground. The box stays free: targets are small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
-        // Far outside nothing is seen anyway.
+        // Far outside the frame, nothing is seen anyway.
         let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
         let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
         let dot = self.dot();
@@ -43,7 +43,7 @@ impl Overlay {
         }
     }
 
-    /// Draws the edges of the box in dashes: the target may not be there.
+    /// Draws the edges of the box in dashes, because the target may not be there.
     pub fn dashed_outline(&mut self, target: &BoundingBox, color: Color) {
         let BoundingBox { x, y, width, height } = *target;
         let (right, bottom) = (x + width, y + height);

@@ -1,4 +1,4 @@
-//! Frames that were drawn on, as something to watch: a video (through ffmpeg), or a folder of PNG pictures.
+//! A film of frames with drawings on them: a video (through ffmpeg), or a folder of PNG pictures.
 
 use super::ffmpeg::Ffmpeg;
 use super::matroska;
@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// The extensions of films that are files.
+/// The extensions of videos that can be written.
 pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
-/// Codecs and container for each of [`ENDINGS`]; the codecs that are not named are ffmpeg's usual ones. Players want the index at the beginning
-/// of a file. VP9 gets options that make it as quick as H.264.
+/// Options of ffmpeg for each of [`ENDINGS`]: codecs and container; a codec not named is ffmpeg's usual one. Players
+/// want the index at the beginning of a file. VP9 gets options that make it as quick as H.264.
 const CODECS: [&[&str]; 4] = [
     &["-c:a", "aac", "-movflags", "+faststart", "-f", "mp4"],
     &["-c:a", "aac", "-movflags", "+faststart", "-f", "mov"],
@@ -23,7 +23,7 @@ const CODECS: [&[&str]; 4] = [
     &["-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1", "-crf", "32", "-b:v", "0", "-f", "webm"],
 ];
 
-/// A film under way. Until [`Film::finish`] nothing has its name.
+/// A film under way. It gets its name in [`Film::finish`].
 pub struct Film {
     name: PathBuf,
     plan: Plan,
@@ -32,7 +32,7 @@ pub struct Film {
 }
 
 enum Way {
-    /// The first frame starts ffmpeg. It stands before its output: it ends before its file is removed.
+    /// The first frame starts ffmpeg. It is dropped before its output, so it ends before its file is removed.
     Video(Option<Ffmpeg>, Output, &'static [&'static str]),
     Pictures(Folder),
 }
@@ -40,17 +40,17 @@ enum Way {
 /// Settings of a film that come from the recording.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The file with the sound. It is left out if the recording has no times.
+    /// File with the sound, which is left out if the recording has no times.
     pub sound: Option<PathBuf>,
     /// The number of the next frame.
     pub number: usize,
-    /// The time that ffmpeg may do nothing.
+    /// Longest silence of ffmpeg.
     pub patience: Duration,
 }
 
 impl Film {
     /// Begins the film `out`: a file with one of [`ENDINGS`], or a new folder for pictures.
-    /// Errors: It cannot be written there, or its extension is that of another kind of video.
+    /// Errors: `out` cannot be written, or its extension is that of another kind of video.
     pub fn create(out: &Path, plan: Plan) -> Result<Self> {
         let extension = out.extension().filter(|_| !out.as_os_str().as_encoded_bytes().ends_with(b"/"));
         let extension = extension.and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
@@ -66,7 +66,7 @@ impl Film {
         Ok(Self { name: out.to_owned(), plan, way, timeline: Timeline::new() })
     }
 
-    /// Adds a frame, and when it is shown in the recording, if that is known. All frames must have the size of the first.
+    /// Adds a frame; `moment` is its time in the recording, if known. All frames must have the size of the first.
     pub fn frame(&mut self, overlay: &Overlay, moment: Option<Moment>) -> Result<()> {
         let (time, number) = (self.timeline.next(moment), self.plan.number);
         self.plan.number += 1;
@@ -92,7 +92,7 @@ impl Film {
         }
     }
 
-    /// Ends it, and gives it its name.
+    /// Ends the film, and gives it its name.
     pub fn finish(self) -> Result<()> {
         match self.way {
             Way::Pictures(folder) => folder.finish(),
@@ -108,13 +108,13 @@ fn cannot_write(name: &Path) -> String {
     format!("cannot write {}", name.display())
 }
 
-/// The ffmpeg that makes a video of the frames in its standard input, and of the sound of the recording.
+/// Returns the command that makes a video of the frames in its standard input and the sound of the recording.
 fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]) -> Command {
     let mut command = Command::new("ffmpeg");
     command.args(["-v", "error", "-f", "matroska", "-i", "-"]);
     if let Some((recording, start)) = plan.sound.as_deref().zip(timeline.start()) {
         command.args(["-ss", &format!("{start:.6}"), "-i"]).arg(ffmpeg_input(recording));
-        // Silence behind the sound, so that -shortest cuts the sound and never the picture.
+        // Silence follows the sound, so that -shortest cuts the sound and never the picture.
         command.args(["-map", "0:v", "-map", "1:a:0?", "-af", "apad", "-shortest"]);
     }
     command.args(["-fps_mode", "passthrough"]);
@@ -132,7 +132,7 @@ fn command(plan: &Plan, timeline: &Timeline, aspect: (u32, u32), codecs: &[&str]
 struct Timeline {
     is_begun: bool,
     first: Option<Moment>,
-    /// The time of the last frame, and its distance from the one before, in microseconds.
+    /// Time of the last frame in microseconds; `interval` is its distance from the frame before.
     last: u64,
     interval: u64,
 }
@@ -152,18 +152,18 @@ impl Timeline {
             (Some(first), Some(moment)) => microseconds(moment.seconds() - first.seconds()),
             _ => self.last + self.interval,
         };
-        // Times must grow: a file that says otherwise is damaged.
+        // Times must grow, also in a damaged file.
         self.interval = time.saturating_sub(self.last).max(1);
         self.last += self.interval;
         self.last
     }
 
-    /// The unit of the times: a fraction of a second.
+    /// Returns the unit of the times, as a fraction of a second.
     fn base(&self) -> (u32, u32) {
         self.first.map_or((1, 25), |first| first.base)
     }
 
-    /// Time of the first frame in the recording, in seconds; `None` if the times are not those of the recording.
+    /// Returns the time of the first frame in the recording, in seconds; `None` if the recording has no times.
     fn start(&self) -> Option<f64> {
         self.first.map(|first| first.seconds())
     }
@@ -186,7 +186,7 @@ mod tests {
         Plan { sound: None, number: 1, patience: Duration::from_secs(60) }
     }
 
-    /// Odd sides, which MP4 cannot have.
+    /// Frames with odd sides, which MP4 cannot have.
     fn frames() -> impl Iterator<Item = Overlay> {
         (0..3u8).map(|step| {
             let pixels = (0..61 * 43).map(|at: u32| at.to_le_bytes()[0] / 2).collect();
@@ -223,7 +223,7 @@ mod tests {
         if !crate::missing::has_ffmpeg("a_video_is_decoded_again") {
             return;
         }
-        // Color at half the size has no odd sides.
+        // The videos have even sides, because color is stored at half the size.
         for name in ENDINGS.map(|ending| format!("film.{ending}")) {
             let out = above.path().join(&name);
             filmed(&out);

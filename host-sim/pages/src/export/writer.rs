@@ -13,20 +13,20 @@ use std::path::Path;
 /// The best quality that JPEG has.
 const QUALITY: u8 = 100;
 
-/// A recording under way. Until [`Writer::finish`] nothing has its name.
+/// A recording being written. It gets its name in [`Writer::finish`].
 pub struct Writer {
     name: String,
     format: Format,
     start: Option<BoundingBox>,
-    /// All frames; `None` of pictures.
+    /// The file of all frames; `None` if frames are pictures.
     file: Option<Output>,
-    /// Pictures or the file, and the boxes; `None` of a file alone.
+    /// The folder of the pictures or the file, and of the boxes; `None` for a file alone.
     folder: Option<Folder>,
     written: Written,
 }
 
 impl Writer {
-    /// Begins the recording called `name`: a file alone if `out` has the extension of one, else a folder, in which there will be boxes, too.
+    /// Begins the recording `name`: one file if `out` has the extension of one, else a folder, which also holds boxes.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         let mut writer =
             Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() };
@@ -50,7 +50,7 @@ impl Writer {
         let GrayFrame { width, height, pixels } = frame;
         let bytes = match self.format {
             Format::Png | Format::Vot => png(frame)?,
-            // Their toolkits look for files *.jpg alone.
+            // The toolkits of OTB and GOT-10k look for files *.jpg alone.
             Format::Otb | Format::Got10k => jpeg(frame, QUALITY)?,
             Format::Pgm => pgm(frame),
             Format::Y4m => [b"FRAME\n", &pixels[..]].concat(),
@@ -78,8 +78,8 @@ impl Writer {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
-    /// Ends it. Into a folder go `init.txt` and, where there is ground truth, `gt.txt`, both in TLD form, or else the files of the toolkit: its
-    /// boxes are those of `truth`, if that has one for each frame and one in the first, else the box to start from alone.
+    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both TLD), or the toolkit's files: of
+    /// `truth`, if it has an entry for each frame and a box in the first, else of the box to start from alone.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);
@@ -93,7 +93,7 @@ impl Writer {
         if format.needs_boxes() {
             let given = [start];
             let boxes = truth.filter(|truth| is_whole(truth, written.frames)).unwrap_or(&given);
-            // For this program; the toolkits start from the ground truth.
+            // `init.txt` is for this program; the toolkits start from the ground truth.
             texts.extend((boxes[0] != start).then(|| ("init.txt", line(&start))));
             texts.extend(files(format, &name, &written, boxes));
         } else {
@@ -113,7 +113,7 @@ impl Writer {
     }
 }
 
-/// True of ground truth that a toolkit can start from and count with.
+/// True for ground truth that a toolkit can start from and count with.
 pub fn is_whole(truth: &[Option<BoundingBox>], frames: usize) -> bool {
     truth.len() == frames && truth.first().is_some_and(Option::is_some)
 }

@@ -1,8 +1,8 @@
-//! A camera as the source of a window: frames come when they come, and the last minutes are kept.
+//! A camera as the source of a window: frames come in real time, and the last minutes are kept.
 //!
-//! Frames have the numbers of the source, also of those that were gone before they could be taken. Trackers get the newest frame. If they are busy
-//! when a frame comes, it is dropped and counted; its picture is kept all the same. A lock in a frame of the last seconds is followed from
-//! there on, through every frame, until it has caught up.
+//! Frames have the numbers of the source, which also counts frames that nobody could take. Trackers get the newest
+//! frame; a frame that comes while they are busy is dropped and counted, but its picture is kept. A lock in a frame of
+//! the last seconds is followed from there through every frame, until the tracker has caught up.
 
 use super::{Known, LiveState, Numbered, SIDE, Source, lock};
 use crate::encode;
@@ -19,12 +19,12 @@ const MOST_GRAY: usize = 64 << 20;
 /// The most bytes of pictures: some minutes.
 const MOST_PICTURES: usize = 160 << 20;
 
-/// A frame that has come.
+/// A frame that has come from the source.
 struct Seen {
-    /// Counts all frames of the source; the first is 1.
+    /// Number of the frame; the source counts all of its frames from 1.
     number: usize,
     gray: GrayFrame,
-    /// Time since the first frame.
+    /// Seconds since the first frame.
     seconds: f64,
     color: Color,
 }
@@ -34,7 +34,7 @@ type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
 
 type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
 
-/// The frames of `live`, then the reason for its end.
+/// Returns the frames of `live`, then an error with the reason for its end.
 fn seen(live: Live) -> impl Iterator<Item = Result<Seen>> {
     let arrivals = Arc::clone(&live.arrivals);
     let of = |Frame { number, seconds, gray, planes, .. }: Frame| {
@@ -60,7 +60,7 @@ struct Came {
     /// Frames taken from the source, this one included.
     count: usize,
     gray: Arc<GrayFrame>,
-    /// Time since the first frame.
+    /// Seconds since the first frame.
     seconds: f64,
     arrived: Instant,
 }
@@ -71,19 +71,19 @@ struct Kept {
     gray_bytes: usize,
     pictures: BTreeMap<usize, Arc<Vec<u8>>>,
     picture_bytes: usize,
-    /// The number of the newest frame, and how many were taken from the source.
+    /// Number of the newest frame; `taken` counts the frames taken from the source.
     newest: usize,
     taken: usize,
-    /// Frames taken that no tracker got.
+    /// Frames taken from the source that no tracker got.
     dropped: usize,
     latency_ms: f64,
-    /// Why it ended; `None` while frames come.
+    /// Reason why the source ended; `None` while frames come.
     ended: Option<String>,
     stopped: bool,
 }
 
 impl Kept {
-    /// The number of the oldest gray frame that is kept.
+    /// Returns the number of the oldest gray frame that is kept.
     fn oldest_gray(&self) -> usize {
         self.gray.front().map_or(self.newest + 1, |came| came.number)
     }
@@ -123,7 +123,7 @@ impl Shared {
                     kept.add(number, gray, seconds);
                     drop(kept);
                     self.came.notify_all();
-                    // While one picture is encoded, the next ones are left out.
+                    // While one picture is encoded, the pictures of later frames are left out.
                     if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, color)) {
                         break;
                     }
@@ -144,7 +144,7 @@ impl Shared {
         }
     }
 
-    /// Waits for the frame that trackers get next. `None` when there will be none.
+    /// Waits for the frame that trackers get next; `None` if there will be none.
     fn next(&self, reader: &mut Reader) -> Option<Result<(usize, Option<f64>, GrayFrame)>> {
         let mut kept = self.kept();
         if let Some(arrived) = reader.arrived {
@@ -167,7 +167,7 @@ impl Shared {
         let behind = kept.gray.partition_point(|came| came.number < reader.next);
         let place = match reader.count {
             _ if reader.has_caught_up => kept.gray.len() - 1,
-            // The number of a frame that was dropped shows the one before.
+            // The source has dropped the wanted frame: the tracker gets the one before it.
             None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
             _ => behind,
         };
@@ -180,13 +180,13 @@ impl Shared {
     }
 }
 
-/// One pass of the trackers.
+/// The state of one pass of the trackers over the frames.
 #[derive(Default)]
 struct Reader {
     next: usize,
-    /// Frames taken from the source, up to the one that was answered last.
+    /// [`Came::count`] of the frame that was answered last.
     count: Option<usize>,
-    /// True once it has waited for a frame: from then on it gets only the newest.
+    /// True once the pass has waited for a frame: from then on it gets only the newest.
     has_caught_up: bool,
     /// Arrival of the frame that was answered last.
     arrived: Option<Instant>,
@@ -194,7 +194,7 @@ struct Reader {
 }
 
 impl Camera {
-    /// Reads `live` from now on.
+    /// Starts to read `live`.
     pub fn new(live: Live) -> Self {
         Self::of(Box::new(seen(live)))
     }
@@ -230,7 +230,7 @@ impl Source for Camera {
         self.0.kept().oldest_gray()
     }
 
-    /// The picture of the frame, or the one before if it has none.
+    /// Returns the picture of the frame, or of the one before if it has none.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
         let nearest = kept.pictures.range(..=number).next_back();
@@ -291,7 +291,7 @@ mod tests {
         sender.send(Ok(frame(4))).unwrap();
         wait_for(&camera, 4);
         assert_eq!(next().unwrap(), (4, 4, 4.0));
-        // It has caught up now, or does so with the next one.
+        // The tracker has caught up now, or does so with the next frame.
         let late = thread::spawn(move || {
             thread::sleep(Duration::from_millis(50));
             sender.send(Ok(frame(5))).unwrap();
@@ -303,7 +303,7 @@ mod tests {
         wait_for(&camera, 9);
         assert_eq!(next().unwrap(), (9, 9, 9.0));
         assert_eq!(camera.live().unwrap().dropped, 3);
-        // Two that the source itself has dropped.
+        // The source itself has dropped two frames.
         sender.send(Ok(frame(12))).unwrap();
         wait_for(&camera, 12);
         assert_eq!((next().unwrap(), camera.live().unwrap().dropped), ((12, 12, 12.0), 5));

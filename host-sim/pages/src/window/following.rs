@@ -1,11 +1,11 @@
 //! Following: the answers of each target, and the thread that finds them.
 //!
-//! A target is locked in one or more frames. From each lock to the next one it is followed in one go: a [`Segment`]. A new correction makes one new
-//! segment; the others keep their answers. Segments that are no longer wanted are kept for a while, so that undo is at once.
+//! A target is locked in one or more frames. A [`Segment`] holds its answers from one lock to the next. A correction
+//! makes one new segment; the other segments keep their answers. Unused segments are kept for a while, for undo.
 //!
-//! The thread begins at the earliest frame that lacks an answer and reads on: a pass. All segments that wait for the frame that it is at are
-//! asked. If a lock in an earlier frame comes meanwhile, it goes back there; the others wait until it is at their frame again. A pass whose
-//! frames end or fail concerns the segments that waited for its next frame, and nobody else: they are tried again after a change.
+//! The thread makes passes: it reads on from the earliest frame that lacks an answer, and asks the segments that wait
+//! for each frame. After a lock in an earlier frame, the next pass begins there. If frames end or fail, the segments
+//! that waited for the next frame are not tried again before a change.
 
 use super::news::{News, Part};
 use super::{Known, Source, lock};
@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 /// A target as the page knows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
-    /// Given by the page, never used for another target.
+    /// Number given by the page, never used for another target.
     pub id: u32,
     pub name: String,
     pub locks: Vec<Lock>,
@@ -39,7 +39,7 @@ pub struct Lock {
 }
 
 impl Target {
-    /// True of a target that shares nothing but the id: two pages have given it.
+    /// True if two pages gave one id to different targets: they share neither name nor lock.
     fn is_another(&self, other: &Self) -> bool {
         self.id == other.id
             && self.name != other.name
@@ -59,11 +59,11 @@ impl Lock {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub report: Report,
-    /// The box, or the last one if the target is lost.
+    /// The answer's box, or the last one if the target is lost.
     pub shown: BoundingBox,
-    /// Only in a frame that the target was locked on.
+    /// Quality of the target, only in a frame that it was locked on.
     pub quality: Option<Quality>,
-    /// Seconds at which a frame of a camera came.
+    /// Time in seconds at which a camera's frame came.
     pub time: Option<f64>,
 }
 
@@ -77,62 +77,62 @@ struct Key {
 }
 
 struct Segment {
-    /// The frame of the first row: the lock's, or a later one of a camera.
+    /// Frame of the first row: the lock's, or a later one after rows of a camera were dropped.
     first: usize,
-    /// A row for each frame, with the position of its last change, which grows from row to row; `None` of a frame that was dropped.
+    /// A row for each frame, with the position of its last change; positions grow. `None`: the frame was dropped.
     rows: VecDeque<(u64, Option<Row>)>,
-    /// True if the tracker refused a frame, or a camera does not keep the lock's: nothing follows.
+    /// True if the tracker refused a frame, or a camera no longer keeps the lock's frame. No answers follow.
     failed: bool,
-    /// True if a pass ended before the frame that it waits for.
+    /// True if a pass ended before the frame that this segment waits for.
     in_vain: bool,
-    /// The last change of the targets in which one asked for it.
+    /// [`State::changes`] when a target last used this segment.
     used: u64,
 }
 
 impl Segment {
-    /// The first frame without an answer.
+    /// Returns the first frame without an answer.
     fn next(&self) -> usize {
         self.first + self.rows.len()
     }
 
-    /// The places of the rows of the frames from `from` on and before `end`.
+    /// Returns the indices in `rows` of the frames from `from` on and before `end`.
     fn places(&self, from: usize, end: usize) -> Range<usize> {
         let place = |frame: usize| frame.saturating_sub(self.first).min(self.rows.len());
         place(from)..place(end).max(place(from))
     }
 
-    /// The answers at these places, each with its frame.
+    /// Returns the answers at these indices, each with its frame.
     fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, Row)> + '_ {
         let first = self.first + places.start;
         (first..).zip(self.rows.range(places)).filter_map(|(frame, (_, row))| Some((frame, (*row)?)))
     }
 }
 
-/// The most segments that are kept for undo and redo beside those in use, and the most rows of them.
+/// Most unused segments that are kept for undo and redo; [`SPARE_ROWS`] limits their rows.
 const SPARE: usize = 24;
 const SPARE_ROWS: usize = 1 << 18;
 /// The most answers in one reply.
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
-/// A gap of at most this many frames is read; a longer one is skipped by a seek.
+/// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
-/// The most rows that a segment of a camera keeps: five minutes of 60 frames a second.
+/// Most rows that a segment of a camera keeps: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
 struct State {
     targets: Vec<Target>,
     variant: Variant,
-    /// All settings that were in use. Who goes back to one finds its answers.
+    /// All settings that were in use, so that a return to one finds its answers.
     editions: Vec<Origin>,
     edition: usize,
     segments: HashMap<Key, Segment>,
-    /// Counts the changes of the targets.
+    /// Number of changes of the targets so far.
     changes: u64,
     news: News,
-    /// The number of the last frame: it was read, and the recording is known to have no more.
+    /// Number of the last frame, once a pass has found that no more follow.
     end: Option<usize>,
-    /// The highest number of a frame that was read.
+    /// Highest frame number that was read.
     seen: usize,
-    /// The frame that is followed, and the number of frames a second.
+    /// Frame being followed, and the frames followed a second.
     at: Option<(usize, f64)>,
     stopped: bool,
 }
@@ -151,14 +151,14 @@ struct Task {
 }
 
 impl Task {
-    /// The tracker is locked.
+    /// True if the tracker is locked.
     const fn has_begun(&self) -> bool {
         self.next > self.key.lock.0
     }
 }
 
 impl State {
-    /// The segments that the targets ask for, each with its end.
+    /// Returns the segments that the targets need, each with the frame before which it ends.
     fn plan(&self) -> impl Iterator<Item = (Key, usize)> + '_ {
         self.targets.iter().flat_map(|target| planned(target, self.edition))
     }
@@ -174,7 +174,7 @@ impl State {
         self.plan().filter_map(task).collect()
     }
 
-    /// The answers of a target from one frame to another, in order.
+    /// Returns the answers of a target from one frame to another, in order.
     fn rows(&self, Part { target, from, to }: Part) -> impl Iterator<Item = (usize, Row)> + '_ {
         let target = self.targets.iter().find(move |one| one.id == target);
         let plan = target.into_iter().flat_map(|target| planned(target, self.edition));
@@ -182,7 +182,7 @@ impl State {
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// The rows that changed behind the position `since`, up to the position `to`: their target, segment and places.
+    /// Returns the rows that changed after position `since`, up to position `to`: target, segment and indices.
     fn changed(&self, since: u64, to: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
         self.plan().filter_map(move |(key, end)| {
             let segment = self.segments.get(&key)?;
@@ -192,7 +192,7 @@ impl State {
         })
     }
 
-    /// Marks all answers from `part.from` on as new. Rows behind `part.to` are marked too, so that positions still grow; no target shows them.
+    /// Marks all answers from `part.from` on as new, also hidden ones after `part.to`, so that positions still grow.
     fn tell_again(&mut self, part: Part) {
         self.news.void(part);
         let Self { targets, segments, news, edition, .. } = self;
@@ -209,7 +209,7 @@ impl State {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
 
-    /// The targets with their locks in order, if all can be followed. A camera keeps the frames from `oldest` on.
+    /// Returns the targets with sorted locks, if all can be followed. A camera keeps the frames from `oldest` on.
     fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
         for target in &mut targets {
             target.locks.sort_by_key(|lock| lock.frame);
@@ -224,7 +224,7 @@ impl State {
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
-            // A segment that was followed already needs no old frame.
+            // A segment that exists already needs no old frame.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
             if let Some((Key { lock: (frame, _), .. }, _)) = late {
@@ -239,7 +239,7 @@ impl State {
         Ok(targets)
     }
 
-    /// Makes the segments that are missing, lets all be tried again, and drops those that no target has asked for longest.
+    /// Adds missing segments, lets all be tried again, and drops those that no target has used for longest.
     fn arrange(&mut self) {
         self.changes += 1;
         let plan: Vec<Key> = self.plan().map(|(key, _)| key).collect();
@@ -261,7 +261,7 @@ impl State {
     }
 }
 
-/// The segments of a target, each with its end.
+/// Returns the segments of a target, each with the frame before which it ends.
 fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
     target.locks.iter().enumerate().map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
@@ -269,7 +269,7 @@ fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)
     })
 }
 
-/// The first and the last frame in which two lists of locks ask for different answers.
+/// Returns the first and the last frame in which two lists of locks need different answers.
 fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     let same = old.iter().zip(new).take_while(|(old, new)| old == new).count();
     let (old, new) = (&old[same..], &new[same..]);
@@ -278,14 +278,14 @@ fn differing(old: &[Lock], new: &[Lock]) -> Option<(usize, usize)> {
     Some((from, if behind == 0 { usize::MAX } else { new[new.len() - behind].frame - 1 }))
 }
 
-/// Changes behind a position.
+/// Changes after a position, as a page hears them.
 pub(super) struct Heard {
     pub position: u64,
-    /// The answers of these parts are void, unless they come again.
+    /// Parts whose answers are void, unless they come again.
     pub void: Vec<Part>,
-    /// The parts that have new answers.
+    /// Parts with new answers.
     pub changed: Vec<Part>,
-    /// The answers; empty if the page is to ask for them.
+    /// New answers; empty if the page asks for them by itself.
     pub rows: Vec<(u32, usize, Row)>,
     pub said: Vec<String>,
     pub made: Vec<u32>,
@@ -319,7 +319,7 @@ impl Followed {
         lock(&self.state)
     }
 
-    /// Changes something and wakes all who wait for it.
+    /// Changes the state and wakes all threads that wait for a change.
     fn change<T>(&self, act: impl FnOnce(&mut State) -> T) -> T {
         let done = act(&mut self.state());
         self.changed.notify_all();
@@ -330,7 +330,7 @@ impl Followed {
         self.state().targets.clone()
     }
 
-    /// The targets, and the number of their last change.
+    /// Returns the targets and the number of their last change.
     pub(super) fn revision(&self) -> (Vec<Target>, u64) {
         let state = self.state();
         (state.targets.clone(), state.news.targets)
@@ -340,30 +340,30 @@ impl Followed {
         self.state().variant.clone()
     }
 
-    /// The answers of each target, in the order of the frames.
+    /// Returns the answers of each target in the order of the frames.
     pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
         let state = self.state();
         state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()
     }
 
-    /// A portion of the answers of a part, and the last frame of it that they reach.
+    /// Returns at most [`PORTION`] answers of a part, and the last frame that they reach.
     pub(super) fn part(&self, part: Part) -> (Vec<(usize, Row)>, usize) {
         let rows: Vec<_> = self.state().rows(part).take(PORTION).collect();
         let to = rows.last().filter(|_| rows.len() == PORTION).map_or(part.to, |(frame, _)| *frame);
         (rows, to)
     }
 
-    /// Follows these targets from now on; only what changed is followed again. `revision` is the change that they are made from, where the page
-    /// names it. Returns that of these.
-    /// Errors: A box without pixels, two locks of a target in one frame, a frame that there is not or that a camera does not keep, or targets
-    /// that another page has changed meanwhile.
+    /// Replaces the targets; only changed parts are followed again. `revision` is the last change that the page has
+    /// seen, if it says so. Returns the number of the new last change.
+    /// Errors: A box without pixels, two locks of a target in one frame, a frame that does not exist or that a camera
+    /// no longer keeps, or targets that another page has changed meanwhile.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
         self.change(|state| {
             let targets = state.checked(targets, known, oldest)?;
             let others = match revision {
                 Some(revision) => revision != state.news.targets,
-                // The first list takes the place of the one that the window began with.
+                // The first list replaces the targets that the window began with.
                 None => {
                     state.news.targets > 0
                         && targets.iter().any(|one| state.targets.iter().any(|other| one.is_another(other)))
@@ -388,7 +388,7 @@ impl Followed {
         })
     }
 
-    /// Follows all by these trackers.
+    /// Follows all targets by these trackers.
     pub(super) fn set_variant(&self, variant: Variant) {
         self.change(|state| {
             let origin = variant.origin();
@@ -407,7 +407,7 @@ impl Followed {
         self.change(|state| state.stopped = true);
     }
 
-    /// Tries again what ended too early: more is known of the source.
+    /// Takes in that the source knows more frames, and retries segments whose pass ended too early.
     pub(super) fn learns(&self, known: Option<usize>) {
         self.change(|state| {
             if known > state.end {
@@ -418,13 +418,13 @@ impl Followed {
         });
     }
 
-    /// Tells that a file that is made for the user has progressed.
+    /// Tells the pages that the file `id`, made for the user, has progressed.
     pub(super) fn makes(&self, id: u32) {
         self.change(|state| state.news.makes(id));
     }
 
-    /// Waits for something behind `since`, but not longer than `patience`. If `asks`, the page asks for the answers where there are more than a
-    /// portion of them; otherwise a portion comes, and the position is that behind it.
+    /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page
+    /// that `asks` gets none and requests them by parts; another page gets one portion and the position after it.
     pub(super) fn heard(&self, since: u64, patience: Duration, asks: bool) -> Heard {
         let mut state = self.state();
         let begin = Instant::now();
@@ -438,7 +438,7 @@ impl Followed {
         let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
         let first = state.changed(since, u64::MAX).map(|(_, segment, places)| segment.rows[places.start].0).min();
         let position = match first.filter(|_| !asks) {
-            // Behind a shorter portion, parts would be void that are not remembered.
+            // The page would begin anew after a position before `forgotten`.
             Some(first) => news.end().min((first - 1 + PORTION as u64).max(news.forgotten)),
             None => news.end(),
         };
@@ -470,8 +470,8 @@ impl Followed {
         }
     }
 
-    /// The number of the last frame before the first that lacks an answer. While targets are followed, also the frame that is read, and the number
-    /// of frames a second.
+    /// Returns the last frame before the first one that lacks an answer. While targets are followed, also the frame
+    /// being read and the frames a second.
     pub(super) fn reached(&self) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
@@ -480,12 +480,12 @@ impl Followed {
         (open.or_else(done).unwrap_or(0), at)
     }
 
-    /// The number of the last frame before the first that lacks an answer of a target.
+    /// Returns the last frame before the first one that lacks an answer of a target.
     pub fn answered(&self) -> usize {
         self.reached().0
     }
 
-    /// Follows what there is to follow, until [`Self::stop`].
+    /// Makes a pass whenever segments lack answers, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
         let is_live = source.live().is_some();
         let mut thread = Following { followed: self, source, is_live, trackers: HashMap::new() };
@@ -497,7 +497,7 @@ impl Followed {
         }
     }
 
-    /// The number of frames and their times, as far as the source or this thread knows them.
+    /// Returns the number of frames and their times, as far as the source or this thread knows them.
     pub(super) fn known(&self, source: &dyn Source) -> Known {
         let known = source.known();
         let state = self.state();
@@ -515,7 +515,7 @@ struct Following<'a> {
 }
 
 impl Following<'_> {
-    /// Waits for work. Returns the frame to begin at; `None` when it is over.
+    /// Waits until a segment lacks an answer. Returns the frame to begin at; `None` after [`Followed::stop`].
     fn wait(&self) -> Option<usize> {
         let mut state = self.followed.state();
         loop {
@@ -538,8 +538,8 @@ impl Following<'_> {
         }
     }
 
-    /// Reads on from a frame for as long as somebody waits for the next one. If the frames end before that: the number of the last one, and
-    /// the error that ended them.
+    /// Reads on from a frame while a segment waits for the next one. If the frames end before that, returns the last
+    /// frame and the error that ended them.
     fn pass(&mut self, start: usize) -> Option<(usize, Option<Error>)> {
         let frames = match self.source.gray_from(start) {
             Ok(frames) => frames,
@@ -560,7 +560,7 @@ impl Following<'_> {
         Some((last, None))
     }
 
-    /// The frames of a pass from `start` on ended behind `last`. That is the recording's end only if it knows of no more.
+    /// Ends a pass from `start` on after frame `last`. That is the recording's end only if it knows of no more frames.
     fn ended(&self, start: usize, last: usize, error: Option<&Error>) {
         let known = self.source.known().frames;
         self.followed.change(|state| {
@@ -581,7 +581,7 @@ impl Following<'_> {
         });
     }
 
-    /// Asks the trackers that wait for this frame. False if another frame than the next one is to be read.
+    /// Asks the trackers that wait for this frame. Returns false if the pass is not to read the next frame.
     fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame, rate: f64) -> bool {
         let (followed, is_live) = (self.followed, self.is_live);
         let (mut due, variant) = {
@@ -629,7 +629,7 @@ impl Following<'_> {
         })
     }
 
-    /// The answer of a segment's tracker, which is made in the frame of the lock, and there also the quality of the target.
+    /// Returns a tracker's answer; in the frame of the lock, builds the tracker first and adds the target's quality.
     fn answer(
         &mut self,
         key: Key,

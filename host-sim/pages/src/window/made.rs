@@ -1,4 +1,4 @@
-//! Files for the user to take away. Another host-sim makes each, by the command line that the page shows.
+//! Files that are made for the user. Another host-sim makes each, by the command line that the page shows.
 
 use super::lock;
 use anyhow::{Context, Result, ensure};
@@ -19,9 +19,9 @@ use std::thread;
 pub struct Job {
     /// The name under which the file is saved: letters, digits and `-_.` only.
     pub name: String,
-    /// The words of the command line behind `host-sim`; the name of the file to write follows the last of them.
+    /// Words of the command line after `host-sim`; the path of the file to write follows them.
     pub words: Vec<OsString>,
-    /// The number of lines that the program prints until it is done; 0 if it prints none.
+    /// Number of lines that the program prints until it is done; 0 if it prints none.
     pub lines: usize,
 }
 
@@ -29,9 +29,9 @@ pub struct Job {
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Progress {
     id: u32,
-    /// The part that is done, 0 to 1; `None` where it is not known.
+    /// Part that is done, 0 to 1; `None` if it is not known.
     done: Option<f64>,
-    /// The name of the file, when it is there.
+    /// Name of the file, once it is ready.
     file: Option<String>,
     error: Option<String>,
 }
@@ -59,7 +59,7 @@ impl Made {
         self.progress().get(&id).cloned()
     }
 
-    /// The bytes of a file that is ready, and its name.
+    /// Returns the name and the bytes of a file that is ready.
     pub(super) fn file(&self, id: u32) -> Result<(String, Vec<u8>)> {
         let name = self.of(id).and_then(|one| one.file).context("there is no such file, or it is not ready")?;
         let file = self.folder.path().join(format!("{id}-{name}"));
@@ -67,8 +67,8 @@ impl Made {
         Ok((name, bytes))
     }
 
-    /// A page that leads to `address`, for this user's browser alone: all users see what a program is started with.
-    /// Errors: It cannot be written.
+    /// Writes a page that leads to `address`, for this user alone: all users can see the arguments of a program.
+    /// Errors: The page cannot be written.
     pub fn door(&self, address: &str) -> Result<PathBuf> {
         let head = "<!DOCTYPE html><title>host-sim</title><meta name=\"referrer\" content=\"no-referrer\">";
         let lead = format!(
@@ -77,15 +77,15 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Begins to make a file. `tell` is called with its number after each step.
-    /// Errors: Too much is being made already, or the program does not start.
+    /// Starts to make a file. `tell` is called with the file's number after each step.
+    /// Errors: Too many files are being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;
         let mut all = self.progress();
         let running = all.values().filter(|one| one.file.is_none() && one.error.is_none()).count();
         ensure!(running < MOST, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
-        // The ending of the file says its format.
+        // The extension of the file tells the program its format.
         let place = self.folder.private(&format!("{id}-{name}"), &[])?;
         let program = std::env::current_exe().context("cannot find host-sim itself")?;
         let mut command = Command::new(program);
@@ -107,8 +107,8 @@ impl Made {
         Ok(id)
     }
 
-    /// Counts the lines that are printed until the program ends.
-    /// Errors: What it complains about, if it fails.
+    /// Counts the lines that the program prints until it ends.
+    /// Errors: The complaint of the program, if it fails.
     fn watch(&self, process: &Process, id: u32, lines: usize, tell: &impl Fn(u32)) -> Result<()> {
         let said = process.said();
         let printed = process.output().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok);

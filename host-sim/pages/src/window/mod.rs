@@ -5,10 +5,10 @@
 //! page  <-- news, pictures --   routes  <--  news; pictures of the recording or camera
 //! ```
 //!
-//! `server` lets in the page and nobody else. A page sends all targets and their corrections after each change, which the other pages are told;
-//! `following` finds out what is to be followed again. Changes are `news`; where many answers changed, a page asks for parts of them. Frames come
-//! from a `recording` or a `camera`.
-//! The page itself is core/web/page/window.html.
+//! `server` lets in the page and nobody else. A page sends all targets with their locks after each change, and other
+//! pages hear of it; `following` finds out which segments lack answers. All changes are `news`; if many answers
+//! changed, a page asks for parts of them. Frames come from a `recording` or a `camera`. The page itself is
+//! core/web/page/window.html.
 
 mod camera;
 mod following;
@@ -32,12 +32,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The longest side of a picture, in pixels.
 const SIDE: u16 = 1280;
 
-/// Locks also what a thread left that panicked: each change is complete.
+/// Locks a mutex even after a thread panicked with it: each change is complete.
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Frames with their numbers, from some number on, and with their times in seconds, if they have any.
+/// Frames from some number on: each with its number, its time in seconds if it has one, and its gray pixels.
 pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
 
 /// The source of a window: a recording, or a camera.
@@ -45,24 +45,24 @@ pub trait Source: Send + Sync {
     /// Returns the number of frames and their times. Both only grow.
     fn known(&self) -> Known;
 
-    /// The frames from `number` on.
-    /// Errors: They cannot be read, or are not kept any more.
+    /// Returns the frames from `number` on.
+    /// Errors: The frames cannot be read, or are not kept any more.
     fn gray_from(&self, number: usize) -> Result<Numbered>;
 
-    /// The number of the oldest frame that a tracker can be locked in.
+    /// Returns the number of the oldest frame that a tracker can be locked in.
     fn oldest(&self) -> usize {
         1
     }
 
-    /// The frame as a JPEG, in color if there is color; `None` if there is no such frame.
+    /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
 
-    /// The state of a camera; `None` of a recording.
+    /// Returns the state of a camera; `None` for a recording.
     fn live(&self) -> Option<LiveState> {
         None
     }
 
-    /// Ends a camera.
+    /// Ends a camera; a recording does nothing.
     fn stop(&self) {}
 }
 
@@ -76,7 +76,7 @@ pub struct Known {
 /// The frames of a camera that are kept, and how well trackers keep up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LiveState {
-    /// The numbers of the oldest frame that is kept, and of the newest.
+    /// Number of the oldest frame that is kept.
     pub oldest: usize,
     pub newest: usize,
     /// Frames of the source that no tracker got.

@@ -1,4 +1,4 @@
-//! Numbers all changes. A page says which number it has seen, and gets the later changes.
+//! Numbers all changes by positions. A page says which position it has seen, and gets the later changes.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -16,23 +16,23 @@ impl Part {
     }
 }
 
-/// The most parts that are remembered as void. A page that knows none of them begins anew.
+/// Most void parts that are remembered. A page that has seen none of them begins anew.
 const MOST_VOID: usize = 1000;
 /// The most lines for the user that are remembered.
 const MOST_SAID: usize = 4;
 
-/// The position of each change but those of answers, which their segments keep.
+/// Positions of all changes except those of answers, which are kept in their segments.
 #[derive(Default)]
 pub(super) struct News {
     end: u64,
-    /// The position of the last change of the targets.
+    /// Position of the last change of the targets.
     pub targets: u64,
-    /// The position of the last change of the number of frames, or of their times.
+    /// Position of the last change of the number of frames, or of their times.
     pub frames: u64,
     said: VecDeque<(u64, String)>,
     made: BTreeMap<u32, u64>,
     void: VecDeque<(u64, Part)>,
-    /// The position of the last part that is not remembered.
+    /// Position of the last void part that is no longer remembered.
     pub forgotten: u64,
 }
 
@@ -41,13 +41,13 @@ impl News {
         self.end
     }
 
-    /// The position of a change that happens now.
+    /// Returns the position of a change that happens now.
     pub const fn next(&mut self) -> u64 {
         self.end += 1;
         self.end
     }
 
-    /// The answers for a part are void until they come again.
+    /// Makes the answers of a part void until they come again.
     pub fn void(&mut self, part: Part) {
         let at = self.next();
         self.void.push_back((at, part));
@@ -56,7 +56,7 @@ impl News {
         }
     }
 
-    /// A line for the user.
+    /// Adds a line for the user.
     pub fn say(&mut self, line: String) {
         let at = self.next();
         self.said.push_back((at, line));
@@ -65,13 +65,13 @@ impl News {
         }
     }
 
-    /// A file that is made for the user has progressed.
+    /// Records that a file made for the user has progressed.
     pub fn makes(&mut self, id: u32) {
         let at = self.next();
         self.made.insert(id, at);
     }
 
-    /// True if all parts that became void behind `since` are remembered.
+    /// True if all parts that became void after `since` are remembered.
     pub const fn remembers(&self, since: u64) -> bool {
         since == 0 || since >= self.forgotten
     }
@@ -84,7 +84,7 @@ impl News {
         told(&self.said, is_told)
     }
 
-    /// The files that have progressed, the last one at the end.
+    /// Returns the files that have progressed, the latest one at the end.
     pub fn made(&self, is_told: impl Fn(u64) -> bool) -> Vec<u32> {
         let mut made: Vec<_> = self.made.iter().filter(|(_, at)| is_told(**at)).map(|(id, at)| (*at, *id)).collect();
         made.sort_unstable();

@@ -1,5 +1,5 @@
-//! A recording as the source of a window. Any frame is a JPEG soon: the latest pictures are kept, and the next ones are read in order. A recording
-//! that is still copied or written is opened anew when it has grown.
+//! A recording as the source of a window. Any frame is soon a JPEG: the latest pictures are kept, and the next ones are
+//! read in order. A recording that is still being written is opened anew when it has grown.
 
 use super::{Known, Numbered, SIDE, Source, lock};
 use crate::encode;
@@ -11,13 +11,13 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-/// The time between two looks at the size of the file.
+/// Time between two checks of the size of the file.
 const LOOKS: Duration = Duration::from_secs(1);
 /// The most bytes of pictures that are kept.
 const MOST_BYTES: usize = 96 << 20;
-/// A frame at most this far ahead is reached by reading on; others need a seek.
+/// A frame at most this far ahead is reached by reading on, a farther one by a seek.
 const NEAR: usize = 24;
-/// A user who steps back will want earlier frames, so the seek goes this much further.
+/// A seek for a user who steps back goes this much further, because earlier frames will be wanted.
 const BEFORE: usize = 12;
 
 /// A recording that may grow.
@@ -29,11 +29,11 @@ pub struct Growing {
 
 struct Opened {
     recorded: Arc<Recorded>,
-    /// The most that was known: an index that is still made knows less.
+    /// Most frames and times known so far: the index of a recording opened anew begins with less.
     known: Known,
-    /// Bytes when it was opened.
+    /// [`size`] when the recording was opened.
     size: u64,
-    /// Bytes at the last look.
+    /// [`size`] at the last check.
     seen: u64,
     looked: Instant,
 }
@@ -54,7 +54,7 @@ struct Pictures {
 }
 
 impl Growing {
-    /// Opens the recording at `path`, and also gives it as it is read in order.
+    /// Opens the recording at `path`. Also returns it as a sequence that is read in order.
     /// Errors: Those of [`Seekable::open`].
     pub fn open(path: &Path, options: OpenOptions) -> Result<(Self, Sequence)> {
         let size = size(path);
@@ -69,7 +69,7 @@ impl Growing {
         if opened.looked.elapsed() >= LOOKS {
             let before = std::mem::replace(&mut opened.seen, size(&self.path));
             opened.looked = Instant::now();
-            // The writer has ended, or rests.
+            // The file has stopped growing: the writer has ended, or rests.
             if opened.seen > opened.size && opened.seen == before {
                 opened.size = opened.seen;
                 self.open_anew(opened.size);
@@ -78,7 +78,7 @@ impl Growing {
         Arc::clone(&opened.recorded)
     }
 
-    /// Opens it on a thread of its own: ffmpeg may take long.
+    /// Opens the recording anew on a thread of its own, because ffmpeg may take long.
     fn open_anew(&self, size: u64) {
         let (path, options, opened) = (self.path.clone(), self.options.clone(), Arc::clone(&self.opened));
         thread::spawn(move || {
@@ -113,7 +113,7 @@ impl Source for Growing {
     }
 }
 
-/// The bytes of a file, or the files of a folder; 0 of a built-in recording.
+/// Returns the bytes of a file, or the number of files in a folder; 0 for a built-in recording.
 fn size(path: &Path) -> u64 {
     let files = |folder: &str| fs::read_dir(path.join(folder)).map_or(0, |files| files.count() as u64);
     match fs::metadata(path) {
@@ -164,7 +164,7 @@ impl Pictures {
         }
     }
 
-    /// Keeps a picture. If there are too many bytes, the pictures farthest from it go.
+    /// Keeps a picture. If pictures have too many bytes together, those farthest from it are dropped.
     fn keep(&mut self, number: usize, picture: &Arc<Vec<u8>>) {
         self.bytes += picture.len();
         if let Some(before) = self.kept.insert(number, Arc::clone(picture)) {

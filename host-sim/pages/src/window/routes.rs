@@ -15,24 +15,24 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// The time that a page waits for news before it asks again.
+/// Longest wait for news before a page asks again.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// News is gathered for this long, so that one reply tells of several frames.
+/// Time in which news is gathered, so that one reply tells of several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
-/// The command line's part of a window.
+/// Wishes of a page that the command line fulfils.
 pub trait Wish: Send + Sync {
-    /// The trackers of a method with these options.
+    /// Returns the trackers of a method with these options.
     /// Errors: Those of the command line.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
-    /// The boxes as a file: its name and its bytes.
+    /// Returns the name and the bytes of a file with the boxes.
     fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)>;
 
-    /// The command line that makes a video with boxes (`mp4`, ...), or the report (`html`).
+    /// Returns the command line that makes a video with boxes (`mp4`, ...), or the report (`html`).
     fn made(&self, window: &Window, ending: &str) -> Result<Job>;
 
-    /// Settings for firmware, as text.
+    /// Returns settings for firmware, as text.
     fn firmware(&self, variant: &Variant) -> String;
 }
 
@@ -61,13 +61,13 @@ struct Wanted {
 }
 
 impl Window {
-    /// Follows and answers the page until the program ends.
+    /// Runs the trackers and serves the page until the program ends.
     /// Errors: The server's.
     pub fn serve(self, server: Server) -> Result<()> {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
-        // Tells the page when more of the source is known.
+        // This thread tells the page when more of the source is known.
         thread::spawn(move || {
             let mut told = Known::default();
             loop {
@@ -144,7 +144,7 @@ impl Window {
         })
     }
 
-    /// The number of frames and their times, as far as they are known.
+    /// Returns the number of frames and their times, as far as they are known.
     pub fn known(&self) -> Known {
         self.followed.known(self.source.as_ref())
     }
@@ -174,8 +174,8 @@ impl Window {
         })
     }
 
-    /// Returns the changes behind `since`. `ranges=1`: many answers are only named, and the page asks for them by `answers`. `wait=0`: returns
-    /// at once.
+    /// Returns the changes after position `since`. With `ranges=1` many answers are only named, and the page asks for
+    /// them by `answers`. With `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
         let (since, asks) = (number(query, "since")?, value(query, "ranges").is_some());
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
@@ -186,7 +186,7 @@ impl Window {
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached();
-        // 2^53 and more are no whole numbers in JavaScript.
+        // JavaScript has no exact whole numbers beyond 2^53.
         let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
             "position": position,
@@ -239,7 +239,7 @@ fn json_reply(value: &Value) -> Reply {
     Reply::new("application/json", value.to_string())
 }
 
-/// A value of the query `a=1&b=2`.
+/// Returns the value of `name` in a query such as `a=1&b=2`.
 fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
     query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
 }
@@ -249,7 +249,7 @@ fn number(query: &str, name: &str) -> Result<u64> {
     text.parse().with_context(|| format!("{name}={text}: expected a number"))
 }
 
-/// The number of a frame.
+/// Returns the number of a frame in a query.
 fn place(query: &str, name: &str) -> Result<usize> {
     usize::try_from(number(query, name)?).with_context(|| format!("{name}: expected the number of a frame"))
 }

@@ -6,9 +6,9 @@
 //! - its `Host` is this server (a page of another name that resolves to 127.0.0.1 has another);
 //! - its `Origin`, if it has one, is this server.
 //!
-//! Everything else gets an empty 403 and ends its connection. Headers and bodies are limited in size and time, and so is the time in which
-//! nothing of a reply is read. Of connections that have not shown the token, a new one ends the oldest when they are too many: they cannot keep
-//! out who has it.
+//! Everything else gets an empty 403 and ends its connection. Headers and bodies are limited in size and time, and a
+//! connection that reads nothing of its reply ends. When too many connections have not shown the token, a new one ends
+//! the oldest, so that they cannot keep out the user.
 
 use super::lock;
 use anyhow::{Context, Result};
@@ -33,10 +33,10 @@ const MOST_STRANGERS: usize = 128;
 const PATIENCE: Duration = Duration::from_secs(10);
 /// The longest time in which a connection reads nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
-/// The most bytes of a body: a list of targets with thousands of corrections.
+/// Most bytes of a body, enough for a list of targets with thousands of corrections.
 const MOST_BYTES: usize = 1 << 20;
 
-/// Headers of every reply: a browser keeps nothing of it, shows it in no other page, and lets no other page read it.
+/// Headers of every reply: a browser must not keep it, show it in another page, or let another page read it.
 const HEADERS: [(&str, &str); 6] = [
     ("cache-control", "no-store"),
     ("x-content-type-options", "nosniff"),
@@ -50,13 +50,13 @@ const HEADERS: [(&str, &str); 6] = [
     ),
 ];
 
-/// A request that was let in.
+/// A request that the [`Door`] has let in.
 pub(super) struct Request {
     pub posts: bool,
     /// The path behind the token, without the slash: `frames/7.jpg`. Empty for the page.
     pub path: String,
     pub query: String,
-    /// The number in `If-Match`: the change that the page has seen.
+    /// Number in `If-Match`: the last change that the page has seen.
     pub revision: Option<u64>,
     pub body: Vec<u8>,
 }
@@ -67,7 +67,7 @@ pub(super) struct Reply {
     /// The media type.
     pub kind: &'static str,
     pub body: Vec<u8>,
-    /// The name under which a browser saves it.
+    /// Name under which a browser saves the body.
     pub file: Option<String>,
 }
 
@@ -76,13 +76,13 @@ impl Reply {
         Self { status: 200, kind, body: body.into(), file: None }
     }
 
-    /// An error in one line.
+    /// Makes a reply with an error in one line.
     pub fn error(status: u16, said: &str) -> Self {
         Self { status, ..Self::new("text/plain; charset=utf-8", said) }
     }
 }
 
-/// A listening server. Dropped, it is not reached any more.
+/// A listening server; dropping it closes the port.
 pub struct Server {
     listener: TcpListener,
     port: u16,
@@ -116,7 +116,7 @@ impl Server {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             for id in 0_u64.. {
                 let Ok((stream, _)) = listener.accept().await else {
-                    // No file descriptor is free: some will be.
+                    // No file descriptor is free now; one will be soon.
                     tokio::time::sleep(Duration::from_millis(50)).await;
                     continue;
                 };
@@ -130,11 +130,11 @@ impl Server {
                     });
                     let mut server = http1::Builder::new();
                     server.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(1 << 16);
-                    // A browser may go away: that is no error.
+                    // A browser that goes away is no error.
                     let _ = server.serve_connection(TokioIo::new(Box::pin(stream)), service).await;
                     served.strangers().remove(&id);
                 });
-                // The task begins later: there is only one thread.
+                // The task cannot have ended yet: it begins later on this thread.
                 let mut strangers = door.strangers();
                 strangers.insert(id, task.abort_handle());
                 if strangers.len() > MOST_STRANGERS
@@ -190,7 +190,7 @@ impl Door {
         reply(done.unwrap_or_else(|_| Reply::error(500, "host-sim failed here: please report it")))
     }
 
-    /// The path behind the token; `None` of a request that is not let in.
+    /// Returns the path behind the token; `None` if the request is not let in.
     fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
         let path = request.uri().path().strip_prefix('/')?.strip_prefix(self.token.as_str())?.strip_prefix('/')?;
         let header = |name| request.headers().get_all(name).iter().map(HeaderValue::as_bytes).collect::<Vec<_>>();
@@ -225,10 +225,10 @@ mod tests {
     use std::net::{SocketAddr, TcpStream};
     use std::thread;
 
-    /// The bytes of a reply that no system keeps for a reader.
+    /// Bytes of a reply that is too large for the buffers of any system.
     const LARGE: usize = 64 << 20;
 
-    /// The address and the token of a server that answers with the path.
+    /// Starts a server that answers with the path. Returns its address and its token.
     fn served() -> (SocketAddr, String) {
         let server = Server { patience: Duration::from_secs(1), ..Server::bind().unwrap() };
         let place = (SocketAddr::from((Ipv4Addr::LOCALHOST, server.port)), server.token.clone());
@@ -308,7 +308,7 @@ mod tests {
         let request = |token: &str| format!("GET /{token}/ HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n", address.port());
         let mut idle: Vec<_> = (0..1000).filter_map(|_| TcpStream::connect(address).ok()).collect();
         assert!(idle.len() > 500, "{}", idle.len());
-        // Half of them send requests and read no reply.
+        // Half of the connections send requests and read no reply.
         let many = format!("{}\r\n", request(&"0".repeat(32))).repeat(500);
         for stream in idle.iter_mut().step_by(2) {
             stream.set_nonblocking(true).unwrap();

@@ -7,7 +7,7 @@ pub const WIDTH: u16 = 320;
 pub const HEIGHT: u16 = 240;
 pub const FRAMES: u16 = 30;
 
-/// Left and top edge of the target in the first frame, and its side.
+/// Left and top edge of the target in the first frame.
 pub const START: (u16, u16) = (100, 80);
 pub const SIDE: u16 = 40;
 
