@@ -52,8 +52,13 @@ impl Baseline {
         };
         let (x, y) = match self.kind {
             MethodKind::Ncc => {
-                let spread = Spread::new(&self.template);
-                best(&window, last, |x, y, _| -spread.correlation(rows(x, y)))
+                let (spread, sums) = (Spread::new(&self.template), integral(&canvas, index(size.0)));
+                let at = |x: i32, y: i32| sums[index(y - top) * (index(size.0) + 1) + index(x - left)];
+                best(&window, last, |x, y, _| {
+                    let (right, low) = (x + i32::from(width), y + i32::from(height));
+                    let [a, b, c, d] = [at(x, y), at(right, y), at(x, low), at(right, low)];
+                    -spread.correlation([0, 1].map(|i| d[i] + a[i] - b[i] - c[i]), rows(x, y))
+                })
             }
             MethodKind::Ssd => {
                 best(&window, last, |x, y, least| difference(rows(x, y), least, |f, g| u32::from(f.abs_diff(g)).pow(2)))
@@ -165,32 +170,34 @@ struct Spread {
 
 impl Spread {
     fn new(template: &[u8]) -> Self {
-        let [sum, squares, _] = sums(template, template);
         let pixels = i64::try_from(template.len()).expect("a template has at most 2^20 pixels");
+        let [sum, squares] = [1, 2].map(|power| template.iter().map(|&g| i64::from(g).pow(power)).sum::<i64>());
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient: exact sums, divided in f64.
-    fn correlation<'a>(&self, rows: impl Iterator<Item = Pair<'a>>) -> f64 {
-        let of_rows = rows.map(|(f, g)| sums(f, g));
-        let [sum, squares, products] = of_rows.fold([0; 3], |all, row| [0, 1, 2].map(|i| all[i] + row[i]));
+    /// Returns the correlation coefficient with a box that has these sums of pixels and of squares: exact sums, divided in
+    /// f64.
+    fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
+        let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
+        let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();
         let common = self.pixels * products - sum * self.sum;
         let spreads = (self.pixels * squares - sum * sum) as f64 * self.spread as f64;
         if spreads == 0.0 { 0.0 } else { common as f64 / spreads.sqrt() }
     }
 }
 
-/// Sums of f, f f and f g.
-fn sums(f: &[u8], g: &[u8]) -> [i64; 3] {
-    let mut sums = [0; 3];
-    // Sums over 2^16 pixels fit in 32 bits.
-    for (f, g) in f[..g.len()].chunks(1 << 16).zip(g.chunks(1 << 16)) {
-        let (mut sum, mut squares, mut products) = (0, 0, 0);
-        for (&f, &g) in f.iter().zip(g) {
-            let (f, g) = (u32::from(f), u32::from(g));
-            (sum, squares, products) = (sum + f, squares + f * f, products + f * g);
+/// Sums of pixels and of their squares over all that lies above and to the left, for one row and one column more than
+/// the canvas has: sums of a box are read often, and computed once.
+fn integral(canvas: &[u8], stride: usize) -> Vec<[i64; 2]> {
+    let mut sums = vec![[0; 2]; stride + 1];
+    for row in canvas.chunks_exact(stride) {
+        let (above, mut so_far) = (sums.len() - stride, [0; 2]);
+        sums.push(so_far);
+        for (column, &f) in row.iter().enumerate() {
+            so_far = [so_far[0] + i64::from(f), so_far[1] + i64::from(f).pow(2)];
+            let above = sums[above + column];
+            sums.push([0, 1].map(|i| above[i] + so_far[i]));
         }
-        sums = [sums[0] + i64::from(sum), sums[1] + i64::from(squares), sums[2] + i64::from(products)];
     }
     sums
 }
@@ -298,7 +305,7 @@ mod tests {
         let rows = white.chunks_exact(1024).zip(black.chunks_exact(1024));
         let squares = difference(rows, f64::INFINITY, |f, g| u32::from(f.abs_diff(g)).pow(2));
         assert_eq!(squares, 1_048_576.0 * 255.0 * 255.0);
-        assert_eq!(sums(&white, &black), [255 << 20, (255 * 255) << 20, 0]);
+        assert_eq!(integral(&white, 1024).last(), Some(&[255 << 20, (255 * 255) << 20]));
         for kind in ALL {
             let mut baseline = locked(kind, &config(0, 0), &frame(255), target);
             assert_eq!(baseline.update(&frame(255).frame()).unwrap().target, Some(target.into()));
