@@ -12,16 +12,14 @@ import { Figures } from "./figures.js";
 import { FRAMES, Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { METHODS, SETTINGS, TITLES } from "./methods.js";
+import { Playback } from "./playback.js";
 import { Timeline } from "./timeline.js";
 import { drawCommands, drawFiles, drawMade, drawTaken } from "./window-files.js";
-import { Pictures } from "./window-pictures.js";
 import { drawWindow } from "./window-stage.js";
 
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
-const AHEAD = 12; // pictures that are loaded before they are played
 const MOST_LATE = 50; // frames
-const USUAL_RATE = 25; // frames a second, where the source does not say
 const NEW_COLOR = "#fff";
 const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
 
@@ -29,22 +27,17 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const connection = new Connection();
 const edits = new Edits();
 const answers = new Answers();
-const pictures = new Pictures((number) => connection.picture(number), came, missed);
 const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
 let source; // see connection.js
 let kind; // recording or live
-let [first, last] = [1, 1];
-let frame = null; // the number of the frame that is wanted
-let shown = null; // of the frame that is on the screen
 let followed = null; // the last frame that all targets have answers for
 let news = {};
 let proposed = null; // a box that is being drawn
 let pulled = null; // what it is pulled by
-let playing = null; // since when, and from which frame
 let hasEnded = false;
 let [drawing, reading] = [null, null];
-let timeline, graph, figures, drag, seesCurves;
+let playback, timeline, graph, figures, drag, seesCurves;
 
 function say(text) {
   byId("said").textContent = text;
@@ -53,88 +46,13 @@ function say(text) {
 
 // ---- frames
 
-const size = () => (shown === null ? null : { width: source.width, height: source.height });
+const size = () => (playback.shown === null ? null : { width: source.width, height: source.height });
 const timeOf = (number) => source.times?.[number - source.first] ?? (source.rate ? (number - source.first) / source.rate : null);
-
-function goTo(number) {
-  frame = clamp(number, first, last);
-  const ahead = Array.from({ length: playing === null ? 1 : AHEAD }, (_, by) => frame + by + 1).filter((one) => one <= last);
-  pictures.want([...new Set([frame, ...ahead, ...(shown === null ? [] : [shown])])]);
-  if (pictures.get(frame) !== undefined) {
-    show(frame);
-  }
-}
-
-// While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
-function came(number) {
-  const isNearer = shown === null ? kind === "live" : Math.abs(number - frame) < Math.abs(shown - frame);
-  if (number === frame || isNearer) {
-    show(number);
-  }
-}
-
-// Not every picture of a camera is kept: the next one is there soon.
-function missed(number, error) {
-  if (number === frame && !(kind === "live" && byId("newest").checked)) {
-    say(error.message);
-  }
-}
-
-// The picture waits while a box is drawn on it.
-function show(number) {
-  if (proposed === null) {
-    shown = number;
-    draw();
-  }
-}
-
-/** The user goes somewhere: a live picture does not go on by itself then. */
-function visit(number) {
-  play(false);
-  goTo(number);
-  writeAddress();
-}
-
-function visitEvent(way) {
-  const frames = allEvents().map((event) => event.frame);
-  const next = way > 0 ? frames.find((one) => one > frame) : frames.findLast((one) => one < frame);
-  if (next !== undefined) {
-    visit(next);
-  }
-}
-
-function play(on) {
-  if (kind === "live") {
-    byId("newest").checked = on;
-  } else if (on && playing === null) {
-    playing = restarted(frame >= last ? first : frame);
-    goTo(playing.frame);
-    requestAnimationFrame(tick);
-  } else if (!on) {
-    playing = null;
-  }
-  draw();
-}
-
-const restarted = (from) => ({ since: performance.now(), frame: from });
-const duration = (from, to) => (timeOf(to) === null ? (to - from) / USUAL_RATE : timeOf(to) - timeOf(from));
-
-// Shows each frame when its time has come. If its picture has not, it plays more slowly: no frame is left out for that.
-function tick(now) {
-  if (playing === null) {
-    return;
-  }
-  requestAnimationFrame(tick);
-  const isDue = () => now >= playing.since + (1000 * duration(playing.frame, frame + 1)) / Number(byId("speed").value);
-  while (proposed === null && frame < last && isDue() && pictures.get(frame + 1) !== undefined) {
-    goTo(frame + 1);
-  }
-  if (proposed !== null || (frame < last && isDue())) {
-    playing = restarted(frame);
-  } else if (frame >= last) {
-    play(false);
-  }
-}
+const visit = (number) => playback.visit(number);
+const play = (on) => {
+  playback.play(on);
+  byId("newest").checked = playback.followsNewest;
+};
 
 // ---- what the user draws
 
@@ -155,7 +73,7 @@ function lock(box, grip) {
     return;
   }
   say("");
-  edits.lock(shown, box, grip === null ? edits.chosen : targetOf(grip.id));
+  edits.lock(playback.shown, box, grip === null ? edits.chosen : targetOf(grip.id));
   changed();
   if (grip === null && kind === "recording" && byId("plays").checked) {
     // The box is not proposed any more when the frame goes on.
@@ -170,7 +88,7 @@ function gripAt(point, reach) {
   const chosen = edits.chosen;
   // While a target is added, every drag draws.
   for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
-    const box = lockIn(target, shown)?.box;
+    const box = lockIn(target, playback.shown)?.box;
     const held = box && gripOf(box, point, target === chosen ? reach : 0);
     if (held) {
       return { box, held, id: target.id };
@@ -211,8 +129,8 @@ function rename(target, text) {
 }
 
 function unlock() {
-  if (lockIn(edits.chosen, shown) !== undefined) {
-    edits.unlock(edits.chosen, shown);
+  if (lockIn(edits.chosen, playback.shown) !== undefined) {
+    edits.unlock(edits.chosen, playback.shown);
     changed();
   }
 }
@@ -247,13 +165,15 @@ function heard(told) {
 // From where to where frames can be reached.
 function measure() {
   if (kind !== "live") {
-    [first, last] = [source.first, source.frames === null ? Math.max(followed ?? 0, frame ?? 0, source.first) : source.first + source.frames - 1];
+    const known = source.frames === null ? Math.max(followed ?? 0, playback.frame ?? 0, source.first) : source.first + source.frames - 1;
+    playback.reach(source.first, known);
   } else if (news.live) {
-    [first, last] = [news.live.oldest, news.live.newest];
-    answers.forget(first);
-    if (byId("newest").checked) {
+    const { oldest, newest } = news.live;
+    playback.reach(oldest, newest);
+    answers.forget(oldest);
+    if (playback.followsNewest) {
       // So that there is a picture with its boxes, unless these come late.
-      goTo(edits.targets.length === 0 || followed === null ? last : clamp(followed, last - MOST_LATE, last));
+      playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MOST_LATE, newest));
     }
   }
 }
@@ -269,8 +189,8 @@ function gone() {
 
 // The box of a target in the frame that is shown: its lock, else its answer.
 function boxOf(target) {
-  const answer = target && answers.at(target.id, shown);
-  const box = target && (lockIn(target, shown)?.box ?? answer?.box);
+  const answer = target && answers.at(target.id, playback.shown);
+  const box = target && (lockIn(target, playback.shown)?.box ?? answer?.box);
   return box ? { box, state: answer?.state ?? "tracking" } : null;
 }
 
@@ -283,7 +203,7 @@ function drawn(target) {
   }
   const { box, state } = found;
   const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
-  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen && lockIn(target, shown) !== undefined }];
+  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen && lockIn(target, playback.shown) !== undefined }];
 }
 
 const seen = () => ({ x: view.x, y: view.y, width: source.width / view.zoom, height: source.height / view.zoom });
@@ -314,10 +234,10 @@ function draw() {
   follow();
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
-    if (pictures.get(shown) !== undefined) {
+    if (playback.picture !== undefined) {
       const inOrder = [...edits.targets].sort((one, other) => (one === edits.chosen) - (other === edits.chosen));
       const color = (pulled === null ? edits.chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
-      drawWindow(byId("stage"), { picture: pictures.get(shown), size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
+      drawWindow(byId("stage"), { picture: playback.picture, size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
     }
   });
   reading ??= setTimeout(() => {
@@ -351,13 +271,14 @@ function allEvents() {
 
 function drawReadings() {
   const { chosen } = edits;
+  const { first, last } = playback;
   drawTargets(chosen);
   timeline.draw({
-    first, last, frame: shown ?? first, followed, timeOf,
+    first, last, frame: playback.shown ?? first, followed, timeOf,
     strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
   });
-  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
+  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: playback.shown });
   drawChosen(chosen);
   drawControls(chosen);
   drawCommands(byId("commands"), kind === "live" ? { track: "" } : { track: "", report: "-o report.html" }, source, edits.targets);
@@ -367,14 +288,15 @@ function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
-    write(byId("targets").children[at].querySelector(".now"), answers.state(target.id, shown) ?? "–");
+    write(byId("targets").children[at].querySelector(".now"), answers.state(target.id, playback.shown) ?? "–");
   });
 }
 
-const named = (number) => (number > last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
+const named = (number) => (number > playback.last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
 
 // Of the tracker that follows, what app.js shows of both.
 function drawChosen(chosen) {
+  const { shown, first, last } = playback;
   const on = Object.fromEntries(METHODS.map((method) => [method, method === source.method]));
   const now = chosen === null ? undefined : answers.at(chosen.id, shown);
   figures.draw({ now: { [source.method]: now ?? {} }, time: () => NaN }, on);
@@ -386,11 +308,12 @@ function drawChosen(chosen) {
 }
 
 function drawControls(chosen) {
-  const isPlaying = kind === "live" ? byId("newest").checked : playing !== null;
+  const { isPlaying, shown, first, last } = playback;
+  byId("newest").checked = playback.followsNewest;
   write(byId("play"), isPlaying ? "❚❚" : "▶");
   byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
   const isHere = lockIn(chosen, shown) !== undefined;
-  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, add: chosen === null, stop: hasEnded };
+  const off = { back: playback.frame <= first, on: playback.frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, add: chosen === null, stop: hasEnded };
   Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
   write(byId("place"), shown === null ? "" : placed(shown));
   const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
@@ -402,7 +325,7 @@ function drawControls(chosen) {
 }
 
 function placed(number) {
-  const of = kind === "live" || source.frames === null ? "" : ` of ${last}`;
+  const of = kind === "live" || source.frames === null ? "" : ` of ${playback.last}`;
   return `frame ${number}${of}${timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`}`;
 }
 
@@ -416,7 +339,7 @@ function said(chosen) {
 }
 
 function about() {
-  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${timeOf(last) === null ? "" : `, ${clock(timeOf(last))}`}`;
+  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${timeOf(playback.last) === null ? "" : `, ${clock(timeOf(playback.last))}`}`;
   return `${source.width}x${source.height} pixels${long}`;
 }
 
@@ -438,36 +361,7 @@ function droppedOf({ dropped }) {
   return dropped === 0 ? "No frame was dropped" : `${dropped} ${dropped === 1 ? "frame was" : "frames were"} dropped: this machine was behind`;
 }
 
-// ---- the address, which leads to a frame
-
-let writing = null;
-// Browsers refuse an address that changes too often.
-function writeAddress() {
-  writing ??= setTimeout(() => {
-    writing = null;
-    history.replaceState(null, "", `#frame=${frame}`);
-  }, 400);
-}
-
-// The frame that the address names; null if it names none.
-function addressed() {
-  const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
-  return wanted > 0 ? wanted : null;
-}
-
 // ---- actions of the user
-
-const KEYS = {
-  ArrowLeft: ({ shiftKey }) => visit(frame - (shiftKey ? 10 : 1)),
-  ArrowRight: ({ shiftKey }) => visit(frame + (shiftKey ? 10 : 1)),
-  Home: () => visit(first),
-  End: () => visit(last),
-  "[": () => visitEvent(-1),
-  "]": () => visitEvent(1),
-  " ": () => play(kind === "live" ? !byId("newest").checked : playing === null),
-  Delete: unlock,
-  Backspace: unlock,
-};
 
 function pressed(event) {
   const { key, target, ctrlKey, metaKey, altKey, shiftKey } = event;
@@ -483,19 +377,29 @@ function pressed(event) {
       event.preventDefault();
       undo(isRedo);
     }
-  } else if (KEYS[key] !== undefined && !isOwn) {
+  } else if (!isOwn && acted(event)) {
     event.preventDefault();
-    KEYS[key](event);
   }
+}
+
+function acted(event) {
+  const unlocks = ["Delete", "Backspace"].includes(event.key);
+  if (unlocks) {
+    unlock();
+  }
+  return unlocks || playback.key(event);
 }
 
 function listen() {
   document.addEventListener("keydown", pressed);
-  byId("back").addEventListener("click", () => visit(frame - 1));
-  byId("on").addEventListener("click", () => visit(frame + 1));
-  byId("play").addEventListener("click", () => KEYS[" "]());
-  byId("newest").addEventListener("change", measure);
-  byId("speed").addEventListener("change", () => (playing = playing && restarted(frame)));
+  byId("back").addEventListener("click", () => visit(playback.frame - 1));
+  byId("on").addEventListener("click", () => visit(playback.frame + 1));
+  byId("play").addEventListener("click", () => playback.toggle());
+  byId("newest").addEventListener("change", () => {
+    playback.followsNewest = byId("newest").checked;
+    measure();
+  });
+  byId("speed").addEventListener("change", () => playback.restart());
   byId("zoom").addEventListener("change", zoom);
   byId("stop").addEventListener("click", stop);
   byId("undo").addEventListener("click", () => undo(false));
@@ -517,7 +421,6 @@ function listen() {
       draw();
     }
   });
-  addEventListener("hashchange", () => goTo(addressed() ?? frame));
   new ResizeObserver(draw).observe(byId("stage"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 }
@@ -600,6 +503,10 @@ function prepare() {
   byId("name").textContent = source.name;
   byId("version").textContent = `host-sim ${source.version}`;
   byId("stage").style.setProperty("--ratio", source.width / source.height);
+  playback = new Playback({
+    picture: (number) => connection.picture(number), isLive: kind === "live", timeOf, speed: () => Number(byId("speed").value),
+    isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
+  });
   timeline = new Timeline(byId("timeline"), { goTo: visit });
   drag = new Drag(byId("stage"), {
     size, start: startBox, view: seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
@@ -623,8 +530,8 @@ async function start() {
   prepare();
   listen();
   measure();
-  goTo(addressed() ?? first);
-  await connection.listen(heard, gone, () => shown ?? first);
+  playback.begin(playback.first);
+  await connection.listen(heard, gone, () => playback.shown ?? playback.first);
 }
 
 start().catch((error) => {

@@ -29,6 +29,7 @@ modules! {
     "list.js"
     "methods.js"
     "palette.js"
+    "playback.js"
     "rows.js"
     "timeline.js"
     "view.js"

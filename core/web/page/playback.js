@@ -1,0 +1,189 @@
+// Moves through the frames of a source: plays, steps and visits them, loads their pictures, and keeps the frame in the address.
+
+import { Pictures } from "./window-pictures.js";
+
+const AHEAD = 12; // pictures that are loaded before they are played
+const USUAL_RATE = 25; // frames a second, where the source does not say
+const ADDRESS_MS = 400; // browsers refuse an address that changes more often
+const LEAP = 10; // frames
+
+const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
+
+export class Playback {
+  /** The number of the frame that is wanted. */
+  frame = null;
+  /** The number of the frame on the screen. */
+  shown = null;
+  /** The first and the last frame that can be reached. */
+  first = 1;
+  last = 1;
+  /** True if a live picture goes on by itself. */
+  followsNewest = true;
+  #pictures;
+  #page;
+  #playing = null; // since when, and from which frame
+  #writing = null;
+
+  /**
+   * `page`: { picture(number) a promise for the picture of a frame, isLive, timeOf(number) its time in seconds or null, speed(), isHeld() true
+   * while the picture has to wait, changed(), failed(error), marks() the numbers of frames to jump to, in order }.
+   */
+  constructor(page) {
+    this.#page = page;
+    this.#pictures = new Pictures((number) => page.picture(number), (number) => this.#came(number), (number, error) => this.#missed(number, error));
+    addEventListener("hashchange", () => this.goTo(addressed() ?? this.frame));
+  }
+
+  /** The picture on the screen, or undefined. */
+  get picture() {
+    return this.pictureOf(this.shown);
+  }
+
+  /** The picture of a frame, if it is here. */
+  pictureOf(number) {
+    return this.#pictures.get(number);
+  }
+
+  get isPlaying() {
+    return this.#page.isLive ? this.followsNewest : this.#playing !== null;
+  }
+
+  /** True while the picture that is wanted is on its way. */
+  get isLoading() {
+    return this.frame !== this.shown && !this.#page.isHeld();
+  }
+
+  /** Begins with the frame that the address names, or with `otherwise`. */
+  begin(otherwise) {
+    this.goTo(addressed() ?? otherwise);
+  }
+
+  /** Sets the frames that can be reached. */
+  reach(first, last) {
+    [this.first, this.last] = [first, last];
+  }
+
+  goTo(number) {
+    this.frame = clamp(number, this.first, this.last);
+    const count = this.#playing === null ? 1 : AHEAD;
+    const ahead = Array.from({ length: count }, (_, by) => this.frame + by + 1).filter((one) => one <= this.last);
+    this.#pictures.want([...new Set([this.frame, ...ahead, ...(this.shown === null ? [] : [this.shown])])]);
+    this.pictureOf(this.frame) === undefined ? this.#page.changed() : this.#show(this.frame);
+  }
+
+  /** The user goes somewhere: nothing goes on by itself then. */
+  visit(number) {
+    this.play(false);
+    this.goTo(number);
+    this.#writeAddress();
+  }
+
+  /** Goes to the next mark (1) or the one before (-1). */
+  visitMark(way) {
+    const frames = this.#page.marks();
+    const next = way > 0 ? frames.find((one) => one > this.frame) : frames.findLast((one) => one < this.frame);
+    if (next !== undefined) {
+      this.visit(next);
+    }
+  }
+
+  play(on) {
+    if (this.#page.isLive) {
+      this.followsNewest = on;
+    } else if (on && this.#playing === null) {
+      this.#playing = restarted(this.frame >= this.last ? this.first : this.frame);
+      this.goTo(this.#playing.frame);
+      requestAnimationFrame((now) => this.#tick(now));
+    } else if (!on) {
+      this.#playing = null;
+    }
+    this.#page.changed();
+  }
+
+  toggle() {
+    this.play(!this.isPlaying);
+  }
+
+  /** Plays on from the frame that is wanted, as after a change of the speed. */
+  restart() {
+    this.#playing = this.#playing && restarted(this.frame);
+  }
+
+  /** Does what a key stands for; false if it stands for nothing. */
+  key({ key, shiftKey }) {
+    const by = shiftKey ? LEAP : 1;
+    const act = {
+      ArrowLeft: () => this.visit(this.frame - by),
+      ArrowRight: () => this.visit(this.frame + by),
+      Home: () => this.visit(this.first),
+      End: () => this.visit(this.last),
+      "[": () => this.visitMark(-1),
+      "]": () => this.visitMark(1),
+      " ": () => this.toggle(),
+    }[key];
+    act?.();
+    return act !== undefined;
+  }
+
+  // While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
+  #came(number) {
+    const isNearer = this.shown === null ? this.#page.isLive : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
+    if (number === this.frame || isNearer) {
+      this.#show(number);
+    }
+  }
+
+  // Not every picture of a camera is kept: the next one is there soon.
+  #missed(number, error) {
+    if (number === this.frame && !(this.#page.isLive && this.followsNewest)) {
+      this.#page.failed(error);
+    }
+  }
+
+  #show(number) {
+    if (!this.#page.isHeld()) {
+      this.shown = number;
+      this.#page.changed();
+    }
+  }
+
+  // Shows each frame when its time has come. If its picture has not, it plays more slowly: no frame is left out for that.
+  #tick(now) {
+    if (this.#playing === null) {
+      return;
+    }
+    requestAnimationFrame((later) => this.#tick(later));
+    const isDue = () => now >= this.#playing.since + (1000 * this.#duration(this.#playing.frame, this.frame + 1)) / this.#page.speed();
+    const isHeld = this.#page.isHeld();
+    while (!isHeld && this.frame < this.last && isDue() && this.pictureOf(this.frame + 1) !== undefined) {
+      this.goTo(this.frame + 1);
+    }
+    if (isHeld || (this.frame < this.last && isDue())) {
+      this.restart();
+    } else if (this.frame >= this.last) {
+      this.play(false);
+    }
+  }
+
+  #duration(from, to) {
+    const [begin, end] = [this.#page.timeOf(from), this.#page.timeOf(to)];
+    return begin === null || end === null ? (to - from) / USUAL_RATE : end - begin;
+  }
+
+  #writeAddress() {
+    this.#writing ??= setTimeout(() => {
+      this.#writing = null;
+      const words = new URLSearchParams(location.hash.slice(1));
+      words.set("frame", this.frame);
+      history.replaceState(null, "", `#${words}`);
+    }, ADDRESS_MS);
+  }
+}
+
+const restarted = (from) => ({ since: performance.now(), frame: from });
+
+// The frame that the address names; null if it names none.
+function addressed() {
+  const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+  return wanted > 0 ? wanted : null;
+}
