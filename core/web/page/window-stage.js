@@ -10,10 +10,11 @@ const WIDE_HANDLE = 16; // for fingers
 const SMOOTH = 4;
 
 /**
- * `view` is the part of a frame of `size` that is seen. `boxes`: { box, color, words, isChosen, isLast, hasHandles } each;
+ * `view` is the part of a frame of `size` that is seen. `under(context, placed)` draws under the boxes, where `placed(box)` is the place of a
+ * box on the canvas. `boxes`: { box, color, words, isChosen, isLast, hasHandles } each;
  * `isLast`: the box is not of this frame. `proposed`: the box that the user draws, or null.
  */
-export function drawWindow(canvas, { picture, size, view, boxes, proposed, color }) {
+export function drawWindow(canvas, { picture, size, view, under, boxes, proposed, color }) {
   const { width, height } = fitted(canvas);
   const context = canvas.getContext("2d");
   const scale = width / view.width;
@@ -22,6 +23,7 @@ export function drawWindow(canvas, { picture, size, view, boxes, proposed, color
   context.clearRect(0, 0, width, height);
   context.imageSmoothingEnabled = (scale * size.width) / picture.width < SMOOTH;
   context.drawImage(picture, ...placed({ x: 0, y: 0, ...size }));
+  under(context, placed);
   for (const one of boxes) {
     drawBox(context, placed(one.box), one);
   }

@@ -1,25 +1,32 @@
 // The window of `host-sim view`: shows frames with the boxes of the targets, and takes what the user draws on them.
 
 import { Answers } from "./answers.js";
+import { drawCommands } from "./command-lines.js";
 import { Connection } from "./connection.js";
-import { optionsOf } from "./command.js";
+import { Detail } from "./detail.js";
 import { byId, htmlNode, inView } from "./dom.js";
 import { save } from "./download.js";
 import { Drag, gripOf } from "./drag.js";
-import { Edits, lockIn, nameOf } from "./edits.js";
+import { Edits, isGone, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
+import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
 import { Figures } from "./figures.js";
 import { FRAMES, Graph } from "./graph.js";
 import { drawList } from "./list.js";
-import { METHODS, SETTINGS, TITLES } from "./methods.js";
-import { Playback } from "./playback.js";
+import { METHODS } from "./methods.js";
+import { Playback, frameNamed } from "./playback.js";
+import { Preview } from "./preview.js";
 import { Timeline } from "./timeline.js";
-import { drawCommands, drawFiles, drawMade, drawTaken } from "./window-files.js";
+import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
+import { drawTrail } from "./trail.js";
+import { Viewport } from "./viewport.js";
 import { drawWindow } from "./window-stage.js";
 
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
+const LOADING_MS = 200; // a shorter wait is not worth a word
 const MOST_LATE = 50; // frames
+const SMALL_PART = 1 / 4; // of the last area: a smaller box may be a slip
 const NEW_COLOR = "#fff";
 const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
 
@@ -27,17 +34,18 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const connection = new Connection();
 const edits = new Edits();
 const answers = new Answers();
-const view = { x: 0, y: 0, zoom: 1 };
 const happened = new Map(); // events by the id of a target
 let source; // see connection.js
 let kind; // recording or live
 let followed = null; // the last frame that all targets have answers for
 let news = {};
 let proposed = null; // a box that is being drawn
-let pulled = null; // what it is pulled by
+let pulled = null; // the grip that it is pulled by
+let asked = null; // a box that the user has to confirm, and its grip
+let hovered = { number: null }; // the frame under the mouse on the timeline
 let hasEnded = false;
-let [drawing, reading] = [null, null];
-let playback, timeline, graph, figures, drag, seesCurves;
+let [drawing, reading, loading] = [null, null, null];
+let playback, viewport, detail, timeline, preview, graph, figures, drag, seesCurves;
 
 function say(text) {
   byId("said").textContent = text;
@@ -49,49 +57,73 @@ function say(text) {
 const size = () => (playback.shown === null ? null : { width: source.width, height: source.height });
 const timeOf = (number) => source.times?.[number - source.first] ?? (source.rate ? (number - source.first) / source.rate : null);
 const visit = (number) => playback.visit(number);
-const play = (on) => {
-  playback.play(on);
-  byId("newest").checked = playback.followsNewest;
-};
+
+function visitNamed() {
+  const number = frameNamed(byId("go").value, playback, timeOf);
+  if (number === null) {
+    say(`No frame is called "${byId("go").value}": expected a number from ${playback.first} to ${playback.last}, or a time such as 1:02.5.`);
+    return;
+  }
+  say("");
+  byId("go").value = "";
+  visit(number);
+}
 
 // ---- what the user draws
 
 // Where the target is, or the middle.
 function startBox() {
-  const { width, height } = source;
-  const box = boxOf(edits.chosen)?.box ?? { x: width * 0.375, y: height * 0.375, width: width / 4, height: height / 4 };
-  return whole(box);
+  const { x, y, width, height } = viewport.seen;
+  return whole(boxOf(edits.chosen)?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 });
 }
 
 function whole({ x, y, width, height }) {
   return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
 }
 
+const areaOf = ({ width, height }) => width * height;
+
+// Returns false if the box stays until the user has answered.
 function lock(box, grip) {
-  if (box.width * box.height === 0) {
+  if (areaOf(box) === 0) {
     say("The box has no pixels: drag from one corner to the other.");
-    return;
+    return true;
   }
+  const isConfirmed = asked !== null && JSON.stringify(asked.box) === JSON.stringify(box);
+  const held = isConfirmed ? asked.grip : grip;
+  const target = held === null ? edits.chosen : targetOf(held.id);
+  const last = target?.locks.findLast((one) => one.box !== null)?.box;
+  if (!isConfirmed && last !== undefined && areaOf(box) < areaOf(last) * SMALL_PART) {
+    ask({ box, grip: held }, `This box has ${box.width}x${box.height} pixels, and the last one of ${nameOf(target)} ${last.width}x${last.height}.`);
+    return false;
+  }
+  ask(null);
   say("");
-  edits.lock(playback.shown, box, grip === null ? edits.chosen : targetOf(grip.id));
+  edits.lock(playback.shown, box, target);
   changed();
-  if (grip === null && kind === "recording" && byId("plays").checked) {
+  if (held === null && kind === "recording" && byId("plays").checked) {
     // The box is not proposed any more when the frame goes on.
-    queueMicrotask(() => play(true));
+    queueMicrotask(() => playback.play(true));
   }
+  return true;
+}
+
+function ask(what, words = "") {
+  asked = what;
+  byId("asked").hidden = what === null;
+  byId("asked").firstElementChild.textContent = words;
 }
 
 const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
 
-// Only boxes that were drawn are moved: over one that a tracker found, a better one can be drawn.
+// The chosen target has handles. While a target is added, every drag draws.
 function gripAt(point, reach) {
   const chosen = edits.chosen;
-  // While a target is added, every drag draws.
   for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
-    const box = lockIn(target, playback.shown)?.box;
+    const box = boxOf(target)?.box;
     const held = box && gripOf(box, point, target === chosen ? reach : 0);
     if (held) {
-      return { box, held, id: target.id };
+      return { box: whole(box), held, id: target.id };
     }
   }
   return null;
@@ -135,6 +167,20 @@ function unlock() {
   }
 }
 
+// Takes the chosen target out of the frames from here on, or brings it back where it was last.
+function goOrComeBack() {
+  const { chosen } = edits;
+  const here = playback.shown;
+  if (isGone(chosen, here)) {
+    const { number, box } = chosen.locks.findLast((one) => one.number < here && one.box !== null);
+    edits.lock(here, whole(answers.last(chosen.id, number, here)?.box ?? box), chosen);
+    say("Pull the box to where the target is.");
+  } else {
+    edits.lose(chosen, here);
+  }
+  changed();
+}
+
 function undo(isRedo) {
   if (isRedo ? edits.canRedo : edits.canUndo) {
     isRedo ? edits.redo() : edits.undo();
@@ -157,7 +203,7 @@ function heard(told) {
   if (told.said !== undefined) {
     say(told.said);
   }
-  told.exports?.forEach((one) => drawMade(byId("made"), one));
+  told.exports?.forEach((one) => drawMade(byId("made"), one, cancel));
   measure();
   draw();
 }
@@ -180,18 +226,21 @@ function measure() {
 
 function gone() {
   hasEnded = true;
-  play(false);
-  say("host-sim has ended: what was drawn is in the command line below. Start it again to go on.");
+  playback.play(false);
+  const isKept = source.session ? `: what was drawn is kept in ${source.session}, and in` : ": what was drawn is in";
+  say(`host-sim has ended${isKept} the command line below. Start it again to go on.`);
   draw();
 }
 
 // ---- what is drawn
 
 // The box of a target in the frame that is shown: its lock, else its answer.
-function boxOf(target) {
-  const answer = target && answers.at(target.id, playback.shown);
-  const box = target && (lockIn(target, playback.shown)?.box ?? answer?.box);
-  return box ? { box, state: answer?.state ?? "tracking" } : null;
+const boxOf = (target) => boxIn(target, playback.shown);
+
+function boxIn(target, number) {
+  const answer = target && answers.at(target.id, number);
+  const box = target && (lockIn(target, number)?.box ?? answer?.box);
+  return box && !isGone(target, number) ? { box, state: answer?.state ?? "tracking" } : null;
 }
 
 function drawn(target) {
@@ -203,47 +252,54 @@ function drawn(target) {
   }
   const { box, state } = found;
   const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
-  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen && lockIn(target, playback.shown) !== undefined }];
+  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen }];
 }
 
-const seen = () => ({ x: view.x, y: view.y, width: source.width / view.zoom, height: source.height / view.zoom });
-
-function moveView(x, y) {
-  const { width, height } = seen();
-  [view.x, view.y] = [clamp(x, 0, source.width - width), clamp(y, 0, source.height - height)];
-}
-
-function centre({ x, y, width, height }) {
-  moveView(x + width / 2 - seen().width / 2, y + height / 2 - seen().height / 2);
+// The box of a target that is not lost, for its trail.
+function trailOf(target) {
+  const isThere = (found) => found !== null && found.state !== "lost";
+  return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
 }
 
 // What is followed or moved by keys stays in view.
 function follow() {
   const box = proposed ?? boxOf(edits.chosen)?.box;
-  if (view.zoom > 1 && box && !drag.isPointing) {
-    const { x, y, width, height } = seen();
-    const [across, down] = [box.x + box.width / 2, box.y + box.height / 2];
-    if (across < x || across > x + width || down < y || down > y + height) {
-      centre(box);
-    }
+  if (viewport.zoom > 1 && box && !drag.isPointing && (playback.isPlaying || proposed !== null)) {
+    viewport.show(box);
   }
 }
 
 // Draws once for each picture of the screen, however much has changed. What is read is drawn less often.
 function draw() {
-  follow();
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
     if (playback.picture !== undefined) {
-      const inOrder = [...edits.targets].sort((one, other) => (one === edits.chosen) - (other === edits.chosen));
-      const color = (pulled === null ? edits.chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
-      drawWindow(byId("stage"), { picture: playback.picture, size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
+      follow();
+      drawFrame();
     }
   });
   reading ??= setTimeout(() => {
     reading = null;
     drawReadings();
   }, READINGS_MS);
+}
+
+function drawFrame() {
+  const { picture, shown } = playback;
+  const view = viewport.seen;
+  const { chosen } = edits;
+  const inOrder = [...edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
+  const color = (pulled === null ? chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
+  if (kind === "recording" && view.width < source.width) {
+    detail.want(shown, view, source);
+  }
+  const under = (context, placed) => {
+    detail.draw(context, shown, placed);
+    if (byId("trail").checked) {
+      edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
+    }
+  };
+  drawWindow(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
 }
 
 // The events of a target. Of an hour they take a while, so they are not found anew for each answer.
@@ -271,30 +327,32 @@ function allEvents() {
 
 function drawReadings() {
   const { chosen } = edits;
-  const { first, last } = playback;
+  const { first, last, shown } = playback;
   drawTargets(chosen);
   timeline.draw({
-    first, last, frame: playback.shown ?? first, followed, timeOf,
+    first, last, frame: shown ?? first, followed, timeOf,
     strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
     marks: chosen === null ? [] : events(chosen),
   });
-  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: playback.shown });
+  preview.draw({ ...hovered, picture: playback.pictureOf(hovered.number), size: source, timeOf });
+  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
   drawChosen(chosen);
   drawControls(chosen);
-  drawCommands(byId("commands"), kind === "live" ? { track: "" } : { track: "", report: "-o report.html" }, source, edits.targets);
+  drawLimits(byId("files"), edits.targets.length);
+  drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, source, edits.targets);
 }
 
 function drawTargets(chosen) {
   const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
-    write(byId("targets").children[at].querySelector(".now"), answers.state(target.id, playback.shown) ?? "–");
+    const state = isGone(target, playback.shown) ? "gone" : (answers.state(target.id, playback.shown) ?? "–");
+    write(byId("targets").children[at].querySelector(".now"), state);
   });
 }
 
 const named = (number) => (number > playback.last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
 
-// Of the tracker that follows, what app.js shows of both.
 function drawChosen(chosen) {
   const { shown, first, last } = playback;
   const on = Object.fromEntries(METHODS.map((method) => [method, method === source.method]));
@@ -308,20 +366,34 @@ function drawChosen(chosen) {
 }
 
 function drawControls(chosen) {
-  const { isPlaying, shown, first, last } = playback;
+  const { isPlaying, shown, frame, first, last } = playback;
   byId("newest").checked = playback.followsNewest;
   write(byId("play"), isPlaying ? "❚❚" : "▶");
   byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
   const isHere = lockIn(chosen, shown) !== undefined;
-  const off = { back: playback.frame <= first, on: playback.frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, add: chosen === null, stop: hasEnded };
+  const isBegun = chosen !== null && chosen.locks[0].number < shown;
+  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: hasEnded };
   Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
+  write(byId("gone"), isGone(chosen, shown) ? "Back here" : "Gone from here");
+  write(byId("whole"), `${viewport.zoom < 10 ? Number(viewport.zoom.toFixed(1)) : Math.round(viewport.zoom)}×`);
   write(byId("place"), shown === null ? "" : placed(shown));
+  drawLoading();
   const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
   write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
   byId("lost").hidden = lost === undefined;
   write(byId("load"), load());
   write(byId("about"), about());
   byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
+}
+
+function drawLoading() {
+  loading = playback.isLoading ? (loading ?? performance.now()) : null;
+  const isLong = loading !== null && performance.now() - loading > LOADING_MS;
+  write(byId("loading"), isLong ? `Loading frame ${playback.frame}` : "");
+  byId("loading").hidden = !isLong;
+  if (loading !== null && !isLong) {
+    setTimeout(draw, LOADING_MS);
+  }
 }
 
 function placed(number) {
@@ -339,8 +411,10 @@ function said(chosen) {
 }
 
 function about() {
-  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${timeOf(playback.last) === null ? "" : `, ${clock(timeOf(playback.last))}`}`;
-  return `${source.width}x${source.height} pixels${long}`;
+  const end = timeOf(playback.last);
+  const long = kind === "live" || source.frames === null ? "" : `, ${source.frames} frames${end === null ? "" : `, ${clock(end)}`}`;
+  const kept = source.session && edits.targets.length > 0 ? `. Your work is kept in ${source.session}` : "";
+  return `${source.width}x${source.height} pixels${long}${kept}`;
 }
 
 function load() {
@@ -387,59 +461,57 @@ function acted(event) {
   if (unlocks) {
     unlock();
   }
-  return unlocks || playback.key(event);
+  return unlocks || playback.key(event) || viewport.key(event);
 }
 
 function listen() {
+  const clicks = {
+    back: () => visit(playback.frame - 1),
+    on: () => visit(playback.frame + 1),
+    play: () => playback.toggle(),
+    smaller: () => viewport.smaller(),
+    larger: () => viewport.larger(),
+    whole: () => viewport.whole(),
+    take: () => drag.take(),
+    drop: () => drag.drop(),
+    undo: () => undo(false),
+    redo: () => undo(true),
+    gone: goOrComeBack,
+    unlock, stop,
+    add: () => {
+      choose(null);
+      byId("stage").focus({ preventScroll: true });
+    },
+  };
+  Object.entries(clicks).forEach(([id, act]) => byId(id).addEventListener("click", act));
+  const changes = {
+    go: visitNamed,
+    newest: () => {
+      playback.followsNewest = byId("newest").checked;
+      measure();
+    },
+    speed: () => playback.restart(),
+    trail: draw,
+    method: useMethod,
+    settings: useMethod,
+    boxes: () => readBoxes(byId("boxes").files[0]),
+  };
+  Object.entries(changes).forEach(([id, act]) => byId(id).addEventListener("change", act));
   document.addEventListener("keydown", pressed);
-  byId("back").addEventListener("click", () => visit(playback.frame - 1));
-  byId("on").addEventListener("click", () => visit(playback.frame + 1));
-  byId("play").addEventListener("click", () => playback.toggle());
-  byId("newest").addEventListener("change", () => {
-    playback.followsNewest = byId("newest").checked;
-    measure();
+  document.addEventListener("dragover", (event) => event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    readBoxes(event.dataTransfer.files[0]);
   });
-  byId("speed").addEventListener("change", () => playback.restart());
-  byId("zoom").addEventListener("change", zoom);
-  byId("stop").addEventListener("click", stop);
-  byId("undo").addEventListener("click", () => undo(false));
-  byId("redo").addEventListener("click", () => undo(true));
-  byId("unlock").addEventListener("click", unlock);
-  byId("add").addEventListener("click", () => {
-    choose(null);
-    byId("stage").focus({ preventScroll: true });
-  });
-  ["method", "settings"].forEach((id) => byId(id).addEventListener("change", useMethod));
   byId("firmware").addEventListener("toggle", async () => {
     byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(connection.firmware()) : "";
-  });
-  byId("stage").addEventListener("wheel", (event) => {
-    if (view.zoom > 1) {
-      event.preventDefault();
-      const part = seen().width / byId("stage").clientWidth;
-      moveView(view.x + event.deltaX * part, view.y + event.deltaY * part);
-      draw();
-    }
   });
   new ResizeObserver(draw).observe(byId("stage"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 }
 
-function zoom() {
-  view.zoom = Number(byId("zoom").value);
-  centre(boxOf(edits.chosen)?.box ?? { x: 0, y: 0, width: source.width, height: source.height });
-  draw();
-}
-
-// Options that the page does not show stay as they were given.
 function useMethod() {
-  const method = byId("method").value;
-  const { set = [], config, ...others } = method === source.method ? source.options : {};
-  const isOn = (id) => byId(id).checked;
-  const robust = { reach: Number(byId("reach").value), size: isOn("size"), sweep: isOn("sweep"), refiner: isOn("refiner") };
-  const { set: own = [], ...options } = optionsOf(method, { robust, smr: { config: byId("config").value } });
-  const all = [...set.filter((one) => !(one.split("=")[0] in robust)), ...own];
-  [source.method, source.options] = [method, { ...others, ...options, ...(all.length === 0 ? {} : { set: all }) }];
+  Object.assign(source, chosenTracker(source));
   trying(connection.method(source.method, source.options));
   // It tells of the settings before.
   byId("firmware").open = false;
@@ -447,27 +519,9 @@ function useMethod() {
   draw();
 }
 
-function showMethod() {
-  byId("method").value = source.method;
-  document.querySelectorAll("[data-method]").forEach((node) => (node.hidden = node.dataset.method !== source.method));
-}
-
-// As they are in the options of host-sim.
-function showSettings({ set = [], config }) {
-  const given = Object.fromEntries(set.map((one) => one.split("=")));
-  const reach = given.reach ?? SETTINGS.robust.reach;
-  if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
-    byId("reach").append(htmlNode("option", {}, reach));
-  }
-  byId("reach").value = reach;
-  ["size", "sweep", "refiner"].forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
-  byId("refiner").checked &&= config !== "robust" || "refiner" in given;
-  byId("config").value = source.method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
-}
-
 async function stop() {
   if ((await trying(connection.stop())) !== "") {
-    play(false);
+    playback.play(false);
     say("Stopped. The last minutes can still be looked through.");
   }
 }
@@ -490,9 +544,23 @@ async function take(format) {
 }
 
 async function make(what, options) {
-  const id = await trying(connection.make(what, options));
-  if (id !== "" && !byId(`made${id}`)) {
-    drawMade(byId("made"), { id, done: null });
+  const made = await trying(connection.make(what, options));
+  if (made !== "" && !byId(`made${made.id}`)) {
+    drawMade(byId("made"), made, cancel);
+  }
+}
+
+const cancel = (id) => trying(connection.cancel(id));
+
+async function readBoxes(file) {
+  if (file === undefined) {
+    return;
+  }
+  byId("boxes").value = "";
+  const targets = await trying(connection.readBoxes(file));
+  if (targets !== "") {
+    edits.add(targets);
+    changed();
   }
 }
 
@@ -506,23 +574,34 @@ function prepare() {
   playback = new Playback({
     picture: (number) => connection.picture(number), isLive: kind === "live", timeOf, speed: () => Number(byId("speed").value),
     isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
+    visited: (number) => trying(connection.place(number)),
   });
-  timeline = new Timeline(byId("timeline"), { goTo: visit });
+  timeline = new Timeline(byId("timeline"), { goTo: visit, hover: kind === "live" ? undefined : hover });
+  preview = new Preview(byId("timeline"));
+  detail = new Detail((number, part) => connection.part(number, part), draw);
   drag = new Drag(byId("stage"), {
-    size, start: startBox, view: seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
+    size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
     propose: (box, grip) => {
-      [proposed, pulled] = [box, grip];
+      [proposed, pulled] = [box, grip ?? asked?.grip ?? null];
+      if (box === null) {
+        ask(null);
+      }
       draw();
     },
   });
+  viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => drag.drop() });
   edits.load(source.targets);
-  byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
-  showSettings(source.options);
-  showMethod();
+  showTracker(source);
   graph = new Graph(byId("curves"));
   figures = new Figures(byId("figures"), NOT_THERE);
   seesCurves = inView(byId("curves"), draw);
-  drawFiles(byId("files"), source, take, make);
+  drawMenu(byId("files"), source, { take, make: kind === "live" ? undefined : make });
+}
+
+function hover(number, x) {
+  hovered = { number, x };
+  playback.peek(number);
+  draw();
 }
 
 async function start() {
@@ -530,7 +609,7 @@ async function start() {
   prepare();
   listen();
   measure();
-  playback.begin(playback.first);
+  playback.begin(source.frame ?? playback.first);
   await connection.listen(heard, gone, () => playback.shown ?? playback.first);
 }
 
