@@ -185,7 +185,7 @@ impl Window {
             heard = self.followed.heard(since, Duration::ZERO, asks);
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
-        let (followed, at) = self.followed.reached();
+        let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact whole numbers beyond 2^53.
         let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
