@@ -84,7 +84,6 @@ impl View {
             name,
             size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
-            formats: Format::value_variants().iter().map(choice_name).collect(),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
@@ -189,7 +188,8 @@ impl Wish for Desk {
 
     fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
-            bail!("{format:?} is no format of boxes: expected one of {}", window.formats.join(", "));
+            let all: Vec<_> = Format::value_variants().iter().map(choice_name).collect();
+            bail!("{format:?} is no format of boxes: expected one of {}", all.join(", "));
         };
         let (Window { followed, .. }, known, is_live) = (window, window.known(), window.source.live().is_some());
         let targets = followed.rows();
