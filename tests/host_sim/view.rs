@@ -109,8 +109,9 @@ impl Window {
         assert_eq!(status, 200, "{said}");
         let id = serde_json::from_str::<Value>(&said).unwrap()["id"].clone();
         let is_done = |news: &Value| {
-            assert_eq!(news["export"]["error"], Value::Null);
-            news["export"]["id"] == id && !news["export"]["file"].is_null()
+            let made = &news["exports"][0];
+            assert_eq!(made["error"], Value::Null);
+            made["id"] == id && !made["file"].is_null()
         };
         self.wait(path, is_done);
         self.get(&format!("made/{id}")).1
@@ -231,9 +232,28 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
         use std::os::unix::fs::PermissionsExt;
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
         let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
-        let files: Vec<_> = fs::read_dir(&folder).unwrap().map(|file| mode(&file.unwrap().path())).collect();
+        let jobs = fs::read_dir(&folder).unwrap().map(|job| fs::read_dir(job.unwrap().path()).unwrap());
+        let files: Vec<_> = jobs.flatten().map(|file| mode(&file.unwrap().path())).collect();
         assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
     }
+}
+
+#[test]
+fn a_file_that_is_not_wanted_any_more_is_cancelled() {
+    let window = Window::open(&["street"]);
+    assert_eq!(window.post("report", &json!({})).0, 200);
+    let begun = window.wait("the beginning", |news| !news["exports"].is_null())["exports"][0].clone();
+    assert_eq!((&begun["id"], &begun["name"], &begun["cancelled"]), (&json!(1), &json!("street.html"), &json!(false)));
+    assert_eq!(window.post("cancel", &json!({ "id": 1 })), (200, "{}".to_owned()));
+    let ended = window.wait("the end", |news| news["exports"][0]["cancelled"] == true)["exports"][0].clone();
+    assert_eq!((&ended["file"], &ended["error"]), (&Value::Null, &Value::Null));
+    let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
+    let begin = Instant::now();
+    while fs::read_dir(&folder).unwrap().count() > 0 {
+        assert!(begin.elapsed() < Duration::from_secs(20), "its file is left");
+    }
+    let refused = (400, "file 1 is not being made: expected one that is".to_owned());
+    assert_eq!(window.post("cancel", &json!({ "id": 1 })), refused);
 }
 
 /// All users see what a program is started with.

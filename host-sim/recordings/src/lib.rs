@@ -52,7 +52,7 @@ pub use live::{Arrivals, Live, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::{Levels, luma};
 pub use source::{Seekable, Source, is_seekable};
-pub use start::{Start, Target, checked_name};
+pub use start::{Start, Target, check_gone, checked_name};
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};

@@ -34,7 +34,7 @@ pub struct View {
     /// Print the address as a JSON object
     #[arg(long)]
     json: bool,
-    /// Boxes to begin with, as `track` takes them [default: the one beside the recording]
+    /// Boxes to begin with, and frames that a target is gone from (gone@FRAME), as `track` takes them [default: the one beside the recording]
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
     /// The size of the frames of raw dumps
@@ -71,8 +71,8 @@ impl View {
         let is_live = source.live().is_some();
         if !self.init.is_empty() && !is_live {
             // All frames have one size: what a box is refused for can be told from the first.
-            for Lock { bbox: (x, y, width, height), .. } in targets.iter().flat_map(|target| &target.locks) {
-                let target = Rect::new(*x, *y, *width, *height);
+            for (x, y, width, height) in targets.iter().flat_map(|target| &target.locks).filter_map(|lock| lock.bbox) {
+                let target = Rect::new(x, y, width, height);
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
         }
@@ -84,7 +84,6 @@ impl View {
             name,
             size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
-            formats: Format::value_variants().iter().map(choice_name).collect(),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
             followed: Arc::new(Followed::new(variant, targets)),
@@ -136,13 +135,14 @@ impl View {
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
         let given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
-        let lock = |frame, rect: Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
-        let target = |id, name: Option<String>, rects: Vec<(usize, Rect)>| {
+        let bbox = |Rect { x, y, width, height }| (x, y, width, height);
+        let lock = |frame, rect: Option<Rect>| Lock { frame, bbox: rect.map(bbox) };
+        let target = |id, name: Option<String>, rects: Vec<(usize, Option<Rect>)>| {
             let locks = rects.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
             Target { id, name: name.unwrap_or_else(|| "target".to_owned()), locks }
         };
         if given.is_empty() {
-            return Ok(beside.map(|rect| target(1, None, vec![(1, rect)])).into_iter().collect());
+            return Ok(beside.map(|rect| target(1, None, vec![(1, Some(rect))])).into_iter().collect());
         }
         (1..).zip(given).map(|(id, given)| Ok(target(id, given.name.clone(), given.rects()?))).collect()
     }
@@ -188,7 +188,8 @@ impl Wish for Desk {
 
     fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
-            bail!("{format:?} is no format of boxes: expected one of {}", window.formats.join(", "));
+            let all: Vec<_> = Format::value_variants().iter().map(choice_name).collect();
+            bail!("{format:?} is no format of boxes: expected one of {}", all.join(", "));
         };
         let (Window { followed, .. }, known, is_live) = (window, window.known(), window.source.live().is_some());
         let targets = followed.rows();
@@ -209,7 +210,9 @@ impl Wish for Desk {
         let frames = || targets.iter().flat_map(|(_, rows)| rows).map(|(frame, _)| *frame);
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
-        for frame in first..=frames().max().unwrap_or(0) {
+        let reached = followed.answered(known.frames);
+        // Behind the last answer, targets may be gone.
+        for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
@@ -220,7 +223,6 @@ impl Wish for Desk {
         }
         text += &printer.foot()?;
         let ending = format.endings().last().unwrap_or(&"txt");
-        let reached = followed.answered();
         // The name of a result that grows has the number of frames so far.
         let so_far = match known.frames {
             Some(all) if reached >= all || is_live => String::new(),
@@ -277,10 +279,11 @@ fn file(name: &str, so_far: &str, ending: &str) -> String {
 
 /// The options `--init` that give these targets.
 fn inits(targets: &[Target]) -> Vec<OsString> {
-    let init = |target: &Target, Lock { frame, bbox: (x, y, width, height) }: &Lock| {
+    let init = |target: &Target, Lock { frame, bbox }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
         let at = if *frame == 1 { String::new() } else { format!("@{frame}") };
-        ["--init".into(), format!("{name}{x},{y},{width},{height}{at}").into()]
+        let place = |(x, y, width, height)| format!("{x},{y},{width},{height}");
+        ["--init".into(), format!("{name}{}{at}", bbox.map_or("gone".to_owned(), place)).into()]
     };
     targets.iter().flat_map(|target| target.locks.iter().flat_map(|lock| init(target, lock))).collect()
 }

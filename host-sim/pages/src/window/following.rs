@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, checked_name, messages};
+use smr_recordings::{BoundingBox, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -29,13 +29,13 @@ pub struct Target {
     pub locks: Vec<Lock>,
 }
 
-/// A box that the target is locked on.
+/// A box that the target is locked on, or the first frame that it is gone from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lock {
     pub frame: usize,
-    /// Left, top, width and height in whole pixels.
-    #[serde(rename = "box")]
-    pub bbox: (i32, i32, u16, u16),
+    /// Left, top, width and height in whole pixels; `None`: the target is gone until its next box.
+    #[serde(rename = "box", deserialize_with = "Option::deserialize")]
+    pub bbox: Option<(i32, i32, u16, u16)>,
 }
 
 impl Target {
@@ -49,9 +49,8 @@ impl Target {
 }
 
 impl Lock {
-    fn rect(&self) -> Rect {
-        let (x, y, width, height) = self.bbox;
-        Rect { x, y, width, height }
+    fn rect(&self) -> Option<Rect> {
+        self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
     }
 }
 
@@ -217,13 +216,18 @@ impl State {
                 checked_name(&target.name)?;
             }
             let name = &target.name;
-            for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
-                ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
+            for (at, lock) in target.locks.iter().enumerate() {
+                let Lock { frame, .. } = lock;
+                ensure!(
+                    lock.rect().is_none_or(|rect| !rect.is_empty()),
+                    "the box of {name} in frame {frame} has no pixels"
+                );
                 let last = self.frames(known).unwrap_or(usize::MAX);
                 ensure!((1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
+            check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
             // A segment that exists already needs no old frame.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
@@ -263,9 +267,9 @@ impl State {
 
 /// Returns the segments of a target, each with the frame before which it ends.
 fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
-    target.locks.iter().enumerate().map(move |(at, lock)| {
+    target.locks.iter().enumerate().filter_map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
-        (Key { target: target.id, lock: (lock.frame, lock.rect()), edition }, end)
+        Some((Key { target: target.id, lock: (lock.frame, lock.rect()?), edition }, end))
     })
 }
 
@@ -355,7 +359,7 @@ impl Followed {
 
     /// Replaces the targets; only changed parts are followed again. `revision` is the last change that the page has
     /// seen, if it says so. Returns the number of the new last change.
-    /// Errors: A box without pixels, two locks of a target in one frame, a frame that does not exist or that a camera
+    /// Errors: A box without pixels, two locks of a target in one frame, a target that is gone without a box before, a frame that does not exist or that a camera
     /// no longer keeps, or targets that another page has changed meanwhile.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
@@ -471,18 +475,21 @@ impl Followed {
     }
 
     /// Returns the last frame before the first one that lacks an answer. While targets are followed, also the frame
-    /// being read and the frames a second.
-    pub(super) fn reached(&self) -> (usize, Option<(usize, f64)>) {
+    /// being read and the frames a second. `known` is the number of frames, if known.
+    pub(super) fn reached(&self, known: Option<usize>) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
-        let done = || state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1)).max();
+        let ends = state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1));
+        let stays_gone = state.targets.iter().any(|target| target.locks.last().is_some_and(|lock| lock.bbox.is_none()));
+        // A target that stays gone needs no more answers.
+        let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
         (open.or_else(done).unwrap_or(0), at)
     }
 
     /// Returns the last frame before the first one that lacks an answer of a target.
-    pub fn answered(&self) -> usize {
-        self.reached().0
+    pub fn answered(&self, known: Option<usize>) -> usize {
+        self.reached(known).0
     }
 
     /// Makes a pass whenever segments lack answers, until [`Self::stop`].
@@ -639,7 +646,7 @@ impl Following<'_> {
     ) -> Result<Option<(Report, Option<Quality>)>> {
         let locks = number == key.lock.0;
         if locks {
-            self.trackers.insert(key, Follower::new(variant.build()?, vec![key.lock]));
+            self.trackers.insert(key, Follower::new(variant.build()?, vec![(number, Some(key.lock.1))]));
         }
         let Some(tracker) = self.trackers.get_mut(&key) else { return Ok(None) };
         let report = tracker.step(number, frame)?;

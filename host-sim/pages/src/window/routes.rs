@@ -5,12 +5,15 @@ use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Source};
+use crate::export::boxes::Format;
 use crate::front_end;
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
-use smr_recordings::{BoundingBox, messages};
+use smr_recordings::BoundingBox;
+use smr_recordings::messages::{self, choice_name};
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -43,8 +46,6 @@ pub struct Window {
     pub size: (u16, u16),
     /// The source and its options, as they are typed.
     pub words: String,
-    /// The formats of boxes.
-    pub formats: Vec<String>,
     /// The formats of videos.
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
@@ -58,6 +59,11 @@ struct Wanted {
     method: String,
     #[serde(default)]
     options: Map<String, Value>,
+}
+
+#[derive(Deserialize)]
+struct Cancelled {
+    id: u32,
 }
 
 impl Window {
@@ -135,6 +141,11 @@ impl Window {
                 self.make(ending)?
             }
             (true, "report", "") => self.make("html")?,
+            (true, "cancel", "") => {
+                let Cancelled { id } = serde_json::from_slice(body).context("expected { id }")?;
+                self.made.cancel(id)?;
+                json_reply(&json!({}))
+            }
             (true, "stop", "") => {
                 self.source.stop();
                 self.followed.stop();
@@ -169,7 +180,7 @@ impl Window {
             "words": self.words,
             "targets": targets,
             "revision": revision,
-            "formats": self.formats,
+            "formats": Format::value_variants().iter().map(offer).collect::<Value>(),
             "films": self.films,
         })
     }
@@ -185,7 +196,7 @@ impl Window {
             heard = self.followed.heard(since, Duration::ZERO, asks);
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
-        let (followed, at) = self.followed.reached();
+        let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact whole numbers beyond 2^53.
         let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
@@ -212,8 +223,7 @@ impl Window {
         if !said.is_empty() {
             news["said"] = json!(said.join(" / "));
         }
-        if let Some(&last) = made.last() {
-            news["export"] = json!(self.made.of(last));
+        if !made.is_empty() {
             news["exports"] = made.iter().filter_map(|&id| self.made.of(id)).map(|one| json!(one)).collect();
         }
         Ok(news)
@@ -233,6 +243,11 @@ impl Window {
         let id = self.made.begin(job, move |id| followed.makes(id))?;
         Ok(json_reply(&json!({ "id": id })))
     }
+}
+
+/// A format of boxes, and true if it holds several targets.
+fn offer(format: &Format) -> Value {
+    json!({ "name": choice_name(format), "several": format.has_names() })
 }
 
 fn json_reply(value: &Value) -> Reply {
