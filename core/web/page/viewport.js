@@ -1,6 +1,6 @@
 // The part of the frame that is seen: enlarged and moved by wheel, fingers, keys and the middle button.
 
-const STEP = 1.25; // of a key or a button
+const STEP = Math.SQRT2; // of a key or a button
 const WHEEL_STEP = 300; // pixels of a wheel that enlarge e times
 const PINCH_STEP = 100; // the same for a touchpad, which reports a pinch as a wheel with ctrl
 const LARGEST_PIXEL = 64; // pixels of the page for one of the frame
