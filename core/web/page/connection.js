@@ -16,7 +16,7 @@ export class Connection {
   async open() {
     const source = await (await asked("source")).json();
     this.#revision = source.revision;
-    return { first: 1, ...source, targets: source.targets.map(targetOf) };
+    return { ...source, targets: source.targets.map(targetOf) };
   }
 
   /** The picture of a frame. */

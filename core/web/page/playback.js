@@ -26,7 +26,7 @@ export class Playback {
   #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
-   * `page`: { picture(number) a promise for the picture of a frame, isLive, timeOf(number) its time in seconds or null, speed(), isHeld() true
+   * `page`: { picture(number) a promise for the picture of a frame, isLive(), timeOf(number) its time in seconds or null, speed(), isHeld() true
    * while the picture has to wait, changed(), failed(error), marks() the numbers of frames to jump to, in order, visited(number) }.
    */
   constructor(page) {
@@ -46,12 +46,18 @@ export class Playback {
   }
 
   get isPlaying() {
-    return this.#page.isLive ? this.followsNewest : this.#playing !== null;
+    return this.#page.isLive() ? this.followsNewest : this.#playing !== null;
   }
 
   /** True while the picture that is wanted is on its way. */
   get isLoading() {
     return this.frame !== this.shown && !this.#page.isHeld();
+  }
+
+  /** Forgets all pictures: another recording is shown. */
+  reset() {
+    [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
+    this.#pictures.clear();
   }
 
   /** Begins with the frame that the address names, or with `otherwise`. */
@@ -87,7 +93,7 @@ export class Playback {
   }
 
   play(on) {
-    if (this.#page.isLive) {
+    if (this.#page.isLive()) {
       this.followsNewest = on;
     } else if (on && this.#playing === null) {
       this.#playing = restarted(this.frame >= this.last ? this.first : this.frame);
@@ -138,7 +144,7 @@ export class Playback {
 
   // While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
   #came(number) {
-    const isNearer = this.shown === null ? this.#page.isLive : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
+    const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {
       this.#show(number);
     } else if (number === this.#peeked) {
@@ -148,7 +154,7 @@ export class Playback {
 
   // Not every picture of a camera is kept: the next one is there soon.
   #missed(number, error) {
-    if (number === this.frame && !(this.#page.isLive && this.followsNewest)) {
+    if (number === this.frame && !(this.#page.isLive() && this.followsNewest)) {
       this.#page.failed(error);
     }
   }

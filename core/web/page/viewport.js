@@ -45,7 +45,8 @@ export class Viewport {
   }
 
   whole() {
-    this.#enlarge(0);
+    [this.#zoom, this.#x, this.#y] = [1, 0, 0];
+    this.#page.changed();
   }
 
   /** Moves so that the middle of a box is seen. */

@@ -28,6 +28,12 @@ export class Pictures {
     return this.#kept.get(number);
   }
 
+  /** Forgets all pictures, those under way too. */
+  clear() {
+    this.#kept.forEach((picture) => picture.close?.());
+    [this.#kept, this.#bytes, this.#wanted, this.#underWay] = [new Map(), 0, [], new Set()];
+  }
+
   #next() {
     while (this.#underWay.size < MOST_UNDER_WAY) {
       const number = this.#wanted.find((one) => !this.#kept.has(one) && !this.#underWay.has(one));
@@ -39,15 +45,23 @@ export class Pictures {
   }
 
   async #fetch(number) {
-    this.#underWay.add(number);
+    const underWay = this.#underWay.add(number);
+    const isOld = () => underWay !== this.#underWay;
     try {
-      this.#keep(number, await this.#load(number));
+      const picture = await this.#load(number);
+      if (isOld()) {
+        picture.close?.();
+        return;
+      }
+      this.#keep(number, picture);
       this.#came(number);
     } catch (error) {
-      this.#wanted = this.#wanted.filter((one) => one !== number);
-      this.#failed(number, error);
+      if (!isOld()) {
+        this.#wanted = this.#wanted.filter((one) => one !== number);
+        this.#failed(number, error);
+      }
     } finally {
-      this.#underWay.delete(number);
+      underWay.delete(number);
       this.#next();
     }
   }

@@ -15,6 +15,7 @@ macro_rules! modules {
 
 modules! {
     "answers.js"
+    "application.js"
     "command-lines.js"
     "command.js"
     "connection.js"
