@@ -9,7 +9,7 @@ use crate::export::boxes::Format;
 use crate::front_end;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
 use smr_recordings::BoundingBox;
@@ -52,18 +52,6 @@ pub struct Window {
     pub followed: Arc<Followed>,
     pub made: Arc<Made>,
     pub wish: Box<dyn Wish>,
-}
-
-#[derive(Deserialize)]
-struct Wanted {
-    method: String,
-    #[serde(default)]
-    options: Map<String, Value>,
-}
-
-#[derive(Deserialize)]
-struct Cancelled {
-    id: u32,
 }
 
 impl Window {
@@ -112,13 +100,9 @@ impl Window {
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
-                let (name, bytes) = self.wish.boxes(self, format)?;
-                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
+                saved(self.wish.boxes(self, format)?)
             }
-            (false, "made", id) => {
-                let (name, bytes) = self.made.file(id.parse().context("expected a number")?)?;
-                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
-            }
+            (false, "made", id) => saved(self.made.file(id.parse().context("expected a number")?)?),
             (false, "firmware", "") => {
                 Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
             }
@@ -128,22 +112,20 @@ impl Window {
                 json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
             }
             (true, "method", "") => {
-                let Wanted { method, options } = serde_json::from_slice(body).context("this is no method")?;
-                self.followed.set_variant(self.wish.variant(&method, &options)?);
+                let (method, options): (String, Option<Map<_, _>>) = (field(body, "method")?, field(body, "options")?);
+                self.followed.set_variant(self.wish.variant(&method, &options.unwrap_or_default())?);
                 json_reply(&json!({}))
             }
             (true, "film", "") => {
-                let wanted: Value = serde_json::from_slice(body).context("expected { as }")?;
-                let ending = wanted["as"].as_str().context("expected { as }")?;
-                if !self.films.contains(&ending) {
+                let ending: String = field(body, "as")?;
+                if !self.films.contains(&&*ending) {
                     bail!("no video can be made as {ending:?}: expected one of {}", self.films.join(", "));
                 }
-                self.make(ending)?
+                self.make(&ending)?
             }
             (true, "report", "") => self.make("html")?,
             (true, "cancel", "") => {
-                let Cancelled { id } = serde_json::from_slice(body).context("expected { id }")?;
-                self.made.cancel(id)?;
+                self.made.cancel(field(body, "id")?)?;
                 json_reply(&json!({}))
             }
             (true, "stop", "") => {
@@ -230,8 +212,7 @@ impl Window {
     }
 
     fn picture(&self, name: &str) -> Reply {
-        let number = name.strip_suffix(".jpg").and_then(|number| number.parse().ok());
-        match number.filter(|&number: &usize| number > 0).and_then(|number| self.source.picture(number)) {
+        match frame(name, ".jpg").and_then(|number| self.source.picture(number)) {
             Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
             None => Reply::error(404, "there is no such frame, or it is not kept any more"),
         }
@@ -254,9 +235,26 @@ fn json_reply(value: &Value) -> Reply {
     Reply::new("application/json", value.to_string())
 }
 
+/// Makes the reply with a file that a browser saves under its name.
+fn saved((name, bytes): (String, Vec<u8>)) -> Reply {
+    Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
+}
+
+/// Returns a field of a JSON object.
+fn field<T: DeserializeOwned>(body: &[u8], name: &str) -> Result<T> {
+    let object: Value = serde_json::from_slice(body).unwrap_or_default();
+    let value = object.get(name).cloned().unwrap_or_default();
+    serde_json::from_value(value).with_context(|| format!("expected {{ {name} }}"))
+}
+
 /// Returns the value of `name` in a query such as `a=1&b=2`.
 fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
     query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
+}
+
+/// Returns the number of the frame in the name of a picture, such as `7.jpg`.
+fn frame(name: &str, ending: &str) -> Option<usize> {
+    name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
 }
 
 fn number(query: &str, name: &str) -> Result<u64> {
