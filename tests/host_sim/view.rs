@@ -238,6 +238,55 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
     }
 }
 
+/// The targets that the window shows, and where its session is.
+fn begun(window: &Window) -> (Value, Value) {
+    let source = window.json("source");
+    (source["targets"].clone(), source["session"].clone())
+}
+
+#[test]
+fn work_is_kept_beside_the_recording_and_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let file = format!("{recording}.smr.json");
+    let car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
+    let window = Window::open(&[recording]);
+    assert_eq!((window.post("place", &json!({ "frame": 3 })).0, begun(&window).1), (200, json!(file)));
+    assert!(!Path::new(&file).exists(), "nothing has been changed");
+    assert_eq!(window.post("targets", &car).0, 200);
+    assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
+    assert_eq!(window.post("place", &json!({ "frame": 12 })).0, 200);
+    drop(window);
+    let window = Window::open(&[recording]);
+    let source = window.json("source");
+    assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
+    assert_eq!(source["options"], json!({ "config": "camera" }));
+    drop(window);
+    // What the command line has takes the place of what is there, which is not lost.
+    let window = Window::open(&[recording, "--init", "1,1,20,20"]);
+    assert_eq!(
+        (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
+        (&json!([1, 1, 20, 20]), json!("smr"))
+    );
+    let former = fs::read(&file).unwrap();
+    assert_eq!(window.post("targets", &target(&[(1, [2, 2, 20, 20])])).0, 200);
+    assert_eq!(fs::read(format!("{file}~")).unwrap(), former);
+    window
+        .wait("where the former work is", |news| news["said"].as_str().is_some_and(|said| said.contains(".smr.json~")));
+    drop(window);
+    assert_eq!(begun(&Window::open(&["synthetic"])).1, Value::Null);
+    let named = folder.path().join("a.json");
+    assert_eq!(begun(&Window::open(&["synthetic", "--session", utf8(&named)])).1, json!(named));
+    let tracked = host_sim(&["track", recording, "--init", "2,2,20,20", "-o", utf8(&folder.path().join("boxes.csv"))]);
+    assert_eq!(tracked.code, Some(0), "the file beside it is no part of the recording: {}", tracked.err);
+    let refused = host_sim(&["view", "--no-open", recording, "--session", utf8(&folder.path().join("boxes.csv"))]);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("boxes.csv: it is damaged, or no session"),
+        "{}",
+        refused.err
+    );
+}
+
 #[test]
 fn a_file_that_is_not_wanted_any_more_is_cancelled() {
     let window = Window::open(&["street"]);

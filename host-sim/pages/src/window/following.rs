@@ -49,7 +49,11 @@ impl Target {
 }
 
 impl Lock {
-    fn rect(&self) -> Option<Rect> {
+    pub fn new(frame: usize, rect: Option<Rect>) -> Self {
+        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)) }
+    }
+
+    pub fn rect(&self) -> Option<Rect> {
         self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
     }
 }
@@ -300,9 +304,10 @@ pub(super) struct Heard {
 }
 
 impl Followed {
-    pub fn new(variant: Variant, targets: Vec<Target>) -> Self {
-        let state = State {
-            targets,
+    /// Errors: Those of [`Followed::set_targets`]; of a camera, whose frames are still to come, none for frames.
+    pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
+        let mut state = State {
+            targets: Vec::new(),
             editions: vec![variant.origin()],
             variant,
             edition: 0,
@@ -314,9 +319,10 @@ impl Followed {
             at: None,
             stopped: false,
         };
-        let followed = Self { state: Mutex::new(state), changed: Condvar::new() };
-        followed.state().arrange();
-        followed
+        let (known, oldest) = source.live().map_or_else(|| (source.known().frames, 1), |_| (None, 0));
+        state.targets = state.checked(targets, known, oldest)?;
+        state.arrange();
+        Ok(Self { state: Mutex::new(state), changed: Condvar::new() })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -420,6 +426,11 @@ impl Followed {
             }
             state.news.frames = state.news.next();
         });
+    }
+
+    /// Tells the user.
+    pub(super) fn say(&self, line: String) {
+        self.change(|state| state.news.say(line));
     }
 
     /// Tells the pages that the file `id`, made for the user, has progressed.

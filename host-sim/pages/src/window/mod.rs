@@ -8,7 +8,7 @@
 //! `server` lets in the page and nobody else. A page sends all targets with their locks after each change, and other
 //! pages hear of it; `following` finds out which segments lack answers. All changes are `news`; if many answers
 //! changed, a page asks for parts of them. Frames come from a `recording` or a `camera`. The page itself is
-//! core/web/page/window.html.
+//! core/web/page/window.html. `session` keeps what the user has done in a file.
 
 mod camera;
 mod following;
@@ -17,6 +17,7 @@ mod news;
 mod recording;
 mod routes;
 mod server;
+mod session;
 
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
@@ -24,6 +25,7 @@ pub use made::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Window, Wish};
 pub use server::Server;
+pub use session::{Session, Work};
 
 use anyhow::Result;
 use smr_recordings::GrayFrame;

@@ -4,7 +4,7 @@ use super::following::{Followed, Heard, Row, Target};
 use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
-use super::{Known, Source};
+use super::{Known, Session, Source};
 use crate::export::boxes::Format;
 use crate::front_end;
 use anyhow::{Context, Result, bail};
@@ -52,6 +52,7 @@ pub struct Window {
     pub followed: Arc<Followed>,
     pub made: Arc<Made>,
     pub wish: Box<dyn Wish>,
+    pub session: Session,
 }
 
 impl Window {
@@ -108,12 +109,21 @@ impl Window {
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
+                let before = self.followed.revision().1;
                 let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
+                if made != before {
+                    self.keep();
+                }
                 json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
             }
             (true, "method", "") => {
                 let (method, options): (String, Option<Map<_, _>>) = (field(body, "method")?, field(body, "options")?);
                 self.followed.set_variant(self.wish.variant(&method, &options.unwrap_or_default())?);
+                self.keep();
+                json_reply(&json!({}))
+            }
+            (true, "place", "") => {
+                self.told(self.session.shows(field(body, "frame")?));
                 json_reply(&json!({}))
             }
             (true, "film", "") => {
@@ -135,6 +145,20 @@ impl Window {
             }
             _ => Reply::error(404, "there is nothing here"),
         })
+    }
+
+    /// Keeps the targets, the method and its options in the session.
+    fn keep(&self) {
+        self.told(self.session.keep(|work| {
+            let variant = self.followed.variant();
+            (work.method, work.options) = (variant.kind.name().to_owned(), variant.options);
+            work.targets = self.followed.targets();
+        }));
+    }
+
+    /// Tells the user what has to be told.
+    fn told(&self, line: Option<String>) {
+        line.into_iter().for_each(|line| self.followed.say(line));
     }
 
     /// Returns the number of frames and their times, as far as they are known.
@@ -164,6 +188,8 @@ impl Window {
             "revision": revision,
             "formats": Format::value_variants().iter().map(offer).collect::<Value>(),
             "films": self.films,
+            "session": self.session.name(),
+            "frame": self.session.frame(),
         })
     }
 

@@ -59,8 +59,7 @@ impl Source for Scene {
 }
 
 fn lock(frame: usize) -> Lock {
-    let Rect { x, y, width, height } = synthetic::truth(frame - 1).unwrap().to_rect().unwrap();
-    Lock { frame, bbox: Some((x, y, width, height)) }
+    Lock::new(frame, synthetic::truth(frame - 1).unwrap().to_rect())
 }
 
 fn target(id: u32, frames: &[usize]) -> Target {
@@ -79,7 +78,8 @@ struct Running {
 
 impl Running {
     fn start(scene: Scene, targets: Vec<Target>) -> Self {
-        let (followed, scene) = (Arc::new(Followed::new(variant(MethodKind::Smr), targets)), Arc::new(scene));
+        let followed = Arc::new(Followed::new(variant(MethodKind::Smr), targets, &scene).unwrap());
+        let scene = Arc::new(scene);
         let (of, from) = (Arc::clone(&followed), Arc::clone(&scene));
         thread::spawn(move || of.run(from.as_ref()));
         Self { followed, scene, position: 0 }
