@@ -288,6 +288,16 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
 }
 
 #[test]
+fn a_part_of_a_frame_has_its_own_pixels() {
+    let window = Window::open(&["periodic"]);
+    let part = |query: &str| window.get(&format!("frames/3.png?{query}"));
+    let (status, png) = part("part=-5,10,30,8");
+    assert!(status == 200 && png.starts_with(b"\x89PNG") && png[16..24] == [0, 0, 0, 25, 0, 0, 0, 8]);
+    assert_eq!([part("part=9,9,9"), part("part=9999,0,9,9"), part("")].map(|(status, _)| status), [400; 3]);
+    assert_eq!(window.get("frames/99999.png?part=0,0,9,9").0, 404);
+}
+
+#[test]
 fn a_file_that_is_not_wanted_any_more_is_cancelled() {
     let window = Window::open(&["street"]);
     assert_eq!(window.post("report", &json!({})).0, 200);

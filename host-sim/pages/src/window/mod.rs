@@ -28,7 +28,7 @@ pub use server::Server;
 pub use session::{Session, Work};
 
 use anyhow::Result;
-use smr_recordings::GrayFrame;
+use smr_recordings::{ColorFrame, GrayFrame};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The longest side of a picture, in pixels.
@@ -58,6 +58,12 @@ pub trait Source: Send + Sync {
 
     /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
+
+    /// Returns the frame with all its pixels, in color if the source has color; `None` if there is no such frame, or only
+    /// its picture is kept.
+    fn color(&self, _number: usize) -> Option<Arc<ColorFrame>> {
+        None
+    }
 
     /// Returns the state of a camera; `None` for a recording.
     fn live(&self) -> Option<LiveState> {

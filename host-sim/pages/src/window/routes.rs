@@ -6,7 +6,7 @@ use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Session, Source};
 use crate::export::boxes::Format;
-use crate::front_end;
+use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use serde::de::DeserializeOwned;
@@ -98,6 +98,7 @@ impl Window {
                 let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
             }
+            (false, "frames", name) if name.ends_with(".png") => self.part(name, query)?,
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
@@ -242,6 +243,17 @@ impl Window {
             Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
             None => Reply::error(404, "there is no such frame, or it is not kept any more"),
         }
+    }
+
+    /// Returns the pixels of a part of a frame as they are.
+    fn part(&self, name: &str, query: &str) -> Result<Reply> {
+        let numbers = value(query, "part").and_then(|part| part.split(',').map(|number| number.parse().ok()).collect());
+        let part = numbers.and_then(|numbers: Vec<i32>| numbers.try_into().ok()).context("expected ?part=X,Y,W,H")?;
+        let Some(color) = frame(name, ".png").and_then(|number| self.source.color(number)) else {
+            return Ok(Reply::error(404, "there is no such frame, or only its picture is kept"));
+        };
+        let bytes = encode::part_png(&color, part)?;
+        Ok(Reply::new("image/png", bytes.context("this part lies outside the frame: expected one inside")?))
     }
 
     fn make(&self, ending: &str) -> Result<Reply> {
