@@ -288,6 +288,37 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
 }
 
 #[test]
+fn boxes_of_a_file_are_locks() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let file = folder.path().join("boxes.csv");
+    let window = Window::open(&[recording]);
+    let mut car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
+    car[0]["locks"].as_array_mut().unwrap().insert(1, json!({ "frame": 20, "box": null }));
+    assert_eq!(window.post("targets", &car).0, 200);
+    window.followed();
+    let csv = window.text("boxes?format=csv");
+    let inits = ["--init", "37,24,24,28@2", "--init", "gone@20", "--init", "80,40,24,28@30"];
+    assert_eq!(csv, host_sim(&[&["track", recording, "--format", "csv"], &inits[..]].concat()).out);
+    fs::write(&file, &csv).unwrap();
+    let post = |text: &str, name: &str| window.asked(&format!("POST /{}/boxes?name={name}", window.token), "", text);
+    let (status, _, read) = post(&csv, "boxes.csv");
+    let read: Value = serde_json::from_slice(&read).unwrap();
+    assert_eq!((status, &read["targets"][0]["locks"]), (200, &car[0]["locks"]));
+    let (_, _, read) = post(&window.text("boxes?format=cvat"), "boxes.xml");
+    let read: Value = serde_json::from_slice(&read).unwrap();
+    let locks = read["targets"][0]["locks"].as_array().unwrap();
+    assert_eq!((locks.len(), &locks[0], &locks[18]), (18 + 1 + 11, &car[0]["locks"][0], &car[0]["locks"][1]));
+    let (status, _, said) = post("frame\n", "my%20boxes.csv");
+    assert!(status == 400 && said.starts_with(b"my boxes.csv: line 1: there is no column x"));
+    drop(window);
+    let window = Window::open(&[recording, "--boxes", utf8(&file), "--session", utf8(&folder.path().join("new.json"))]);
+    assert_eq!(begun(&window).0[0]["locks"], car[0]["locks"]);
+    window.followed();
+    assert_eq!(window.text("boxes?format=csv"), csv);
+}
+
+#[test]
 fn a_part_of_a_frame_has_its_own_pixels() {
     let window = Window::open(&["periodic"]);
     let part = |query: &str| window.get(&format!("frames/3.png?{query}"));

@@ -11,8 +11,9 @@ use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{
-    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work,
+    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work, read_boxes,
 };
+use smr_recordings::input;
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
 use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
@@ -31,6 +32,12 @@ pub struct View {
     /// How targets are followed [default: robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
+    /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video
+    ///
+    /// Of CSV, the boxes without a confidence are locks: the others are answers, which follow from these. In a file with states a target is
+    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone.
+    #[arg(long, value_name = "FILE", conflicts_with = "init")]
+    boxes: Option<PathBuf>,
     /// The file in which the targets, the method and its options are kept [default: SEQ.smr.json, beside the recording]
     ///
     /// It is made at the first change and written after each one, and `view` goes on with it. Boxes on the command line take the place of its
@@ -82,7 +89,8 @@ impl View {
         let is_live = source.live().is_some();
         let (session, work) = Session::open(self.session_file(is_live), &name)?;
         // The file of the targets, for errors.
-        let from = session.name().filter(|_| work.is_some()).unwrap_or_else(|| name.clone());
+        let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
+        let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
         let (variant, targets) = match work {
             Some(work) => self.resumed(work, &session, (given, targets), is_live)?,
             None => (given, targets),
@@ -152,6 +160,11 @@ impl View {
 
     /// The targets that are given, or else the one beside the recording.
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
+        if let Some(file) = &self.boxes {
+            return input::text(file, &input::BOXES)
+                .and_then(|text| read_boxes(&text))
+                .with_context(|| file.display().to_string());
+        }
         let given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
         let target = |id, name: Option<String>, rects: Vec<(usize, Option<Rect>)>| {
@@ -186,7 +199,7 @@ impl View {
     ) -> Result<(Variant, Vec<Target>)> {
         let name = session.name().unwrap_or_default();
         // The frames of a camera have other numbers now.
-        let has_targets = !self.init.is_empty() || is_live;
+        let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
         let mut note = format!("note: goes on with {name}");
         if has_targets || has_method {

@@ -118,6 +118,8 @@ const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
+/// The most trackers of a recording that are kept for segments with all their answers: a file of boxes may have a lock in each frame.
+const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Most rows that a segment of a camera keeps: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
@@ -541,6 +543,12 @@ impl Following<'_> {
                 return None;
             }
             let oldest = self.source.oldest();
+            for Task { key, .. } in state.tasks().into_iter().filter(|task| task.has_begun()) {
+                // Its tracker is not kept any more: it begins anew.
+                if !self.trackers.contains_key(&key) {
+                    state.segments.entry(key).and_modify(|segment| segment.rows.clear());
+                }
+            }
             // After the lock, a tracker may skip frames of a camera.
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
@@ -639,6 +647,9 @@ impl Following<'_> {
             state.seen = state.seen.max(number);
             state.end = state.end.filter(|&end| number <= end);
             let tasks = state.tasks();
+            if self.trackers.len() > MOST_TRACKERS && !is_live {
+                self.trackers.retain(|key, _| tasks.iter().any(|task| task.key == *key));
+            }
             !state.stopped
                 && !tasks.is_empty()
                 && (is_live && tasks.iter().all(|task| task.next >= number || task.has_begun())

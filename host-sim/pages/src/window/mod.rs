@@ -10,6 +10,7 @@
 //! changed, a page asks for parts of them. Frames come from a `recording` or a `camera`. The page itself is
 //! core/web/page/window.html. `session` keeps what the user has done in a file.
 
+mod boxes;
 mod camera;
 mod following;
 mod made;
@@ -19,6 +20,7 @@ mod routes;
 mod server;
 mod session;
 
+pub use boxes::read as read_boxes;
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
 pub use made::{Job, Made};

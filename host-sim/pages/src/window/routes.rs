@@ -4,7 +4,7 @@ use super::following::{Followed, Heard, Row, Target};
 use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
-use super::{Known, Session, Source};
+use super::{Known, Session, Source, read_boxes};
 use crate::export::boxes::Format;
 use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
@@ -116,6 +116,12 @@ impl Window {
                     self.keep();
                 }
                 json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
+            }
+            (true, "boxes", "") => {
+                let name = value(query, "name").map_or("these boxes".to_owned(), decoded);
+                let text = std::str::from_utf8(body).context("it is not text in UTF-8: expected CSV or CVAT XML");
+                let targets = text.and_then(read_boxes).context(name)?;
+                json_reply(&json!({ "targets": targets }))
             }
             (true, "method", "") => {
                 let (method, options): (String, Option<Map<_, _>>) = (field(body, "method")?, field(body, "options")?);
@@ -293,6 +299,18 @@ fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
 /// Returns the number of the frame in the name of a picture, such as `7.jpg`.
 fn frame(name: &str, ending: &str) -> Option<usize> {
     name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
+}
+
+/// Decodes `%20` and the like.
+fn decoded(text: &str) -> String {
+    let mut parts = text.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let byte = part.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(byte.unwrap_or(b'%'));
+        bytes.extend(&part.as_bytes()[if byte.is_some() { 2 } else { 0 }..]);
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 fn number(query: &str, name: &str) -> Result<u64> {

@@ -195,6 +195,16 @@ fn a_target_that_is_gone_has_no_answers_until_its_next_box() {
 }
 
 #[test]
+fn trackers_of_many_locks_are_not_kept_and_what_needs_one_again_begins_anew() {
+    let dense: Vec<usize> = (1..=20).collect();
+    let mut running = Running::start(Scene::default(), vec![target(1, &dense)]);
+    running.heard();
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &dense));
+    running.set(vec![target(1, &[1, 15])]);
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 15]));
+}
+
+#[test]
 fn other_trackers_follow_all_again() {
     let mut running = Running::start(Scene { known: FRAMES, ..Scene::default() }, vec![target(1, &[3])]);
     running.heard();
