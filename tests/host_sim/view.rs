@@ -409,6 +409,46 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
 }
 
+/// The window follows the frames that are there, and the command that it shows gives the same answers.
+#[test]
+fn what_is_shown_for_a_damaged_recording_repeats_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = recording(&folder);
+    fs::write(folder.path().join("synthetic/00021.png"), b"\x89PNG").unwrap();
+    let (film, cut) = (folder.path().join("film.y4m"), folder.path().join("cut.mp4"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..60", "--out", utf8(&film)]).code, Some(0));
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg
+        .args(["-nostdin", "-v", "error", "-i"])
+        .arg(&film)
+        .args(["-c:v", "libx264", "-g", "10", "-movflags", "+faststart"])
+        .arg(&cut);
+    let mut recordings = vec![pictures];
+    if crate::missing::runs(&mut ffmpeg) {
+        let whole = fs::read(&cut).unwrap();
+        fs::write(&cut, &whole[..whole.len() * 6 / 10]).unwrap();
+        recordings.push(utf8(&cut).to_owned());
+    } else {
+        skipped("what_is_shown_for_a_damaged_recording_repeats_it", "no ffmpeg that writes mp4");
+    }
+    for recording in &recordings {
+        let window = Window::open(&[recording, "--init", "36,24,24,28"]);
+        window.wait("the damage", |news| news["said"].is_string());
+        let news = window.followed();
+        let words = format!("{recording} --frames ..{}", news["followed"]);
+        assert_eq!((&window.json("source")["words"], &news["words"]), (&json!(words), &json!(words)));
+        let track = host_sim(
+            &[&["track", "--init", "36,24,24,28", "--format", "csv"], &words.split(' ').collect::<Vec<_>>()[..]]
+                .concat(),
+        );
+        assert_eq!((track.code, track.out), (Some(0), window.text("boxes?format=csv")), "{}", track.err);
+        assert!(window.made("report", &json!({})).starts_with(b"<!DOCTYPE"));
+        assert_eq!(window.post("targets", &target(&[(1, [36, 24, 24, 28]), (25, [50, 40, 24, 28])])).0, 200);
+        let words = window.json("source")["words"].clone();
+        assert_eq!(words == json!(recording), recording.ends_with("synthetic"), "{words}: a lock behind the damage");
+    }
+}
+
 /// Names that look like an option, or that are no text.
 #[cfg(target_os = "linux")]
 #[test]

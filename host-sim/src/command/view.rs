@@ -319,6 +319,7 @@ impl Wish for Desk {
         let words = [
             vec![command.into()],
             self.words.clone(),
+            followed.whole().map_or(Vec::new(), |last| vec!["--frames".into(), format!("..{last}").into()]),
             inits(&targets),
             vec!["--method".into(), kind.name().into()],
             typed(&options),

@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, check_gone, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -137,6 +137,8 @@ struct State {
     end: Option<usize>,
     /// Highest frame number that was read.
     seen: usize,
+    /// Number of the last frame before damage.
+    damaged: Option<usize>,
     /// Frame being followed, and the frames followed a second.
     at: Option<(usize, f64)>,
     stopped: bool,
@@ -318,6 +320,7 @@ impl Followed {
             news: News::default(),
             end: None,
             seen: 0,
+            damaged: None,
             at: None,
             stopped: false,
         };
@@ -505,6 +508,13 @@ impl Followed {
         self.reached(known).0
     }
 
+    /// Returns the last frame before damage that ends a command, unless a target is locked behind it.
+    pub fn whole(&self) -> Option<usize> {
+        let state = self.state();
+        let mut locks = state.targets.iter().flat_map(|target| &target.locks);
+        state.damaged.filter(|&last| last > 0 && locks.all(|lock| lock.frame <= last))
+    }
+
     /// Makes a pass whenever segments lack answers, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
         let is_live = source.live().is_some();
@@ -594,6 +604,9 @@ impl Following<'_> {
                 state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
             }
             if let Some(error) = error {
+                if error.is::<Damaged>() {
+                    state.damaged = Some(state.damaged.map_or(last, |before| before.min(last)));
+                }
                 state.news.say(messages::of(error));
             } else if known.map_or(start == 1, |all| last >= all) {
                 state.end = Some(last);
@@ -646,6 +659,7 @@ impl Following<'_> {
             state.at = Some((number, rate));
             state.seen = state.seen.max(number);
             state.end = state.end.filter(|&end| number <= end);
+            state.damaged = state.damaged.filter(|&last| number != last + 1);
             let tasks = state.tasks();
             if self.trackers.len() > MOST_TRACKERS && !is_live {
                 self.trackers.retain(|key, _| tasks.iter().any(|task| task.key == *key));

@@ -173,6 +173,11 @@ impl Window {
         self.followed.known(self.source.as_ref())
     }
 
+    /// Returns the source and its options as they are typed, and the frames before damage.
+    fn words(&self) -> String {
+        self.words.clone() + &self.followed.whole().map_or(String::new(), |last| format!(" --frames ..{last}"))
+    }
+
     fn told_source(&self) -> Value {
         let Known { frames, times } = self.known();
         let variant = self.followed.variant();
@@ -190,7 +195,7 @@ impl Window {
             "methods": ["robust", "smr"],
             "method": variant.kind.name(),
             "options": origin["options"],
-            "words": self.words,
+            "words": self.words(),
             "targets": targets,
             "revision": revision,
             "formats": Format::value_variants().iter().map(offer).collect::<Value>(),
@@ -224,8 +229,11 @@ impl Window {
         if !void.is_empty() {
             news["clear"] = void.iter().map(told).collect();
         }
-        if let Some((targets, revision)) = targets {
+        if let Some((targets, revision)) = &targets {
             (news["targets"], news["revision"]) = (json!(targets), json!(revision));
+        }
+        if frames || targets.is_some() {
+            news["words"] = json!(self.words());
         }
         if frames {
             let Known { frames, times } = self.known();
