@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, check_gone, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -49,7 +49,11 @@ impl Target {
 }
 
 impl Lock {
-    fn rect(&self) -> Option<Rect> {
+    pub fn new(frame: usize, rect: Option<Rect>) -> Self {
+        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)) }
+    }
+
+    pub fn rect(&self) -> Option<Rect> {
         self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
     }
 }
@@ -114,6 +118,8 @@ const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
+/// The most trackers of a recording that are kept for segments with all their answers: a file of boxes may have a lock in each frame.
+const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Most rows that a segment of a camera keeps: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
@@ -131,6 +137,8 @@ struct State {
     end: Option<usize>,
     /// Highest frame number that was read.
     seen: usize,
+    /// Number of the last frame before damage.
+    damaged: Option<usize>,
     /// Frame being followed, and the frames followed a second.
     at: Option<(usize, f64)>,
     stopped: bool,
@@ -300,9 +308,10 @@ pub(super) struct Heard {
 }
 
 impl Followed {
-    pub fn new(variant: Variant, targets: Vec<Target>) -> Self {
-        let state = State {
-            targets,
+    /// Errors: Those of [`Followed::set_targets`]; of a camera, whose frames are still to come, none for frames.
+    pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
+        let mut state = State {
+            targets: Vec::new(),
             editions: vec![variant.origin()],
             variant,
             edition: 0,
@@ -311,12 +320,14 @@ impl Followed {
             news: News::default(),
             end: None,
             seen: 0,
+            damaged: None,
             at: None,
             stopped: false,
         };
-        let followed = Self { state: Mutex::new(state), changed: Condvar::new() };
-        followed.state().arrange();
-        followed
+        let (known, oldest) = source.live().map_or_else(|| (source.known().frames, 1), |_| (None, 0));
+        state.targets = state.checked(targets, known, oldest)?;
+        state.arrange();
+        Ok(Self { state: Mutex::new(state), changed: Condvar::new() })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -422,6 +433,11 @@ impl Followed {
         });
     }
 
+    /// Tells the user.
+    pub(super) fn say(&self, line: String) {
+        self.change(|state| state.news.say(line));
+    }
+
     /// Tells the pages that the file `id`, made for the user, has progressed.
     pub(super) fn makes(&self, id: u32) {
         self.change(|state| state.news.makes(id));
@@ -492,6 +508,13 @@ impl Followed {
         self.reached(known).0
     }
 
+    /// Returns the last frame before damage that ends a command, unless a target is locked behind it.
+    pub fn whole(&self) -> Option<usize> {
+        let state = self.state();
+        let mut locks = state.targets.iter().flat_map(|target| &target.locks);
+        state.damaged.filter(|&last| last > 0 && locks.all(|lock| lock.frame <= last))
+    }
+
     /// Makes a pass whenever segments lack answers, until [`Self::stop`].
     pub(super) fn run(&self, source: &dyn Source) {
         let is_live = source.live().is_some();
@@ -530,6 +553,12 @@ impl Following<'_> {
                 return None;
             }
             let oldest = self.source.oldest();
+            for Task { key, .. } in state.tasks().into_iter().filter(|task| task.has_begun()) {
+                // Its tracker is not kept any more: it begins anew.
+                if !self.trackers.contains_key(&key) {
+                    state.segments.entry(key).and_modify(|segment| segment.rows.clear());
+                }
+            }
             // After the lock, a tracker may skip frames of a camera.
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
@@ -575,6 +604,9 @@ impl Following<'_> {
                 state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
             }
             if let Some(error) = error {
+                if error.is::<Damaged>() {
+                    state.damaged = Some(state.damaged.map_or(last, |before| before.min(last)));
+                }
                 state.news.say(messages::of(error));
             } else if known.map_or(start == 1, |all| last >= all) {
                 state.end = Some(last);
@@ -627,7 +659,11 @@ impl Following<'_> {
             state.at = Some((number, rate));
             state.seen = state.seen.max(number);
             state.end = state.end.filter(|&end| number <= end);
+            state.damaged = state.damaged.filter(|&last| number != last + 1);
             let tasks = state.tasks();
+            if self.trackers.len() > MOST_TRACKERS && !is_live {
+                self.trackers.retain(|key, _| tasks.iter().any(|task| task.key == *key));
+            }
             !state.stopped
                 && !tasks.is_empty()
                 && (is_live && tasks.iter().all(|task| task.next >= number || task.has_begun())

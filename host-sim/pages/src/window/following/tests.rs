@@ -59,8 +59,7 @@ impl Source for Scene {
 }
 
 fn lock(frame: usize) -> Lock {
-    let Rect { x, y, width, height } = synthetic::truth(frame - 1).unwrap().to_rect().unwrap();
-    Lock { frame, bbox: Some((x, y, width, height)) }
+    Lock::new(frame, synthetic::truth(frame - 1).unwrap().to_rect())
 }
 
 fn target(id: u32, frames: &[usize]) -> Target {
@@ -79,7 +78,8 @@ struct Running {
 
 impl Running {
     fn start(scene: Scene, targets: Vec<Target>) -> Self {
-        let (followed, scene) = (Arc::new(Followed::new(variant(MethodKind::Smr), targets)), Arc::new(scene));
+        let followed = Arc::new(Followed::new(variant(MethodKind::Smr), targets, &scene).unwrap());
+        let scene = Arc::new(scene);
         let (of, from) = (Arc::clone(&followed), Arc::clone(&scene));
         thread::spawn(move || of.run(from.as_ref()));
         Self { followed, scene, position: 0 }
@@ -192,6 +192,16 @@ fn a_target_that_is_gone_has_no_answers_until_its_next_box() {
     assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]), "undo");
     let lock = |text| serde_json::from_str::<Lock>(text);
     assert!(lock(r#"{"frame":2,"box":null}"#).unwrap().bbox.is_none() && lock(r#"{"frame":2}"#).is_err());
+}
+
+#[test]
+fn trackers_of_many_locks_are_not_kept_and_what_needs_one_again_begins_anew() {
+    let dense: Vec<usize> = (1..=20).collect();
+    let mut running = Running::start(Scene::default(), vec![target(1, &dense)]);
+    running.heard();
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &dense));
+    running.set(vec![target(1, &[1, 15])]);
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 15]));
 }
 
 #[test]
