@@ -30,7 +30,7 @@ export class Playback {
    */
   constructor(page) {
     this.#page = page;
-    this.#pictures = new Pictures((number) => page.picture(number), (number) => this.#came(number), (number, error) => this.#missed(number, error));
+    this.forget(1, 1);
     addEventListener("hashchange", () => this.goTo(addressed() ?? this.frame));
   }
 
@@ -61,6 +61,14 @@ export class Playback {
   /** Sets the frames that can be reached. */
   reach(first, last) {
     [this.first, this.last] = [first, last];
+  }
+
+  /** Forgets all frames: there are others now. */
+  forget(first, last) {
+    [this.frame, this.shown, this.#playing] = [null, null, null];
+    const pictures = new Pictures(this.#page.picture, (number) => pictures === this.#pictures && this.#came(number), (number, error) => this.#missed(number, error));
+    this.#pictures = pictures;
+    this.reach(first, last);
   }
 
   goTo(number) {

@@ -9,13 +9,14 @@ import { Drag, gripOf } from "./drag.js";
 import { Edits, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { Figures } from "./figures.js";
-import { FRAMES, Graph } from "./graph.js";
+import { FRAMES, chartsOf } from "./curves.js";
+import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { METHODS, SETTINGS, TITLES } from "./methods.js";
 import { Playback } from "./playback.js";
+import { drawStage } from "./stage.js";
 import { Timeline } from "./timeline.js";
 import { drawCommands, drawFiles, drawMade, drawTaken } from "./window-files.js";
-import { drawWindow } from "./window-stage.js";
 
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
@@ -237,7 +238,7 @@ function draw() {
     if (playback.picture !== undefined) {
       const inOrder = [...edits.targets].sort((one, other) => (one === edits.chosen) - (other === edits.chosen));
       const color = (pulled === null ? edits.chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
-      drawWindow(byId("stage"), { picture: playback.picture, size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
+      drawStage(byId("stage"), { picture: playback.picture, size: size(), view: seen(), boxes: inOrder.flatMap(drawn), proposed, color });
     }
   });
   reading ??= setTimeout(() => {
@@ -302,8 +303,9 @@ function drawChosen(chosen) {
   figures.draw({ now: { [source.method]: now ?? {} }, time: () => NaN }, on);
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end, shown);
-    graph.draw({ histories: { [source.method]: history } }, on, { end, now: shown, named });
+    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end);
+    const charts = chartsOf(byId("curves"), { histories: { [source.method]: history } }, on);
+    graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
   }
 }
 
@@ -519,7 +521,7 @@ function prepare() {
   byId("method").append(...source.methods.map((method) => htmlNode("option", { value: method }, TITLES[method])));
   showSettings(source.options);
   showMethod();
-  graph = new Graph(byId("curves"));
+  graph = new Graph({ goTo: visit });
   figures = new Figures(byId("figures"), NOT_THERE);
   seesCurves = inView(byId("curves"), draw);
   drawFiles(byId("files"), source, take, make);
