@@ -1,7 +1,7 @@
 // The answers for each target by the number of the frame, for as many frames as there are.
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
-// Whole numbers stand for 1.0 in the trackers; figures.js and graph.js take those.
+// Whole numbers stand for 1.0 in the trackers; figures.js and curves.js take those.
 const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1 };
 const COLUMNS = Object.keys(UNITS);
 const LEAST = 1024;
@@ -73,15 +73,12 @@ export class Answers {
     }
   }
 
-  /** The answers from one frame to another as graph.js takes them, with the values of the frame `now` to name. */
-  around(id, first, last, now) {
+  /** The answers from one frame to another as curves.js takes them. */
+  around(id, first, last) {
     const rows = this.#targets.get(id);
     const numbers = Array.from({ length: Math.max(last - first + 1, 0) }, (_, at) => first + at).filter((number) => rows?.state(number) !== undefined);
     const read = { number: (number) => number, state: (number) => rows.state(number) };
-    return {
-      last: (name) => numbers.map(read[name] ?? ((number) => rows.value(name, number))),
-      row: () => ({ confidence: NaN, ratio: NaN, ...rows?.row(now) }),
-    };
+    return { last: (name) => numbers.map(read[name] ?? ((number) => rows.value(name, number))) };
   }
 }
 

@@ -11,18 +11,20 @@ import { Figures } from "./figures.js";
 import { Film } from "./film.js";
 import { Followed } from "./followed.js";
 import { Follower } from "./follower.js";
+import { FRAMES, chartsOf } from "./curves.js";
 import { Graph } from "./graph.js";
 import { KEPT } from "./history.js";
 import { drawList } from "./list.js";
-import { METHODS, SETTINGS, TITLES } from "./methods.js";
-import { palette } from "./palette.js";
+import { METHODS, SETTINGS, SHORT, TITLES } from "./methods.js";
+import { lookOf, palette } from "./palette.js";
 import { Player } from "./player.js";
 import { BUILT_IN, Recording } from "./recording.js";
 import { csv, json } from "./rows.js";
 import { commandLine } from "./command.js";
+import { drawStage } from "./stage.js";
 import { Timeline } from "./timeline.js";
-import { drawStage } from "./view.js";
 import { Video } from "./video.js";
+import { sceneOf } from "./view.js";
 
 const MOST_TARGETS = 8;
 const READINGS_MS = 80;
@@ -234,7 +236,7 @@ function draw() {
   drawing ??= requestAnimationFrame(() => {
     drawing = null;
     if (number !== null) {
-      drawStage(byId("stage"), { picture, size, targets, chosen, on: settings.on, box: proposed, number });
+      drawStage(byId("stage"), sceneOf({ picture, size, targets, chosen, on: settings.on, box: proposed, number }));
     }
     reading ??= setTimeout(() => {
       reading = null;
@@ -246,7 +248,8 @@ function draw() {
 function drawReadings() {
   const { on } = settings;
   if (seesCurves()) {
-    graph.draw(chosen, on);
+    const last = Math.max(FRAMES, chosen?.last ?? 0);
+    graph.draw({ charts: chartsOf(byId("curves"), chosen, on), first: last - FRAMES + 1, last, now: number, timeOf });
   }
   if (seesComparisons()) {
     cards.draw(chosen, on);
@@ -267,7 +270,7 @@ function events() {
   if (told.key !== key) {
     const locks = chosen?.locks ?? [];
     const isLock = ({ kind }) => kind === "locked" || kind === "corrected";
-    const ofMethod = ([method, history]) => eventsOf(history.states(), locks).filter((one) => !isLock(one)).map((one) => ({ ...one, name: TITLES[method] }));
+    const ofMethod = ([method, history]) => eventsOf(history.states(), locks).filter((one) => !isLock(one)).map((one) => ({ ...one, name: SHORT[method] }));
     told = { key, events: [...eventsOf([], locks), ...histories.flatMap(ofMethod)].sort((one, other) => one.frame - other.frame) };
   }
   return told.events;
@@ -289,7 +292,7 @@ function stripsOf(target) {
   const isChosen = target === chosen;
   const methods = METHODS.filter((method) => settings.on[method]).slice(0, isChosen ? METHODS.length : 1);
   return methods.map((method) => ({
-    color: isChosen ? palette()[method].onPage : palette().faint, isChosen, states: (frame) => target.histories[method]?.stateAt(frame),
+    color: isChosen ? lookOf(method).onPage : palette().faint, isChosen, states: (frame) => target.histories[method]?.stateAt(frame),
   }));
 }
 
@@ -312,7 +315,7 @@ function drawControls() {
   byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: this machine was behind.`}${stopped}`;
   byId("filming").value = film === null ? "" : `frame ${film.next - 1} of ${film.last}`;
   byId("film").textContent = film === null ? "Video with boxes" : "Stop and save the video";
-  const states = METHODS.map((method) => chosen?.now[method]?.state && `${TITLES[method]}: ${chosen.now[method].state}`).filter(Boolean);
+  const states = METHODS.map((method) => chosen?.now[method]?.state && `${SHORT[method]}: ${chosen.now[method].state}`).filter(Boolean);
   byId("stage").setAttribute("aria-label", ["The frame with its boxes", ...states].join(", "));
   drawCommand();
 }
@@ -377,7 +380,7 @@ function filmed() {
   const { source } = player;
   const seconds = (frame) => source.timeOf(frame) ?? frame / source.rate;
   targets.forEach((target) => target.showAt(number));
-  film.pictures.add({ picture, size, targets, chosen, on: settings.on, box: null, number }, seconds(number) - seconds(film.first));
+  film.pictures.add(sceneOf({ picture, size, targets, chosen, on: settings.on, box: null, number }), seconds(number) - seconds(film.first));
   film.next += 1;
   if (number === film.last) {
     endFilm();
@@ -522,7 +525,7 @@ async function start() {
   const { version: found, simd } = await follower.ask("start", { modules: packedModules(), settings });
   version = found;
   byId("version").textContent = `smr ${version}, ${simd ? "with" : "without"} SIMD`;
-  graph = new Graph(byId("curves"));
+  graph = new Graph({ goTo: seek });
   cards = new Cards(byId("comparisons"));
   figures = new Figures(byId("figures"));
   drawScale(byId("scale"));

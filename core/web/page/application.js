@@ -11,16 +11,17 @@ import { Edits, isGone, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
 import { Figures } from "./figures.js";
-import { FRAMES, Graph } from "./graph.js";
+import { FRAMES, chartsOf } from "./curves.js";
+import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { METHODS } from "./methods.js";
 import { Playback, frameNamed } from "./playback.js";
 import { Preview } from "./preview.js";
+import { drawStage } from "./stage.js";
 import { Timeline } from "./timeline.js";
 import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
 import { drawTrail } from "./trail.js";
 import { Viewport } from "./viewport.js";
-import { drawWindow } from "./window-stage.js";
 
 const READINGS_MS = 80;
 const EVENTS_MS = 400;
@@ -302,7 +303,7 @@ function drawFrame() {
       edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
     }
   };
-  drawWindow(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
+  drawStage(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
 }
 
 // The events of a target. Of an hour they take a while, so they are not found anew for each answer.
@@ -363,8 +364,9 @@ function drawChosen(chosen) {
   figures.draw({ now: { [recording.method]: now ?? {} }, time: () => NaN }, on);
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end, shown);
-    graph.draw({ histories: { [recording.method]: history } }, on, { end, now: shown, named });
+    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end);
+    const charts = chartsOf(byId("curves"), { histories: { [recording.method]: history } }, on);
+    graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
   }
 }
 
@@ -587,7 +589,7 @@ function prepare() {
     },
   });
   viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => drag.drop() });
-  graph = new Graph(byId("curves"));
+  graph = new Graph({ goTo: visit });
   figures = new Figures(byId("figures"), NOT_THERE);
   seesCurves = inView(byId("curves"), draw);
 }
@@ -607,7 +609,7 @@ function opened(facts) {
   edits.load(recording.targets);
   showTracker(recording);
   drawMenu(byId("files"), recording, { take, make: kind === "live" || source.make === undefined ? undefined : make });
-  playback.reset();
+  playback.forget(recording.first, recording.first);
   viewport.whole();
   measure();
   playback.begin(recording.frame ?? playback.first);

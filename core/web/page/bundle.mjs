@@ -5,7 +5,9 @@ import { readFileSync } from "node:fs";
 const IMPORT = /^import\s*\{([^}]*)\}\s*from\s*"(\.[^"]*)";\n/gm;
 const EXPORT_FROM = /^export\s*\{([^}]*)\}\s*from\s*"(\.[^"]*)";\n/gm;
 const EXPORT = /^export (?=(?:const|let|class|function\*?|async function) (\w+))/gm;
-const COMMENT = /^\s*(?:\/\/.*|\/\*\*.*\*\/|\/\*\*[^/]*?\*\/)\n/gm;
+// At the end of a line. Texts have quotes.
+const REMARK = / \/\/ [^"'`\n]*$/gm;
+const COMMENT = /^\s*(?:\/\/.*|\/\*\*.*\*\/|\/\*\*(?:[^*]|\*(?!\/))*\*\/)\n/gm;
 
 /** The script of the module at the address `entry`, with all that it imports before it. */
 export function bundle(entry) {
@@ -36,6 +38,7 @@ function add(address, places, parts, above) {
       return "";
     })
     .replace(COMMENT, "")
+    .replace(REMARK, "")
     // No text of the page goes over lines.
     .replace(/^ +/gm, "")
     // A worker of a page from disk cannot be a module, and only modules have this.

@@ -1,7 +1,7 @@
 // Template, difference and response map of the chosen target, in the shades of the page of `host-sim report`.
 
 import { htmlNode, sample } from "./dom.js";
-import { METHODS, TITLES } from "./methods.js";
+import { METHODS, SHORT } from "./methods.js";
 
 // Differences above this are drawn as bright as this.
 const BRIGHTEST = 127;
@@ -29,8 +29,8 @@ export class Cards {
 
 function card(place, method) {
   const [first, second] = [htmlNode("canvas", { role: "img" }), htmlNode("canvas", { role: "img" })];
-  first.setAttribute("aria-label", `template of ${TITLES[method]}`);
-  second.setAttribute("aria-label", method === "robust" ? "response map of ROBUST" : "differences of SMR");
+  first.setAttribute("aria-label", `template of ${SHORT[method]}`);
+  second.setAttribute("aria-label", method === "robust" ? "response map of Robust" : "differences of Paper");
   const words = htmlNode("span", {});
   const whole = htmlNode("figure", { class: "card" }, htmlNode("div", { class: "pair" }, first, second), htmlNode("figcaption", {}, sample(method), words));
   whole.hidden = true;
@@ -45,12 +45,12 @@ function drawCard({ first, second, words }, method, { pictures, alpha, state, co
     const { span, responses } = responseMap;
     const [least, most] = responses.reduce(([low, high], one) => [Math.min(low, one), Math.max(high, one)], [0, 1]);
     paint(second, { width: span, height: span, pixels: Uint8Array.from(responses, (one) => (255 * (one - least)) / (most - least)) }, GRAY);
-    words.textContent = `${TITLES[method]}: highest response ${(most / 16384).toFixed(2)}, confidence ${(confidence / 65535).toFixed(2)}`;
+    words.textContent = `${SHORT[method]}: highest response ${(most / 16384).toFixed(2)}, confidence ${(confidence / 65535).toFixed(2)}`;
   } else {
     paint(second, difference, (level) => (level < alpha ? GREEN(bright(level)) : GRAY(bright(level))));
     const counting = difference.pixels.filter((level) => level < alpha).length / difference.pixels.length;
     const believed = state === "lost" ? ", at its last place" : "";
-    words.textContent = `${TITLES[method]}: ${Math.round(100 * counting)}% of the pixels count, alpha ${alpha}${believed}`;
+    words.textContent = `${SHORT[method]}: ${Math.round(100 * counting)}% of the pixels count, alpha ${alpha}${believed}`;
   }
 }
 

@@ -2,7 +2,7 @@
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";
-import { METHODS, TITLES } from "./methods.js";
+import { METHODS, SHORT } from "./methods.js";
 
 const part = (value, unit) => (value === undefined || value === null ? "–" : (value / unit).toFixed(3));
 const whole = (value) => (value === undefined || value === null ? "–" : String(value));
@@ -52,7 +52,7 @@ export class Figures {
   }
 
   #make(methods) {
-    const heads = methods.map((method) => htmlNode("th", { scope: "col" }, sample(method), TITLES[method]));
+    const heads = methods.map((method) => htmlNode("th", { scope: "col" }, sample(method), SHORT[method]));
     const lines = this.#rows.map(([title]) => {
       const cells = methods.map((method) => {
         const cell = htmlNode("td", {});

@@ -1,6 +1,6 @@
 // The video with its boxes: draws the frames that come, one after the other, and packs them into a WebM file.
 
-import { drawScene } from "./view.js";
+import { drawFrame } from "./stage.js";
 import { Webm } from "./webm.js";
 
 // Smaller pictures are enlarged, so that lines and words have room. In larger ones these grow.
@@ -44,13 +44,13 @@ export class Film {
     }
   }
 
-  /** Adds a picture. `scene`: see view.js; `time` in seconds. */
+  /** Adds a picture. `scene`: see stage.js; `time` in seconds. */
   add(scene, time) {
     const { width, height } = this.#canvas;
     const scale = Math.max(height / FINE_HEIGHT, 1);
     const context = this.#canvas.getContext("2d");
     context.setTransform(scale, 0, 0, scale, 0, 0);
-    drawScene(context, { width: width / scale, height: height / scale }, scene);
+    drawFrame(context, { width: width / scale, height: height / scale }, scene);
     const picture = new VideoFrame(this.#canvas, { timestamp: Math.round(time * 1e6) });
     this.#encoder.encode(picture, { keyFrame: this.#pictures % KEY_EACH === 0 });
     picture.close();

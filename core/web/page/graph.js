@@ -1,136 +1,414 @@
-// The curves: states, confidence and ratio of the chosen target in its last frames, drawn as on the page of `host-sim
-// report`.
+// Charts over frames: curves, bands of states, and the values of one frame. A click goes to a frame; a drag, the wheel, fingers and keys zoom.
 
 import { fitted, htmlNode, sample } from "./dom.js";
-import { METHODS, TITLES } from "./methods.js";
-import { palette } from "./palette.js";
+import { placeOf } from "./events.js";
+import { lookOf, palette } from "./palette.js";
 
-/** The number of frames that the curves show. */
-export const FRAMES = 300;
-const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 14, AXIS = 18, EDGE = 6, NARROW = 500;
-const STATES = ["tracking", "leaving", "uncertain", "lost"];
+const LEFT = 56, RIGHT = 14, HEIGHT = 104, BAND = 18, AXIS = 18, EDGE = 6;
+const LABEL = 64; // pixels for each label of the axis
+const FEWEST = 5; // frames that a zoom leaves
+const STEADY = 4; // pixels that a click may move
+const ROUND = [1, 10, 100, 1000, 1e4, 1e5, 1e6].flatMap((unit) => [unit, 2 * unit, 5 * unit]);
+const UNKNOWN = "–";
+
+const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
+const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
+const short = (value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1e4 ? `${value / 1e3}k` : String(value));
 
 export class Graph {
-  #panels;
+  #goTo;
+  #zooms;
+  #charts = []; // with their elements
+  #shown = null;
+  #part = null; // of the frames, from a place to another; null: all
+  #pointed = null; // the frame under the pointer
+  #pressed = null; // where a drag began
+  #fingers = new Map(); // places by pointer
+  #painting = null;
+  #resized = new ResizeObserver(() => this.#paintLater());
 
-  constructor(place) {
-    this.#panels = [
-      panel(place, "States", 2 * BAND + 12, drawStates),
-      panel(place, "Confidence", HEIGHT, (...of) => drawLines(...of, "confidence")),
-      panel(place, "Ratio (dotted: runner-up)", HEIGHT + AXIS, (...of) => drawLines(...of, "ratio", "runnerUpRatio")),
-    ];
+  /** A click calls `goTo(frame)`. `zooms`: the user may choose a part of the frames. */
+  constructor({ goTo = () => {}, zooms = false } = {}) {
+    [this.#goTo, this.#zooms] = [goTo, zooms];
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#paintLater());
+    document.addEventListener("pointermove", (event) => this.#moved(event));
+    for (const end of ["pointerup", "pointercancel"]) {
+      document.addEventListener(end, (event) => this.#released(event, end === "pointercancel"));
+    }
   }
 
   /**
-   * `target`: see followed.js, or null. The curves end with the frame `end`, or with the last answer. `now` is a frame to
-   * mark; `named` what a frame is called.
+   * Draws `charts` over the frames from `first` to `last`, in the element `place` of each: { place, title, most, digits, lines } or { place, title,
+   * bands }. A line or a band is { title, look, isSecond, numbers, values }, with a value for each of the frames `numbers`, which are in their order;
+   * `read(at)` says a value in words. `now`: the frame to mark. `hidden`: [first frame, last frame] of each span to shade. `named`: a frame as the axis has it.
    */
-  draw(target, on, { end = null, now = null, named = String } = {}) {
-    const histories = METHODS.filter((method) => on[method] && target?.histories[method]).map((method) => [method, target.histories[method]]);
-    const last = end ?? Math.max(...histories.map(([, history]) => history.row().number), FRAMES);
-    this.#panels.forEach((one, at) => {
-      const { width, height } = fitted(one.canvas);
-      const context = one.canvas.getContext("2d");
-      context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
-      context.clearRect(0, 0, width, height);
-      const isLast = at === this.#panels.length - 1;
-      const bottom = height - EDGE - (isLast ? AXIS : 0);
-      const x = (number) => LEFT + ((width - LEFT - RIGHT) * (number - (last - FRAMES) - 0.5)) / FRAMES;
-      one.draw({ context, x, bottom, right: width - RIGHT, histories, legend: one.legend });
-      if (now !== null) {
-        line(context, [[x(now), EDGE], [x(now), bottom]], { color: palette().ink, width: 1, dash: [] });
-      }
-      if (isLast) {
-        drawAxis(context, x, bottom, { last, width, named });
+  draw({ now = null, hidden = [], named = String, timeOf, ...shown }) {
+    const hasChanged = shown.first !== this.#shown?.first || shown.last !== this.#shown?.last;
+    this.#shown = { ...shown, hidden, named, timeOf };
+    this.#part = hasChanged ? null : this.#part;
+    this.#make(shown.charts);
+    this.#paintLater();
+    this.mark(now);
+  }
+
+  /** Marks a frame, whose values are said unless the pointer is at another one. */
+  mark(now) {
+    this.#shown.now = now;
+    this.#place();
+  }
+
+  /** Shows so many times as many frames, around the frame `middle`. */
+  zoomBy(factor, middle = this.#shown.now) {
+    const { from, to } = this.#span();
+    const around = clamp(middle, from, to);
+    this.#show(around - (around - from) * factor, around + (to - around) * factor);
+  }
+
+  /** Does what a key stands for; false if it stands for nothing. */
+  key({ key }) {
+    const act = { "+": () => this.zoomBy(0.5), "-": () => this.zoomBy(2), 0: () => this.showAll() }[key];
+    act?.();
+    return act !== undefined;
+  }
+
+  showAll() {
+    this.#part = null;
+    this.#paintLater();
+    this.#place();
+  }
+
+  // ---- the part of the frames
+
+  #all() {
+    return { from: this.#shown.first - 0.5, to: this.#shown.last + 0.5 };
+  }
+
+  #span() {
+    return this.#part ?? this.#all();
+  }
+
+  // At least a few frames, and none that there is not.
+  #show(from, to) {
+    if (!this.#zooms) {
+      return;
+    }
+    const all = this.#all();
+    const length = clamp(to - from, Math.min(FEWEST, all.to - all.from), all.to - all.from);
+    const start = clamp((from + to - length) / 2, all.from, all.to - length);
+    this.#part = { from: start, to: start + length };
+    this.#paintLater();
+    this.#place();
+  }
+
+  #moveBy(pixels, canvas) {
+    if (this.#part !== null) {
+      const { from, to } = this.#part;
+      const by = (pixels * (to - from)) / (canvas.clientWidth - LEFT - RIGHT);
+      this.#show(from + by, to + by);
+    }
+  }
+
+  // ---- elements
+
+  #make(charts) {
+    const isSame = charts.length === this.#charts.length && charts.every((chart, at) => nameOf(chart) === this.#charts[at].name);
+    if (!isSame) {
+      this.#resized.disconnect();
+      this.#charts.forEach(({ panel }) => panel.remove());
+      this.#charts = charts.map((chart, at) => this.#panel(chart, chart.place !== charts[at + 1]?.place));
+    }
+    this.#charts = this.#charts.map((made, at) => ({ ...made, ...charts[at] }));
+  }
+
+  #panel(chart, hasAxis) {
+    const canvas = htmlNode("canvas", { role: "img", "aria-label": `${chart.title} over frames` });
+    canvas.style.height = `${(chart.bands ? BAND * chart.bands.length + 2 * EDGE : HEIGHT) + (hasAxis ? AXIS : 0)}px`;
+    const [said, cursor, pointer] = [htmlNode("span", { class: "frame" }), htmlNode("div", { class: "cursor" }), htmlNode("div", { class: "pointer" })];
+    const values = linesOf(chart).map((line) => document.createTextNode(line.title));
+    const legend = linesOf(chart).map((line, at) => htmlNode("span", { class: "value" }, sample(line.look, line.isSecond), values[at]));
+    const name = htmlNode("div", { class: "name" }, htmlNode("b", {}, chart.title), said, ...legend);
+    const panel = htmlNode("div", { class: "panel" }, name, htmlNode("div", { class: "chart" }, canvas, cursor, pointer));
+    chart.place.append(panel);
+    this.#resized.observe(canvas);
+    this.#listen(canvas);
+    return { name: nameOf(chart), panel, canvas, said, values, cursor, pointer, hasAxis };
+  }
+
+  #listen(canvas) {
+    canvas.addEventListener("pointermove", (event) => this.#point(this.#numberAt(event.clientX, canvas)));
+    canvas.addEventListener("pointerleave", () => this.#point(null));
+    canvas.addEventListener("dblclick", () => this.showAll());
+    canvas.addEventListener("pointerdown", (event) => {
+      if (event.button === 0) {
+        this.#fingers.set(event.pointerId, event.clientX);
+        this.#pressed = { canvas, x: event.clientX, isHand: event.pointerType === "touch" || event.shiftKey, isClick: this.#fingers.size === 1 && !event.shiftKey };
       }
     });
+    // Up and down, the wheel scrolls the page.
+    canvas.addEventListener("wheel", (event) => {
+      const isSideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+      if (this.#part !== null && isSideways && !event.ctrlKey) {
+        event.preventDefault();
+        this.#moveBy(event.deltaX || event.deltaY, canvas);
+      }
+    }, { passive: false });
+  }
+
+  // A mouse draws the part to show. A hand, fingers or the mouse with shift, moves what is shown, or pinches.
+  #moved({ pointerId, clientX }) {
+    if (!this.#fingers.has(pointerId)) {
+      return;
+    }
+    const { canvas, x, isHand } = this.#pressed;
+    const before = [...this.#fingers.values()];
+    this.#fingers.set(pointerId, clientX);
+    const now = [...this.#fingers.values()];
+    this.#pressed.isClick &&= Math.abs(clientX - x) < STEADY;
+    if (now.length > 1) {
+      const apart = ([one, other]) => Math.max(Math.abs(one - other), 10);
+      this.zoomBy(apart(before) / apart(now), this.#placeAt((now[0] + now[1]) / 2, canvas));
+    } else if (isHand) {
+      this.#moveBy(before[0] - now[0], canvas);
+    }
+  }
+
+  #released({ pointerId, clientX }, isCancelled) {
+    if (!this.#fingers.delete(pointerId)) {
+      return;
+    }
+    const { canvas, x, isHand, isClick } = this.#pressed;
+    if (this.#fingers.size === 0 && !isCancelled) {
+      if (isClick) {
+        this.#goTo(this.#numberAt(clientX, canvas));
+      } else if (!isHand) {
+        const [from, to] = [x, clientX].map((one) => this.#placeAt(one, canvas));
+        this.#show(Math.min(from, to), Math.max(from, to));
+      }
+    }
+    this.#pressed = this.#fingers.size === 0 ? null : this.#pressed;
+    this.#place();
+  }
+
+  #placeAt(clientX, canvas) {
+    const { from, to } = this.#span();
+    const { left, width } = canvas.getBoundingClientRect();
+    return from + ((to - from) * (clientX - left - LEFT)) / (width - LEFT - RIGHT);
+  }
+
+  #numberAt(clientX, canvas) {
+    return clamp(Math.round(this.#placeAt(clientX, canvas)), this.#shown.first, this.#shown.last);
+  }
+
+  #point(number) {
+    this.#pointed = number;
+    this.#place();
+  }
+
+  // Places the marks, and says the values: nothing is painted for that.
+  #place() {
+    const { now, last, timeOf } = this.#shown;
+    const number = this.#pointed ?? now ?? last;
+    const said = `${placeOf(number, timeOf)}${this.#shown.hidden.some(([from, to]) => from <= number && number <= to) ? ", hidden" : ""}`;
+    for (const chart of this.#charts) {
+      const x = this.#scale(fitted(chart.canvas).width);
+      put(chart.cursor, now === null ? null : [x(now), x(now)], x.right);
+      const began = this.#pressed?.canvas === chart.canvas && !this.#pressed.isHand && !this.#pressed.isClick ? this.#placeAt(this.#pressed.x, chart.canvas) : number;
+      put(chart.pointer, this.#pointed === null || !this.#zooms ? null : [x(Math.min(number, began)), x(Math.max(number, began))], x.right);
+      write(chart.said, said);
+      linesOf(chart).forEach((line, at) => write(chart.values[at], `${line.title} ${valueOf(line, number, chart.digits)}`));
+    }
+  }
+
+  // ---- painting
+
+  #paintLater() {
+    this.#painting ??= requestAnimationFrame(() => {
+      this.#painting = null;
+      this.#charts.forEach((chart) => this.#paint(chart));
+      this.#place();
+    });
+  }
+
+  #scale(width) {
+    const { from, to } = this.#span();
+    const right = width - RIGHT;
+    return Object.assign((number) => LEFT + ((right - LEFT) * (number - from)) / (to - from), { right });
+  }
+
+  #paint(chart) {
+    const { width, height } = fitted(chart.canvas);
+    if (this.#shown === null || width <= LEFT + RIGHT) {
+      return;
+    }
+    const context = chart.canvas.getContext("2d");
+    const x = this.#scale(width);
+    const bottom = height - EDGE - (chart.hasAxis ? AXIS : 0);
+    context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    const y = chart.bands ? null : drawGrid(context, chart, bottom, x.right);
+    context.save();
+    context.beginPath();
+    context.rect(LEFT, 0, x.right - LEFT, bottom + 2);
+    context.clip();
+    context.fillStyle = palette().gone;
+    this.#shown.hidden.forEach(([from, to]) => context.fillRect(x(from - 0.5), EDGE, x(to + 0.5) - x(from - 0.5), bottom - EDGE));
+    chart.bands?.forEach((band, row) => drawBand(context, band, EDGE + row * BAND, x));
+    [...(chart.lines ?? [])].reverse().forEach((line) => drawLine(context, line, x, y, this.#span()));
+    context.restore();
+    if (chart.hasAxis) {
+      this.#drawAxis(context, x, bottom + 14, width);
+    }
+  }
+
+  #drawAxis(context, x, y, width) {
+    const { from, to } = this.#span();
+    const step = ROUND.find((one) => (x(one) - x(0)) >= LABEL) ?? ROUND.at(-1);
+    for (let number = Math.ceil(Math.max(from, 1) / step) * step; number <= to; number += step) {
+      const text = this.#shown.named(number);
+      if (x(number) + context.measureText(text).width / 2 <= width) {
+        label(context, text, x(number), y, "center");
+      }
+    }
   }
 }
 
-function panel(place, title, height, draw) {
-  const canvas = htmlNode("canvas", { role: "img", "aria-label": `${title} over ${FRAMES} frames` });
-  canvas.style.height = `${height}px`;
-  const legend = htmlNode("span", {});
-  place.append(htmlNode("div", { class: "panel" }, htmlNode("div", { class: "name" }, htmlNode("b", {}, title), legend), canvas));
-  return { canvas, legend, draw };
+const linesOf = ({ lines, bands }) => lines ?? bands;
+const nameOf = (chart) => [chart.place.id, chart.title, ...linesOf(chart).map(({ title, look, isSecond }) => `${title}/${look}/${isSecond}`)].join("\n");
+
+function put(mark, span, right) {
+  mark.hidden = span === null || span[1] < LEFT || span[0] > right;
+  if (!mark.hidden) {
+    Object.assign(mark.style, { left: `${Math.max(span[0], LEFT)}px`, width: `${Math.min(span[1], right) - Math.max(span[0], LEFT)}px` });
+  }
 }
 
-function drawStates({ context, x, histories, legend }) {
-  histories.forEach(([method, history], row) => {
-    label(context, TITLES[method], LEFT - 4, EDGE + BAND * (row + 0.5) + 4);
-    const numbers = history.last("number", FRAMES);
-    history.last("state", FRAMES).forEach((state, at) => {
-      context.fillStyle = palette()[STATES[state]];
-      // Whole pixels, so that neighbours leave no gap.
-      const [from, to] = [Math.round(x(numbers[at] - 0.5)), Math.round(x(numbers[at] + 0.5))];
-      context.fillRect(from, EDGE + row * BAND + 1, to - from, BAND - 2);
+function write(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
+}
+
+// The first place in the list whose frame is not before `number`.
+function placeIn(numbers, number) {
+  let [from, to] = [0, numbers.length];
+  while (from < to) {
+    const middle = (from + to) >> 1;
+    numbers[middle] < number ? (from = middle + 1) : (to = middle);
+  }
+  return from;
+}
+
+function valueOf({ numbers, values, read }, number, digits = 0) {
+  const at = placeIn(numbers, number);
+  if (numbers[at] !== number || !isThere(values[at])) {
+    return UNKNOWN;
+  }
+  return read?.(at) ?? (typeof values[at] === "string" ? values[at] : values[at].toFixed(digits));
+}
+
+// The spans of equal values, and the largest value: found once for each list.
+const spans = new WeakMap();
+const largest = new WeakMap();
+
+function once(known, values, find) {
+  if (!known.has(values)) {
+    known.set(values, find(values));
+  }
+  return known.get(values);
+}
+
+/** Spans { value, from, to } of places in the list with the same value; missing values are in none. */
+export function spansOf(values) {
+  return once(spans, values, () => {
+    const found = [];
+    values.forEach((value, at) => {
+      if (at > 0 && value === values[at - 1] && isThere(value)) {
+        found.at(-1).to = at;
+      } else if (isThere(value)) {
+        found.push({ value, from: at, to: at });
+      }
     });
+    return found;
   });
-  name(legend, histories, (history) => history.row().state);
 }
 
-function drawLines({ context, x, bottom, right, histories, legend }, column, second) {
-  const y = (value) => bottom - ((bottom - EDGE) * value) / 65535;
-  for (const part of [0, 0.5, 1]) {
-    line(context, [[LEFT, y(65535 * part)], [right, y(65535 * part)]], { color: palette().rule, width: 1, dash: [] });
-    label(context, String(part), LEFT - 4, y(65535 * part) + 4);
+const largestOf = (values) => once(largest, values, () => values.reduce((most, value) => (value > most ? value : most), 0));
+
+function drawGrid(context, { lines, most }, bottom, right) {
+  const top = most ?? Math.max(1, 1.05 * lines.reduce((high, { values }) => Math.max(high, largestOf(values)), 0));
+  const y = (value) => bottom - ((bottom - EDGE) * value) / top;
+  const step = most === 1 ? 0.5 : ROUND.find((one) => 3.5 * one >= top);
+  for (let value = 0; value <= top; value += step) {
+    context.fillStyle = palette().rule;
+    context.fillRect(LEFT, y(value) - 0.5, right - LEFT, 1);
+    label(context, short(value), LEFT - 4, y(value) + 4);
   }
-  for (const [method, history] of [...histories].reverse()) {
-    const { onPage, dash } = palette()[method];
-    const numbers = history.last("number", FRAMES);
-    const points = (of) => history.last(of, FRAMES).map((value, at) => [x(numbers[at]), y(value)]);
-    line(context, points(column), { color: onPage, width: 1.6, dash });
-    if (second !== undefined) {
-      line(context, points(second), { color: onPage, width: 1.2, dash: [2, 3] });
-    }
-  }
-  const read = (value) => (Number.isNaN(value) ? "–" : (value / 65535).toFixed(3));
-  name(legend, histories, (history) => read(history.row()[column]));
+  return y;
 }
 
-function drawAxis(context, x, bottom, { last, width, named }) {
-  const step = width < NARROW ? 100 : 50;
-  for (let number = Math.ceil((last - FRAMES) / step) * step; number <= last; number += step) {
-    const half = context.measureText(named(number)).width / 2;
-    if (number > Math.max(last - FRAMES, 0) && x(number) + half <= width) {
-      label(context, named(number), x(number), bottom + 14, "center");
-    }
+function drawBand(context, { title, numbers, values }, top, x) {
+  for (const { value, from, to } of spansOf(values)) {
+    context.fillStyle = palette()[value];
+    // Whole pixels, so that neighbours leave no gap.
+    const [left, right] = [Math.round(x(numbers[from] - 0.5)), Math.round(x(numbers[to] + 0.5))];
+    context.fillRect(left, top + 1, Math.max(right - left, 1), BAND - 2);
   }
+  context.lineJoin = "round";
+  context.lineWidth = 3;
+  context.strokeStyle = palette().panel;
+  label(context, title, LEFT + 4, top + BAND / 2 + 4, "left", palette().ink);
 }
 
-// A missing point ends a line.
-function line(context, points, { color, width, dash }) {
-  context.strokeStyle = color;
-  context.lineWidth = width;
-  context.setLineDash(dash);
+function drawLine(context, line, x, y, span) {
+  const { onPage, dash } = lookOf(line.look);
+  const points = thinned(line, span, Math.ceil(x.right - LEFT));
+  context.strokeStyle = context.fillStyle = onPage;
+  context.lineWidth = line.isSecond ? 1.2 : 1.6;
+  context.setLineDash(line.isSecond ? [2, 3] : dash);
   context.beginPath();
-  let isOpen = false;
-  for (const [x, y] of points) {
-    const isThere = !Number.isNaN(y);
-    if (isThere) {
-      isOpen ? context.lineTo(x, y) : context.moveTo(x, y);
+  points.forEach((at, place) => {
+    if (at === null) {
+      return;
     }
-    isOpen = isThere;
-  }
+    const [across, down] = [x(line.numbers[at]), y(line.values[at])];
+    const [isFirst, isLast] = [(points[place - 1] ?? null) === null, (points[place + 1] ?? null) === null];
+    isFirst ? context.moveTo(across, down) : context.lineTo(across, down);
+    // A value between two that are missing is a point.
+    if (isFirst && isLast) {
+      context.fillRect(across - 1.5, down - 1.5, 3, 3);
+    }
+  });
   context.stroke();
   context.setLineDash([]);
 }
 
-function label(context, text, x, y, align = "right") {
-  context.font = "11px system-ui, sans-serif";
-  context.textAlign = align;
-  context.fillStyle = palette().faint;
-  context.fillText(text, x, y);
+/**
+ * Places in the list of those values that are drawn in so many columns: the least and the largest of each column, in their order; null where values
+ * are missing. So a long recording takes no longer than the canvas is wide.
+ */
+export function thinned({ numbers, values }, { from, to }, columns) {
+  const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];
+  const each = Math.max(1, Math.floor((end - first) / columns));
+  const points = [];
+  for (let start = first; start < end; start += each) {
+    let [low, high] = [null, null];
+    for (let at = start; at < Math.min(start + each, end); at++) {
+      if (isThere(values[at])) {
+        low = low === null || values[at] < values[low] ? at : low;
+        high = high === null || values[at] > values[high] ? at : high;
+      }
+    }
+    points.push(...(low === high ? [low] : [Math.min(low, high), Math.max(low, high)]));
+  }
+  return points;
 }
 
-// The samples stay; only changes are written.
-function name(legend, histories, read) {
-  const shown = histories.map(([method]) => method).join();
-  if (legend.dataset.shown !== shown) {
-    legend.dataset.shown = shown;
-    legend.replaceChildren(...histories.flatMap(([method]) => [sample(method), document.createTextNode("")]));
+function label(context, text, x, y, align = "right", color = palette().faint) {
+  context.font = "11px system-ui, sans-serif";
+  context.textAlign = align;
+  if (color !== palette().faint) {
+    context.strokeText(text, x, y);
   }
-  histories.forEach(([method, history], at) => {
-    legend.childNodes[2 * at + 1].data = `${TITLES[method]} ${read(history)} `;
-  });
+  context.fillStyle = color;
+  context.fillText(text, x, y);
 }

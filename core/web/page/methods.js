@@ -1,7 +1,9 @@
 // The two trackers that follow each target, by their names in host-sim.
 
 export const METHODS = ["robust", "smr"];
-export const TITLES = { robust: "ROBUST", smr: "SMR" };
+export const TITLES = { robust: "Robust tracker", smr: "Paper's tracker (SMR, 2013)" };
+/** Titles where there is little room. */
+export const SHORT = { robust: "Robust", smr: "Paper" };
 
 /** The settings at the start. The options are those of host-sim. */
 export const SETTINGS = {

@@ -1,13 +1,15 @@
 // The colors of the page's style, for canvases. They change when the user switches between light and dark.
 
-const NAMES = ["ink", "faint", "rule", "panel", "tracking", "leaving", "uncertain", "lost"];
+const NAMES = ["ink", "faint", "rule", "panel", "tracking", "leaving", "uncertain", "lost", "gone"];
 
 let colors = null;
+const looks = new Map();
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   colors = null;
+  looks.clear();
 });
 
-/** The colors by name; for each method { onFrame, onPage, dash }. */
+/** The colors by name. */
 export function palette() {
   colors ??= read();
   return colors;
@@ -15,13 +17,20 @@ export function palette() {
 
 function read() {
   const page = getComputedStyle(document.documentElement);
-  const named = NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]);
-  return { ...Object.fromEntries(named), robust: look("robust"), smr: look("smr") };
+  return Object.fromEntries(NAMES.map((name) => [name, page.getPropertyValue(`--${name}`).trim()]));
 }
 
-function look(method) {
+/** The look of an entrant, as the class `look-NAME` of the style has it: { onFrame, onPage, dash }. */
+export function lookOf(name) {
+  if (!looks.has(name)) {
+    looks.set(name, readLook(name));
+  }
+  return looks.get(name);
+}
+
+function readLook(name) {
   const probe = document.createElement("i");
-  probe.className = `look-${method}`;
+  probe.className = `look-${name}`;
   document.body.append(probe);
   const style = getComputedStyle(probe);
   const [onFrame, onPage, dashes] = ["--c", "--line", "--dashes"].map((name) => style.getPropertyValue(name).trim());

@@ -31,7 +31,7 @@ export class Playback {
    */
   constructor(page) {
     this.#page = page;
-    this.#pictures = new Pictures((number) => page.picture(number), (number) => this.#came(number), (number, error) => this.#missed(number, error));
+    this.forget(1, 1);
     addEventListener("hashchange", () => this.goTo(addressed() ?? this.frame));
   }
 
@@ -54,12 +54,6 @@ export class Playback {
     return this.frame !== this.shown && !this.#page.isHeld();
   }
 
-  /** Forgets all pictures: another recording is shown. */
-  reset() {
-    [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
-    this.#pictures.clear();
-  }
-
   /** Begins with the frame that the address names, or with `otherwise`. */
   begin(otherwise) {
     this.goTo(addressed() ?? otherwise);
@@ -68,6 +62,15 @@ export class Playback {
   /** Sets the frames that can be reached. */
   reach(first, last) {
     [this.first, this.last] = [first, last];
+  }
+
+  /** Forgets all frames: there are others now. */
+  forget(first, last) {
+    [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
+    const isHere = () => pictures === this.#pictures;
+    const pictures = new Pictures(this.#page.picture, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
+    this.#pictures = pictures;
+    this.reach(first, last);
   }
 
   goTo(number) {

@@ -28,12 +28,6 @@ export class Pictures {
     return this.#kept.get(number);
   }
 
-  /** Forgets all pictures, those under way too. */
-  clear() {
-    this.#kept.forEach((picture) => picture.close?.());
-    [this.#kept, this.#bytes, this.#wanted, this.#underWay] = [new Map(), 0, [], new Set()];
-  }
-
   #next() {
     while (this.#underWay.size < MOST_UNDER_WAY) {
       const number = this.#wanted.find((one) => !this.#kept.has(one) && !this.#underWay.has(one));
@@ -45,23 +39,15 @@ export class Pictures {
   }
 
   async #fetch(number) {
-    const underWay = this.#underWay.add(number);
-    const isOld = () => underWay !== this.#underWay;
+    this.#underWay.add(number);
     try {
-      const picture = await this.#load(number);
-      if (isOld()) {
-        picture.close?.();
-        return;
-      }
-      this.#keep(number, picture);
+      this.#keep(number, await this.#load(number));
       this.#came(number);
     } catch (error) {
-      if (!isOld()) {
-        this.#wanted = this.#wanted.filter((one) => one !== number);
-        this.#failed(number, error);
-      }
+      this.#wanted = this.#wanted.filter((one) => one !== number);
+      this.#failed(number, error);
     } finally {
-      underWay.delete(number);
+      this.#underWay.delete(number);
       this.#next();
     }
   }

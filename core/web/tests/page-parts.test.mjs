@@ -20,6 +20,8 @@ import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 globalThis.ResizeObserver = class {};
 globalThis.matchMedia = () => ({ addEventListener() {} });
 const { clock, eventsOf, placeOf, sentence } = await import("../page/events.js");
+const { spansOf, thinned } = await import("../page/graph.js");
+const { sharing } = await import("../page/stage.js");
 const { Columns } = await import("../page/timeline.js");
 
 const BOX = { x: 1, y: 2, width: 30, height: 40 };
@@ -177,4 +179,24 @@ test("modules become one script, in which nothing is imported", () => {
   const script = bundle(new URL("../page/worker.js", import.meta.url));
   assert.doesNotMatch(script, /^\s*(import|export)\b/m);
   assert.doesNotThrow(() => new Function(script));
+});
+
+test("of a long recording the least and the largest value of each column are drawn, and gaps stay", () => {
+  const numbers = Array.from({ length: 200_000 }, (_, at) => at + 1);
+  const values = numbers.map((number) => (number > 100_000 && number <= 150_000 ? null : number === 777 ? 9 : number % 2));
+  const points = thinned({ numbers, values }, { from: 0.5, to: 200_000.5 }, 500);
+  assert.ok(points.length <= 1100 && points.includes(776) && points.includes(null), `${points.length} points`);
+  assert.deepEqual(points.filter((at) => at !== null), points.filter((at) => at !== null).sort((one, other) => one - other));
+  assert.deepEqual(thinned({ numbers, values }, { from: 9.5, to: 12.5 }, 500), [8, 9, 10, 11, 12]);
+});
+
+test("spans are of equal values, and a missing one ends a span", () => {
+  assert.deepEqual(spansOf(["lost", "lost", null, "lost", "leaving"]).map(({ value, from, to }) => [value, from, to]), [["lost", 0, 1], ["lost", 3, 3], ["leaving", 4, 4]]);
+});
+
+test("boxes that coincide share a line, the last one of a lost target does not", () => {
+  const place = [10, 20, 30, 40];
+  const [one, last, near, far] = sharing([{ place }, { place, isLast: true }, { place: [12, 20, 28, 41] }, { place: [13, 20, 30, 40], dash: [14, 5] }]);
+  assert.deepEqual([[one.dash, one.offset], [near.dash, near.offset]], [[[10, 10], -0], [[10, 10], -10]]);
+  assert.deepEqual([last.dash, far.dash], [undefined, [14, 5]]);
 });

@@ -136,7 +136,7 @@ for (const [how, width, scheme] of [["drag", 1280, "light"], ["swipe", 390, "dar
     assert.ok(Math.abs(back - 40) <= 1, `frame ${back}`);
     assert.equal(await page.value(CODE), back);
     const [robust, smr] = await Promise.all([["robust"], ["smr", "--config", "camera"]].map(([method, ...of]) => expected(file, method, "--init", BOX, ...of)));
-    assert.match(await page.value(`document.getElementById("stage").ariaLabel`), new RegExp(`ROBUST: ${robust[back - 1].state}, SMR: ${smr[back - 1].state}`));
+    assert.match(await page.value(`document.getElementById("stage").ariaLabel`), new RegExp(`Robust: ${robust[back - 1].state}, Paper: ${smr[back - 1].state}`));
     // One that was not followed is shown, and following goes on where it stopped.
     await scrub(page, back, 160, 200, how);
     const ahead = await page.value(NUMBER);
@@ -198,7 +198,7 @@ onPage("the built-in recording: its slider, events without times, and its video"
   await page.until(`document.getElementById("place").value === "frame 300 of 300" && ${PRESSED}`);
   const events = await page.value(`[...document.querySelectorAll("#events li")].map(({ textContent }) => textContent)`);
   assert.equal(events[0], "locked at frame 1");
-  assert.ok(events.some((text) => /^ROBUST uncertain at frame \d+$/.test(text)), events.join());
+  assert.ok(events.some((text) => /^Robust uncertain at frame \d+$/.test(text)), events.join());
   await page.value(`document.getElementById("stage").focus()`);
   await page.key("[");
   await page.until(`${NUMBER} < 300`);

@@ -107,7 +107,7 @@ onPage("a box of 0x0, a tracker that is switched off, a removed target", async (
   await page.click("#targets button");
   await page.until(`document.querySelectorAll("#targets li").length === 0`);
   await page.click(`[data-file="record"]`);
-  await page.until(`document.getElementById("said").textContent === "ROBUST has no flight record: lock it on a target first."`);
+  await page.until(`document.getElementById("said").textContent === "Robust tracker has no flight record: lock it on a target first."`);
 });
 
 onPage("without WebAssembly there is one clear line", async (page) => {

@@ -1,4 +1,4 @@
-// Makes the pictures of the window and of the report that the README shows: of the built-in recording `street`, in host-sim/assets.
+// Makes the pictures of the README: of frames, the window and the report, all of the built-in recording `street`, in host-sim/assets.
 //
 //   SMR_HOST_SIM=target/release/host-sim node core/web/tests/pictures.mjs
 
@@ -13,26 +13,44 @@ import { PROJECT } from "./library.mjs";
 const HOST_SIM = process.env.SMR_HOST_SIM;
 const FRAME = 176;
 const SIZE = { width: 1120, height: 640 };
+// The frames of the first picture: before the tree, behind it, beside the other car, near.
+const FRAMES = [20, 75, 187, 260];
 
 const folder = mkdtempSync(join(tmpdir(), "smr-pictures-"));
 const browser = new Browser(["--hide-scrollbars"]);
 const view = spawn(HOST_SIM, ["view", "street", "--no-open", "--json"]);
+
+const write = (name, data) => writeFileSync(join(PROJECT, "host-sim/assets", name), Buffer.from(data, "base64"));
 
 async function shoot(address, name, until) {
   const page = await browser.page(`${address}#frame=${FRAME}`, SIZE);
   await page.until(until);
   await new Promise((resolve) => setTimeout(resolve, 1000));
   const { data } = await page.call("Page.captureScreenshot", { format: "jpeg", quality: 60 });
-  writeFileSync(join(PROJECT, "host-sim/assets", name), Buffer.from(data, "base64"));
-  await page.close();
+  write(name, data);
+  return page;
 }
+
+/** The stage of the report in each of the frames, two in a row. */
+const strip = `(async () => {
+  const stage = document.getElementById("stage");
+  const strip = document.createElement("canvas");
+  [strip.width, strip.height] = [2 * stage.width, ${FRAMES.length / 2} * stage.height];
+  for (const [at, frame] of ${JSON.stringify(FRAMES)}.entries()) {
+    location.hash = "frame=" + frame;
+    await new Promise((resolve) => setTimeout(resolve, 500));
+    strip.getContext("2d").drawImage(stage, (at % 2) * stage.width, Math.floor(at / 2) * stage.height);
+  }
+  return strip.toDataURL("image/jpeg", 0.7).split(",")[1];
+})()`;
 
 try {
   const line = await new Promise((resolve) => view.stdout.once("data", resolve));
   await shoot(JSON.parse(line).address, "window.jpg", `!document.body.textContent.includes("Following:") && document.getElementById("place").value.includes("${FRAME}")`);
   const report = join(folder, "report.html");
   spawnSync(HOST_SIM, ["report", "street", "-o", report]);
-  await shoot(pathToFileURL(report).href, "report.jpg", `document.getElementById("place").value.includes("${FRAME}")`);
+  const page = await shoot(pathToFileURL(report).href, "report.jpg", `document.getElementById("place").value.includes("${FRAME}")`);
+  write("street.jpg", await page.value(strip));
 } finally {
   view.kill("SIGINT");
   await browser.close();

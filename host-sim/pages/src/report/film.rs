@@ -262,15 +262,22 @@ impl Film {
         self.targets[self.of[method]].is_there(index)
     }
 
-    /// A method as it stands on the page.
-    pub(super) fn title(&self, method: usize) -> String {
-        let name = &self.methods[method].name;
-        if self.targets[0].name.is_some() { name.clone() } else { name.to_uppercase() }
-    }
-
     /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
     pub(super) fn margin(&self) -> u16 {
         self.padding.min(self.size.0.max(self.size.1) / 4)
+    }
+
+    /// Returns how many pixels boxes reach over the border of the frame.
+    pub(super) fn overhang(&self) -> u16 {
+        let over = |bbox: BoundingBox| {
+            let (right, below) = (bbox.x + bbox.width, bbox.y + bbox.height);
+            (-bbox.x).max(-bbox.y).max(right - f64::from(self.size.0)).max(below - f64::from(self.size.1))
+        };
+        let boxes = self.moments.iter().flat_map(|moment| &moment.reports).filter_map(|report| report.target);
+        let farthest = boxes.map(over).fold(0.0, f64::max).ceil();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative; a larger one is cut off
+        let overhang = farthest as u16;
+        overhang
     }
 
     /// The time of a frame, as in 0:12.4 and 1:02:03.4.

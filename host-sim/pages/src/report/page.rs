@@ -5,30 +5,20 @@ use super::page_data::data;
 use super::palette::looks;
 use super::player_frames::Pictures;
 use super::scores::{Measured, Scores};
-use super::trackers::place_files;
-use crate::colors::color_of;
-use crate::front_end::import_map;
+use super::trackers::{SENTENCE, TITLE, place_files, titled};
+use crate::front_end::{STYLES, import_map};
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use smr_core::{Rect, State};
-use smr_evaluation::{Evaluation, name_of};
+use smr_evaluation::{CORRECT, Evaluation, name_of, overlaps};
+use std::fmt::Write;
 
-const TEMPLATES: [(&str, &str); 13] = [
-    ("page.html", include_str!("page.html")),
-    ("base.css", include_str!("base.css")),
-    ("page.css", include_str!("page.css")),
-    ("page.js", include_str!("page.js")),
-    ("player.js", include_str!("player.js")),
-    ("curves.js", include_str!("curves.js")),
-    ("zoom.js", include_str!("zoom.js")),
-    ("compared.js", include_str!("compared.js")),
-    ("tables.js", include_str!("tables.js")),
-    ("start.js", include_str!("start.js")),
-    ("uplot.js", include_str!("uplot/uPlot.iife.min.js")),
-    ("uplot.css", include_str!("uplot/uPlot.min.css")),
-    ("uplot-licence", include_str!("uplot/LICENSE")),
-];
+const STYLE: &str = include_str!("page.css");
+const PAGE: &str = include_str!("page.html");
+
+/// Frames that a method must have been elsewhere to have parted: less is a stumble.
+const LEAST_PARTING: usize = 10;
 
 /// Text of the foot of the page.
 pub struct About {
@@ -60,25 +50,20 @@ pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> 
 fn whole(films: &[Film], about: &About) -> Result<String> {
     let measured = films.iter().map(Measured::new).collect::<Result<Vec<_>>>()?;
     let measured: Vec<Measured<'_>> = measured.into_iter().flatten().collect();
-    let states =
-        [State::Tracking, State::Leaving, State::Uncertain, State::Lost].map(|state| (name_of(state), color_of(state)));
     let page = context! {
         title => about.title.as_str(),
         command_line => about.command_line.as_str(),
         options => about.options.as_str(),
         version => env!("CARGO_PKG_VERSION"),
-        // Variables of the style.
-        colors => Serde(states),
+        style => STYLES.concat() + STYLE,
         looks => Serde(looks()),
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
         scores => Serde(Scores::new(&measured)),
         data => data(films)?,
-        import_map => import_map(),
+        import_map => import_map("report.js"),
     };
     let mut templates = Environment::new();
-    for (name, text) in TEMPLATES {
-        templates.add_template(name, text)?;
-    }
+    templates.add_template("page.html", PAGE)?;
     Ok(templates.get_template("page.html")?.render(page)?)
 }
 
@@ -92,7 +77,8 @@ fn recording(film: &Film) -> Result<Value> {
         starts => film.targets.iter().map(|target| starts(film, target)).collect::<Vec<_>>(),
         seconds => film.times.last().and_then(|last| Some(format!("{:.1}", (*last)? - film.times[0]?))),
         states => Serde(states(film)),
-        right => right(film)?,
+        lead => lead(film)?,
+        every => film.pictures.as_ref().map_or(1, |pictures| pictures.every),
     })
 }
 
@@ -103,16 +89,50 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
         let there = || film.moments.iter().enumerate().filter(|(index, _)| film.has(method, *index));
         let count = |state: State| there().filter(|(_, moment)| moment.reports[method].state == state).count();
         let states = film.methods[method].kind.states().iter().map(|&state| (name_of(state), count(state)));
-        Some((film.title(method), states.filter(|(_, count)| *count > 0).collect()))
+        Some((titled(film, method, TITLE), states.filter(|(_, count)| *count > 0).collect()))
     };
     (0..film.targets.len()).filter_map(of).collect()
 }
 
-/// In how many frames the target is visible, and in how many of these each method is right; `None` without ground truth.
-fn right(film: &Film) -> Result<Option<Value>> {
+/// The sentence on top: how many frames each method is right in, and the frame in which the others part from the best. `None` without ground truth.
+fn lead(film: &Film) -> Result<Option<String>> {
     let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
-    let counts = (0..film.methods.len()).map(|method| (film.title(method), scores[method].1.correct));
-    Ok(Some(context! { visible, counts => Serde(counts.collect::<Vec<_>>()) }))
+    let correct = |method: usize| scores[method].1.correct;
+    let Some(best) = (0..film.methods.len()).rev().max_by_key(|method| correct(*method)) else { return Ok(None) };
+    let all = if correct(best) == visible { "all".to_owned() } else { format!("{} of", correct(best)) };
+    let mut said =
+        titled(film, best, SENTENCE) + &format!(" follows the target in {all} {visible} frames that show it");
+    for other in (0..film.methods.len()).filter(|method| *method != best) {
+        let _ = write!(said, "; {} in {}", titled(film, other, SENTENCE), correct(other));
+        if let Some(Parting { index, is_lost }) = parting(film, best, other)? {
+            let place = film.clock(index).unwrap_or_else(|| format!("frame {}", index + film.first));
+            let _ = write!(said, ": {} at {place}", if is_lost { "it loses it" } else { "it goes astray" });
+        }
+    }
+    let mut letters = said.chars();
+    Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
+}
+
+/// The place in which one method leaves the target for the longest time while another follows it.
+pub(super) struct Parting {
+    pub index: usize,
+    is_lost: bool,
+}
+
+/// Returns where `other` parts from the method `best`. A frame in which the target is hidden changes nothing.
+/// Errors: The ground truth is not that of so many frames.
+pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<Parting>> {
+    let Some(truth) = &film.truth else { return Ok(None) };
+    let of = |method: usize| overlaps(&film.trajectory(method), truth);
+    let (best, right) = (of(best)?, of(other)?);
+    let (mut longest, mut span) = (0..0, 0..0);
+    for (index, (best, other)) in best.iter().zip(&right).enumerate() {
+        let (Some(best), Some(other)) = (best, other) else { continue };
+        span = if *best > CORRECT && *other <= CORRECT { span.start..index + 1 } else { index + 1..index + 1 };
+        longest = if span.len() > longest.len() { span.clone() } else { longest };
+    }
+    let lost = longest.clone().filter(|index| film.moments[*index].reports[other].state == State::Lost).count();
+    Ok((longest.len() >= LEAST_PARTING).then_some(Parting { index: longest.start, is_lost: 2 * lost > longest.len() }))
 }
 
 /// `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`
@@ -171,12 +191,16 @@ mod tests {
         let page = page(&mut [film(|sequence| sequence)], &about(), BUDGET).unwrap();
         nests(&page);
         assert!(page.contains("<td><b>213</b></td>") && page.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        let lead = page.split("class=\"lead\">").nth(1).and_then(|rest| rest.split('<').next());
+        assert_eq!(
+            lead.unwrap(),
+            "The paper&#x27;s tracker of 2013 follows the target in all 213 frames that show it; SAD in 169: it goes astray at \
+             frame 170."
+        );
         assert!(page.contains("<pre>host-sim report &#x27;&lt;i&gt;&#x27;</pre>"));
         assert!(!page.contains("url(") && !page.contains("fetch("));
-        assert_eq!(page.matches("import ").count(), page.matches(" from \"smr/").count(), "nothing from elsewhere");
-        let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot (v"]
-            .map(|known| page.matches(known).count());
-        assert_eq!(page.matches("http").count(), known.iter().sum::<usize>(), "nothing from elsewhere");
+        assert_eq!(page.matches("import ").count(), page.matches("import \"smr/").count(), "nothing from elsewhere");
+        assert!(!page.contains("http:") && !page.contains("https:"), "nothing from elsewhere");
         let references = page.matches("href=\"").count() + page.matches(" src=\"").count();
         let own = ["href=\"data:", " src=\"data:", "href=\"#"].map(|own| page.matches(own).count());
         assert_eq!(own.iter().sum::<usize>(), references);

@@ -2,6 +2,7 @@
 
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
+use super::page::parting;
 use super::palette::TRUTH_LOOK;
 use super::player_frames::{Comparison, Picture, Pictures};
 use super::trackers::{Entrant, entrants};
@@ -15,14 +16,14 @@ use smr_recordings::BoundingBox;
 /// Errors: The ground truth is not that of so many frames.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
-    let data = json!({ "bar": BAR, "bars": BARS, "truth": TRUTH_LOOK, "recordings": recordings });
+    let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
     Ok(data.to_string().replace('<', "\\u003c"))
 }
 
 fn recording(film: &Film) -> Result<Value> {
-    let entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
-    let margin = film.margin();
-    let truth = film.truth.as_ref().map(|truth| truth.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>());
+    let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
+    entrants.extend(film.truth.as_deref().map(truth_of));
+    let margin = film.margin().min(film.overhang());
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
@@ -32,11 +33,31 @@ fn recording(film: &Film) -> Result<Value> {
         "frames": film.moments.len(),
         // Null if none is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
-        "truth": truth,
+        "parting": parted(film)?,
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
     }))
+}
+
+/// The number of the frame in which the first two methods part.
+fn parted(film: &Film) -> Result<Option<usize>> {
+    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
+    Ok(parting.map(|parting| parting.index + film.first))
+}
+
+/// The ground truth, as one more entrant.
+fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
+    json!({
+        "name": "ground truth",
+        "title": "ground truth",
+        "short": "truth",
+        "look": TRUTH_LOOK,
+        "method": null,
+        "isTruth": true,
+        "boxes": boxes(truth),
+        "size": sizes(truth),
+    })
 }
 
 /// Its name, and the numbers of the frames in which it is locked on.
@@ -55,7 +76,6 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     let truth = film.truth.as_deref();
     let iou = truth.map(|truth| overlaps(answers, truth).with_context(|| film.name.clone())).transpose()?;
     let error = truth.map(|truth| centre_errors(answers, truth));
-    let size = answers.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt()));
     let of_each = |value: &dyn Fn(usize, usize, &Moment) -> Value| {
         let method = entrant.method?;
         let moments = film.moments.iter().enumerate();
@@ -71,10 +91,11 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     Ok(json!({
         "name": entrant.name,
         "title": entrant.title,
+        "short": entrant.short,
         "look": entrant.look,
         "method": entrant.method,
         "target": entrant.method.map(|method| film.of[method]),
-        "boxes": answers.iter().map(|bbox| of_box(bbox.as_ref())).collect::<Vec<_>>(),
+        "boxes": boxes(answers),
         "lasts": lasts,
         "states": states,
         "iou": iou.map(|iou| rounded(iou.into_iter(), 3)),
@@ -83,7 +104,7 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         "ratio": evidence(|evidence| Some(evidence.ratio)),
         "runner_up": evidence(|evidence| evidence.runner_up_ratio),
         "alpha": evidence(|evidence| evidence.alpha.map(f64::from)),
-        "size": rounded(size, 1),
+        "size": sizes(answers),
         "work": reports(&|report| report.work.map(f64::from), 0),
     }))
 }
@@ -105,6 +126,15 @@ fn comparison(of: &Comparison) -> Value {
         "histogram": of.histogram.iter().map(|part| (part * 1000.0).round()).collect::<Vec<f64>>(),
         "counting": of.counting.map(|part| round(part, 3)),
     })
+}
+
+fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
+    of.iter().map(|bbox| of_box(bbox.as_ref())).collect()
+}
+
+/// The root of the area of each box.
+fn sizes(of: &[Option<BoundingBox>]) -> Vec<Value> {
+    rounded(of.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt())), 1)
 }
 
 fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value> {

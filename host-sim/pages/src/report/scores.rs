@@ -204,7 +204,14 @@ mod tests {
     #[test]
     fn the_largest_area_is_named_first_and_who_is_not_everywhere_is_not_named() {
         let scored = |name: &str, part: f64| Scored {
-            entrant: Entrant { name: name.into(), title: name.into(), look: 0, answers: vec![], method: None },
+            entrant: Entrant {
+                name: name.into(),
+                title: name.into(),
+                short: name.into(),
+                look: 0,
+                answers: vec![],
+                method: None,
+            },
             score: Score { visible: 1, ..Score::default() },
             curves: Curves { success: vec![part; STEPS + 1], precision: vec![part; FARTHEST + 1] },
         };

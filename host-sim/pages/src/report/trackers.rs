@@ -2,6 +2,7 @@
 
 use super::film::Film;
 use super::palette::{look_of_file, look_of_method};
+use smr_evaluation::MethodKind;
 use smr_recordings::BoundingBox;
 
 #[derive(serde::Serialize)]
@@ -9,6 +10,8 @@ pub(super) struct Entrant {
     pub name: String,
     /// As it stands on the page.
     pub title: String,
+    /// As it stands where there is little room.
+    pub short: String,
     /// The place of its look.
     pub look: usize,
     /// One a frame.
@@ -18,10 +21,34 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
+// Places in the words for a method: on the page, where there is little room, in a sentence.
+pub(super) const TITLE: usize = 0;
+const SHORT: usize = 1;
+pub(super) const SENTENCE: usize = 2;
+
+const fn words_of(kind: MethodKind) -> [&'static str; 3] {
+    match kind {
+        MethodKind::Robust => ["Robust tracker", "Robust", "the robust tracker"],
+        MethodKind::Smr => ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"],
+        MethodKind::Sad => ["SAD"; 3],
+        MethodKind::Ssd => ["SSD"; 3],
+        MethodKind::Ncc => ["NCC"; 3],
+        MethodKind::Lk => ["LK"; 3],
+    }
+}
+
+/// A method in these words, after the name of its target if it has one.
+pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
+    let title = words_of(film.methods[method].kind)[words];
+    let name = film.targets[film.of[method]].name.as_ref();
+    name.map_or(title.to_owned(), |name| format!("{name}, {title}"))
+}
+
 pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let methods = film.methods.iter().enumerate().map(|(index, method)| Entrant {
         name: method.name.clone(),
-        title: film.title(index),
+        title: titled(film, index, TITLE),
+        short: titled(film, index, SHORT),
         // With several targets each method has its own look.
         look: if film.targets.len() == 1 { look_of_method(method.kind) } else { look_of_file(index) },
         answers: film.trajectory(index),
@@ -30,6 +57,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     let files = film.files.iter().enumerate().map(|(index, file)| Entrant {
         name: file.name.clone(),
         title: file.name.clone(),
+        short: file.name.clone(),
         look: look_of_file(film.places.get(index).copied().unwrap_or(index)),
         answers: file.answers.clone(),
         method: None,

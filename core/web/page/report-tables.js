@@ -1,7 +1,9 @@
-// Tables that are sorted by a click on the header of a column. Part of the page's script, see page.html.
+// Tables that are sorted by a click on the header of a column.
+
+import { htmlNode } from "./dom.js";
 
 /** Each header gets a button, so that it works by keyboard, too. */
-function makeSortable(table) {
+export function makeSortable(table) {
   const headers = [...table.tHead.rows[0].cells];
   headers.forEach((header, column) => {
     const button = htmlNode("button", { type: "button", class: "sort" }, header.textContent);
