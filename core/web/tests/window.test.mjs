@@ -52,6 +52,8 @@ async function play({ stdin }) {
   }
 }
 
+const SESSION = "clip.y4m.smr.json";
+
 async function served(words) {
   const isLive = words.includes("-");
   const server = spawn(HOST_SIM, ["view", ...words, "--no-open", "--json"], { cwd: folder, stdio: [isLive ? "pipe" : "ignore", "pipe", "inherit"] });
@@ -65,6 +67,7 @@ async function served(words) {
 // A test on a window of its own, which may write no errors, nor ask anyone but host-sim for anything.
 function onWindow(name, run, { words = ["clip.y4m"], ...options } = {}) {
   test(name, { skip: why ?? false }, async (context) => {
+    rmSync(join(folder, SESSION), { force: true });
     const { server, address } = await served(words);
     const page = await browser.page(address, options);
     try {
@@ -445,14 +448,26 @@ onWindow("another window of the same host-sim has the same targets", async (page
   await other.close();
 });
 
-test("when host-sim has ended, the window says so and keeps what was drawn", { skip: why ?? false }, async () => {
+test("when host-sim has ended, the window says so; opened again, it shows what was drawn where the user was", { skip: why ?? false }, async () => {
+  rmSync(join(folder, SESSION), { force: true });
   const { server, address } = await served(["clip.y4m"]);
   const page = await browser.page(address);
   await page.until(`document.getElementById("place").value !== ""`);
   await dragBox(page, BOX);
   await commands(page, /36,24,24,28/);
+  await page.until(HEARD);
+  await page.click("#play");
+  await page.click("#on");
+  const left = await settled(page, `parseInt(document.getElementById("place").value.split(" ")[1])`);
+  await page.until(`fetch("source").then((answer) => answer.json()).then(({ frame }) => frame === ${left})`);
   server.kill();
-  await says(page, "said", /^host-sim has ended/);
+  await says(page, "said", /^host-sim has ended: what was drawn is kept in clip.y4m.smr.json/);
   assert.match(await command(page), /36,24,24,28/);
   await page.close();
+  const again = await served(["clip.y4m"]);
+  const other = await browser.page(again.address);
+  await isAt(other, left);
+  await commands(other, /36,24,24,28/);
+  await other.close();
+  again.server.kill();
 });

@@ -1,6 +1,7 @@
 //! Input files, damaged in a few places: a short run of what a fuzzer does, in every run of the tests.
 
 use smr_fuzz::target;
+use smr_scene::random::Random;
 use std::fs;
 use std::path::Path;
 
@@ -10,28 +11,15 @@ const READERS: [&str; 8] = ["pnm", "png", "jpeg", "picture", "y4m", "raw", "boxe
 /// The number of damaged copies of each file.
 const TIMES: u32 = 60;
 
-/// Marsaglia's xorshift: the same numbers in every run.
-struct Random(u64);
-
-impl Random {
-    /// Below `end`, which is above 0.
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        usize::try_from(self.0 % end as u64).expect("it is below a usize")
-    }
-}
-
 /// Changes up to three bytes, and cuts half of the files.
 fn damaged(whole: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = whole.to_vec();
-    for _ in 0..random.below(4) {
-        let at = random.below(bytes.len());
-        bytes[at] = random.below(256).to_le_bytes()[0];
+    for _ in 0..random.place(4) {
+        let at = random.place(bytes.len());
+        bytes[at] = random.place(256).to_le_bytes()[0];
     }
-    if random.below(2) == 0 {
-        bytes.truncate(random.below(whole.len() + 1));
+    if random.place(2) == 0 {
+        bytes.truncate(random.place(whole.len() + 1));
     }
     bytes
 }
