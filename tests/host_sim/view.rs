@@ -109,8 +109,9 @@ impl Window {
         assert_eq!(status, 200, "{said}");
         let id = serde_json::from_str::<Value>(&said).unwrap()["id"].clone();
         let is_done = |news: &Value| {
-            assert_eq!(news["export"]["error"], Value::Null);
-            news["export"]["id"] == id && !news["export"]["file"].is_null()
+            let made = &news["exports"][0];
+            assert_eq!(made["error"], Value::Null);
+            made["id"] == id && !made["file"].is_null()
         };
         self.wait(path, is_done);
         self.get(&format!("made/{id}")).1
@@ -231,9 +232,118 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
         use std::os::unix::fs::PermissionsExt;
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
         let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
-        let files: Vec<_> = fs::read_dir(&folder).unwrap().map(|file| mode(&file.unwrap().path())).collect();
+        let jobs = fs::read_dir(&folder).unwrap().map(|job| fs::read_dir(job.unwrap().path()).unwrap());
+        let files: Vec<_> = jobs.flatten().map(|file| mode(&file.unwrap().path())).collect();
         assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
     }
+}
+
+/// The targets that the window shows, and where its session is.
+fn begun(window: &Window) -> (Value, Value) {
+    let source = window.json("source");
+    (source["targets"].clone(), source["session"].clone())
+}
+
+#[test]
+fn work_is_kept_beside_the_recording_and_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let file = format!("{recording}.smr.json");
+    let car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
+    let window = Window::open(&[recording]);
+    assert_eq!((window.post("place", &json!({ "frame": 3 })).0, begun(&window).1), (200, json!(file)));
+    assert!(!Path::new(&file).exists(), "nothing has been changed");
+    assert_eq!(window.post("targets", &car).0, 200);
+    assert_eq!(window.post("method", &json!({ "method": "smr", "options": { "config": "camera" } })).0, 200);
+    assert_eq!(window.post("place", &json!({ "frame": 12 })).0, 200);
+    drop(window);
+    let window = Window::open(&[recording]);
+    let source = window.json("source");
+    assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
+    assert_eq!(source["options"], json!({ "config": "camera" }));
+    drop(window);
+    // What the command line has takes the place of what is there, which is not lost.
+    let window = Window::open(&[recording, "--init", "1,1,20,20"]);
+    assert_eq!(
+        (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
+        (&json!([1, 1, 20, 20]), json!("smr"))
+    );
+    let former = fs::read(&file).unwrap();
+    assert_eq!(window.post("targets", &target(&[(1, [2, 2, 20, 20])])).0, 200);
+    assert_eq!(fs::read(format!("{file}~")).unwrap(), former);
+    window
+        .wait("where the former work is", |news| news["said"].as_str().is_some_and(|said| said.contains(".smr.json~")));
+    drop(window);
+    assert_eq!(begun(&Window::open(&["synthetic"])).1, Value::Null);
+    let named = folder.path().join("a.json");
+    assert_eq!(begun(&Window::open(&["synthetic", "--session", utf8(&named)])).1, json!(named));
+    let tracked = host_sim(&["track", recording, "--init", "2,2,20,20", "-o", utf8(&folder.path().join("boxes.csv"))]);
+    assert_eq!(tracked.code, Some(0), "the file beside it is no part of the recording: {}", tracked.err);
+    let refused = host_sim(&["view", "--no-open", recording, "--session", utf8(&folder.path().join("boxes.csv"))]);
+    assert!(
+        refused.code == Some(2) && refused.err.contains("boxes.csv: it is damaged, or no session"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
+fn boxes_of_a_file_are_locks() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = &recording(&folder)[..];
+    let file = folder.path().join("boxes.csv");
+    let window = Window::open(&[recording]);
+    let mut car = target(&[(2, [37, 24, 24, 28]), (30, [80, 40, 24, 28])]);
+    car[0]["locks"].as_array_mut().unwrap().insert(1, json!({ "frame": 20, "box": null }));
+    assert_eq!(window.post("targets", &car).0, 200);
+    window.followed();
+    let csv = window.text("boxes?format=csv");
+    let inits = ["--init", "37,24,24,28@2", "--init", "gone@20", "--init", "80,40,24,28@30"];
+    assert_eq!(csv, host_sim(&[&["track", recording, "--format", "csv"], &inits[..]].concat()).out);
+    fs::write(&file, &csv).unwrap();
+    let post = |text: &str, name: &str| window.asked(&format!("POST /{}/boxes?name={name}", window.token), "", text);
+    let (status, _, read) = post(&csv, "boxes.csv");
+    let read: Value = serde_json::from_slice(&read).unwrap();
+    assert_eq!((status, &read["targets"][0]["locks"]), (200, &car[0]["locks"]));
+    let (_, _, read) = post(&window.text("boxes?format=cvat"), "boxes.xml");
+    let read: Value = serde_json::from_slice(&read).unwrap();
+    let locks = read["targets"][0]["locks"].as_array().unwrap();
+    assert_eq!((locks.len(), &locks[0], &locks[18]), (18 + 1 + 11, &car[0]["locks"][0], &car[0]["locks"][1]));
+    let (status, _, said) = post("frame\n", "my%20boxes.csv");
+    assert!(status == 400 && said.starts_with(b"my boxes.csv: line 1: there is no column x"));
+    drop(window);
+    let window = Window::open(&[recording, "--boxes", utf8(&file), "--session", utf8(&folder.path().join("new.json"))]);
+    assert_eq!(begun(&window).0[0]["locks"], car[0]["locks"]);
+    window.followed();
+    assert_eq!(window.text("boxes?format=csv"), csv);
+}
+
+#[test]
+fn a_part_of_a_frame_has_its_own_pixels() {
+    let window = Window::open(&["periodic"]);
+    let part = |query: &str| window.get(&format!("frames/3.png?{query}"));
+    let (status, png) = part("part=-5,10,30,8");
+    assert!(status == 200 && png.starts_with(b"\x89PNG") && png[16..24] == [0, 0, 0, 25, 0, 0, 0, 8]);
+    assert_eq!([part("part=9,9,9"), part("part=9999,0,9,9"), part("")].map(|(status, _)| status), [400; 3]);
+    assert_eq!(window.get("frames/99999.png?part=0,0,9,9").0, 404);
+}
+
+#[test]
+fn a_file_that_is_not_wanted_any_more_is_cancelled() {
+    let window = Window::open(&["street"]);
+    assert_eq!(window.post("report", &json!({})).0, 200);
+    let begun = window.wait("the beginning", |news| !news["exports"].is_null())["exports"][0].clone();
+    assert_eq!((&begun["id"], &begun["name"], &begun["cancelled"]), (&json!(1), &json!("street.html"), &json!(false)));
+    assert_eq!(window.post("cancel", &json!({ "id": 1 })), (200, "{}".to_owned()));
+    let ended = window.wait("the end", |news| news["exports"][0]["cancelled"] == true)["exports"][0].clone();
+    assert_eq!((&ended["file"], &ended["error"]), (&Value::Null, &Value::Null));
+    let folder = fs::read_dir(window.folder.path()).unwrap().next().unwrap().unwrap().path();
+    let begin = Instant::now();
+    while fs::read_dir(&folder).unwrap().count() > 0 {
+        assert!(begin.elapsed() < Duration::from_secs(20), "its file is left");
+    }
+    let refused = (400, "file 1 is not being made: expected one that is".to_owned());
+    assert_eq!(window.post("cancel", &json!({ "id": 1 })), refused);
 }
 
 /// All users see what a program is started with.
@@ -297,6 +407,46 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
     let inits = ["--init", "36,24,24,28", "--init", "40,24,24,28@30", "--format", "csv"];
     assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
+}
+
+/// The window follows the frames that are there, and the command that it shows gives the same answers.
+#[test]
+fn what_is_shown_for_a_damaged_recording_repeats_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let pictures = recording(&folder);
+    fs::write(folder.path().join("synthetic/00021.png"), b"\x89PNG").unwrap();
+    let (film, cut) = (folder.path().join("film.y4m"), folder.path().join("cut.mp4"));
+    assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..60", "--out", utf8(&film)]).code, Some(0));
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg
+        .args(["-nostdin", "-v", "error", "-i"])
+        .arg(&film)
+        .args(["-c:v", "libx264", "-g", "10", "-movflags", "+faststart"])
+        .arg(&cut);
+    let mut recordings = vec![pictures];
+    if crate::missing::runs(&mut ffmpeg) {
+        let whole = fs::read(&cut).unwrap();
+        fs::write(&cut, &whole[..whole.len() * 6 / 10]).unwrap();
+        recordings.push(utf8(&cut).to_owned());
+    } else {
+        skipped("what_is_shown_for_a_damaged_recording_repeats_it", "no ffmpeg that writes mp4");
+    }
+    for recording in &recordings {
+        let window = Window::open(&[recording, "--init", "36,24,24,28"]);
+        window.wait("the damage", |news| news["said"].is_string());
+        let news = window.followed();
+        let words = format!("{recording} --frames ..{}", news["followed"]);
+        assert_eq!((&window.json("source")["words"], &news["words"]), (&json!(words), &json!(words)));
+        let track = host_sim(
+            &[&["track", "--init", "36,24,24,28", "--format", "csv"], &words.split(' ').collect::<Vec<_>>()[..]]
+                .concat(),
+        );
+        assert_eq!((track.code, track.out), (Some(0), window.text("boxes?format=csv")), "{}", track.err);
+        assert!(window.made("report", &json!({})).starts_with(b"<!DOCTYPE"));
+        assert_eq!(window.post("targets", &target(&[(1, [36, 24, 24, 28]), (25, [50, 40, 24, 28])])).0, 200);
+        let words = window.json("source")["words"].clone();
+        assert_eq!(words == json!(recording), recording.ends_with("synthetic"), "{words}: a lock behind the damage");
+    }
 }
 
 /// Names that look like an option, or that are no text.

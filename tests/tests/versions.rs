@@ -21,6 +21,7 @@ const CRATES: &[&str] = &[
     "core/c",
     "core/python",
     "host-sim",
+    "host-sim/scene",
     "host-sim/recordings",
     "host-sim/reference",
     "host-sim/evaluation",

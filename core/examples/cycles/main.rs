@@ -12,7 +12,7 @@
 mod measure;
 #[cfg(target_os = "none")]
 #[allow(dead_code)] // the host needs more of it
-#[path = "../../../host-sim/recordings/src/tiles/scene.rs"]
+#[path = "../../../host-sim/scene/src/tiles.rs"]
 mod scene;
 #[cfg(target_os = "none")]
 mod table;

@@ -52,6 +52,16 @@ export class Answers {
     return this.#targets.get(id)?.row(number);
   }
 
+  /** The last answer in the frames from `first` to before `end`; undefined if there is none. */
+  last(id, first, end) {
+    for (let number = end - 1; number >= first; number--) {
+      if (this.state(id, number) !== undefined) {
+        return this.at(id, number);
+      }
+    }
+    return undefined;
+  }
+
   /** { number, state } of all answers in the order of frames. */
   *states(id) {
     const rows = this.#targets.get(id);

@@ -24,7 +24,7 @@ function policy(style, script) {
 }
 
 function carried(worker) {
-  const modules = ["smr-simd.wasm", "smr.wasm"].map((name) => {
+  const modules = ["smr-simd.wasm", "smr.wasm", "scene.wasm"].map((name) => {
     const packed = deflateSync(readFileSync(new URL(name, BUILT)), { level: 9 });
     return `<script type="application/wasm" id="${name}">${packed.toString("base64")}</script>`;
   });

@@ -38,8 +38,9 @@ export function initsOf(targets, isNamed = targets.length > 1) {
   return targets.flatMap(({ name, locks }) => locks.map((lock) => `--init ${isNamed ? `${name}=` : ""}${placed(lock)}`));
 }
 
-function placed({ number, box: { x, y, width, height } }) {
-  return `${x},${y},${width},${height}${number === 1 ? "" : `@${number}`}`;
+function placed({ number, box }) {
+  const place = box === null ? "gone" : `${box.x},${box.y},${box.width},${box.height}`;
+  return number === 1 ? place : `${place}@${number}`;
 }
 
 // For a shell.

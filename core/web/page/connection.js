@@ -16,12 +16,22 @@ export class Connection {
   async open() {
     const source = await (await asked("source")).json();
     this.#revision = source.revision;
-    return { first: 1, ...source, targets: source.targets.map(targetOf) };
+    return { ...source, targets: source.targets.map(targetOf) };
   }
 
   /** The picture of a frame. */
   async picture(number) {
     return createImageBitmap(await (await asked(`frames/${number}.jpg`)).blob());
+  }
+
+  /** The recording's own pixels of a part of a frame, { x, y, width, height }. */
+  async part(number, { x, y, width, height }) {
+    return createImageBitmap(await (await asked(`frames/${number}.png?part=${x},${y},${width},${height}`)).blob());
+  }
+
+  /** Tells the frame that the user looks at, for the next time. */
+  async place(frame) {
+    await told("place", { frame });
   }
 
   /**
@@ -73,9 +83,19 @@ export class Connection {
     await told("stop", {});
   }
 
-  /** Begins to make a film or a report; returns its number. */
+  /** Begins to make a film or a report; returns its number and the name of its file. */
   async make(what, options = {}) {
-    return (await (await told(what, options)).json()).id;
+    return (await told(what, options)).json();
+  }
+
+  async cancel(id) {
+    await told("cancel", { id });
+  }
+
+  /** The targets of a file with boxes, { name, locks }. */
+  async readBoxes(file) {
+    const answer = await asked(`boxes?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+    return (await answer.json()).targets.map(targetOf);
   }
 
   /** The boxes as a file: its name and its bytes. */

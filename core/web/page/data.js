@@ -10,5 +10,5 @@ export function workerAddress() {
 
 /** The WebAssembly modules: deflated, in Base64. */
 export function packedModules() {
-  return { simd: byId("smr-simd.wasm").textContent, plain: byId("smr.wasm").textContent };
+  return { simd: byId("smr-simd.wasm").textContent, plain: byId("smr.wasm").textContent, scene: byId("scene.wasm").textContent };
 }

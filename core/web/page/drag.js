@@ -19,7 +19,8 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page`: { size() of the frame or null, start() the box a key begins with, propose(box or null), lock(box, grip) }.
+   * `page`: { size() of the frame or null, start() the box a key begins with, propose(box or null), lock(box, grip) false to
+   * keep the box drawn }.
    * It may also have: view() the part of the frame that is seen; grip(point, reach) what is there to take hold of, { box,
    * held } with `held` of `gripOf`, or null; click(point); arrowsStart: false if arrows only move a box that is there.
    */
@@ -36,6 +37,13 @@ export class Drag {
   /** True while a pointer draws. */
   get isPointing() {
     return this.#from !== null;
+  }
+
+  /** Locks on the box that is drawn. */
+  take() {
+    if (this.#box !== null) {
+      this.#lock(this.#box);
+    }
   }
 
   drop() {
@@ -93,7 +101,7 @@ export class Drag {
       this.#propose(this.#box === null ? inside(this.#page.start(), size) : changed(this.#box, event, size));
     } else if (event.key === "Enter") {
       event.preventDefault();
-      this.#box === null ? this.#propose(inside(this.#page.start(), size)) : this.#lock(this.#box);
+      this.#box === null ? this.#propose(inside(this.#page.start(), size)) : this.take();
     } else if (event.key === "Escape") {
       this.drop();
     }
@@ -102,8 +110,7 @@ export class Drag {
   #lock(box) {
     const grip = this.#grip;
     [this.#from, this.#grip] = [null, null];
-    this.#page.lock(box, grip);
-    this.#propose(null);
+    this.#propose(this.#page.lock(box, grip) === false ? box : null);
   }
 
   #propose(box) {

@@ -13,19 +13,26 @@ export const nameOf = ({ id, name }) => name || `target${id}`;
 /** The lock of a target in a frame, if there is one. */
 export const lockIn = (target, number) => target?.locks.find((lock) => lock.number === number);
 
-/** A target as host-sim tells it: { id, name, locks: [{ frame, box: [x, y, width, height] }] }. */
+/** True if the target was taken out of a frame. */
+export const isGone = (target, number) => target?.locks.findLast((lock) => lock.number <= number)?.box === null;
+
+/** A target as host-sim tells it: { id, name, locks: [{ frame, box: [x, y, width, height] or null }] }. */
 export function targetOf({ id, name, locks }) {
-  return { id, name, locks: locks.map(({ frame, box: [x, y, width, height] }) => ({ number: frame, box: { x, y, width, height } })) };
+  const boxOf = (box) => box && { x: box[0], y: box[1], width: box[2], height: box[3] };
+  return { id, name, locks: locks.map(({ frame, box }) => ({ number: frame, box: boxOf(box) })) };
 }
 
 /** A target as it is told to host-sim. */
 export function toldOf(target) {
   const { id, locks } = target;
-  return { id, name: nameOf(target), locks: locks.map(({ number, box: { x, y, width, height } }) => ({ frame: number, box: [x, y, width, height] })) };
+  return { id, name: nameOf(target), locks: locks.map(({ number, box }) => ({ frame: number, box: box && [box.x, box.y, box.width, box.height] })) };
 }
 
 export class Edits {
-  /** { id, name, color, locks: [{ number, box }] }, locks in the order of frames. They are replaced, never changed. */
+  /**
+   * { id, name, color, locks: [{ number, box }] }, locks in the order of frames. They are replaced, never changed. Without a box the target is
+   * gone from that frame to the next box.
+   */
   targets = [];
   #chosen = null; // an id; null: the next box is a new target
   #ids = 0;
@@ -63,15 +70,27 @@ export class Edits {
   lock(number, box, target = this.chosen) {
     const { id, name, color, locks } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
-    const locked = { id, name, color, locks: [...others, { number, box }].sort((one, other) => one.number - other.number) };
+    const locked = { id, name, color, locks: inOrder([...others, { number, box }]) };
     this.#chosen = id;
     this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)));
   }
 
+  /** Takes a target out of the frames from this one to its next box. */
+  lose(target, number) {
+    this.lock(number, null, target);
+  }
+
   /** Removes the lock of a target in a frame, and with its only lock the target. */
   unlock(target, number) {
-    const locks = target.locks.filter((lock) => lock.number !== number);
+    const locks = inOrder(target.locks.filter((lock) => lock.number !== number));
     locks.length === 0 ? this.remove(target) : this.#replace(this.targets.map((one) => (one.id === target.id ? { ...one, locks } : one)));
+  }
+
+  /** Adds targets that were read from a file, { name, locks }. */
+  add(targets) {
+    const added = targets.map(({ name, locks }) => ({ ...this.#made(), name: this.#freeName(name), locks: inOrder(locks) }));
+    this.#chosen = added.at(-1)?.id ?? this.#chosen;
+    this.#replace([...this.targets, ...added]);
   }
 
   remove({ id }) {
@@ -132,9 +151,22 @@ export class Edits {
     return { id: this.#ids, name: "", color: colorOf(this.#ids), locks: [] };
   }
 
+  // A file may use the name of a target that is there.
+  #freeName(name) {
+    const isFree = (one) => this.targets.every((target) => nameOf(target) !== one);
+    const plain = plainName(name);
+    return isFree(plain) ? plain : "";
+  }
+
   #replace(targets) {
     this.#change(targets, [...this.#past, this.targets], []);
   }
+}
+
+// A target is gone once, and not before its first box.
+function inOrder(locks) {
+  const sorted = [...locks].sort((one, other) => one.number - other.number);
+  return sorted.filter(({ box }, at) => box !== null || (at > 0 && sorted[at - 1].box !== null));
 }
 
 const colorOf = (id) => COLORS[(id - 1) % COLORS.length];

@@ -4,14 +4,15 @@ import { htmlNode } from "./dom.js";
 
 // A target that is uncertain or leaving for less than this is a flicker, which nobody would look for.
 const LEAST_FRAMES = 10;
-const AS_STATE = { locked: "tracking", corrected: "tracking", found: "tracking" };
+const AS_STATE = { locked: "tracking", corrected: "tracking", found: "tracking", back: "tracking" };
 
 /**
- * The events of one target, each { kind, frame, until }: `kind` is locked, corrected, lost, found, uncertain or leaving, and
- * `until` the last frame of it. `rows`: its answers { number, state } in the order of frames. `locks`: { number }, the same.
+ * The events of one target, each { kind, frame, until }: `kind` is locked, corrected, gone, back, lost, found, uncertain or
+ * leaving, and `until` the last frame of it. `rows`: its answers { number, state } in the order of frames. `locks`: { number, box }, the same;
+ * the box is null where the target is gone.
  */
 export function eventsOf(rows, locks) {
-  const events = locks.map(({ number }, at) => event(at === 0 ? "locked" : "corrected", number));
+  const events = locks.map((lock, at) => event(kindOf(lock, locks[at - 1]), lock.number));
   const isLock = new Set(locks.map(({ number }) => number));
   let last = null; // the span of equal states that goes on
   for (const { number, state } of rows) {
@@ -28,6 +29,13 @@ export function eventsOf(rows, locks) {
   }
   addSpan(events, last);
   return events.sort((one, other) => one.frame - other.frame);
+}
+
+function kindOf({ box }, before) {
+  if (box === null) {
+    return "gone";
+  }
+  return before === undefined ? "locked" : before.box === null ? "back" : "corrected";
 }
 
 const event = (kind, frame) => ({ kind, frame, until: frame });

@@ -23,10 +23,11 @@ export class Playback {
   #page;
   #playing = null; // since when, and from which frame
   #writing = null;
+  #peeked = null; // the number of a frame that is looked at beside the one that is shown
 
   /**
-   * `page`: { picture(number) a promise for the picture of a frame, isLive, timeOf(number) its time in seconds or null, speed(), isHeld() true
-   * while the picture has to wait, changed(), failed(error), marks() the numbers of frames to jump to, in order }.
+   * `page`: { picture(number) a promise for the picture of a frame, isLive(), timeOf(number) its time in seconds or null, speed(), isHeld() true
+   * while the picture has to wait, changed(), failed(error), marks() the numbers of frames to jump to, in order, visited(number) }.
    */
   constructor(page) {
     this.#page = page;
@@ -45,7 +46,7 @@ export class Playback {
   }
 
   get isPlaying() {
-    return this.#page.isLive ? this.followsNewest : this.#playing !== null;
+    return this.#page.isLive() ? this.followsNewest : this.#playing !== null;
   }
 
   /** True while the picture that is wanted is on its way. */
@@ -65,17 +66,16 @@ export class Playback {
 
   /** Forgets all frames: there are others now. */
   forget(first, last) {
-    [this.frame, this.shown, this.#playing] = [null, null, null];
-    const pictures = new Pictures(this.#page.picture, (number) => pictures === this.#pictures && this.#came(number), (number, error) => this.#missed(number, error));
+    [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
+    const isHere = () => pictures === this.#pictures;
+    const pictures = new Pictures(this.#page.picture, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
     this.#pictures = pictures;
     this.reach(first, last);
   }
 
   goTo(number) {
     this.frame = clamp(number, this.first, this.last);
-    const count = this.#playing === null ? 1 : AHEAD;
-    const ahead = Array.from({ length: count }, (_, by) => this.frame + by + 1).filter((one) => one <= this.last);
-    this.#pictures.want([...new Set([this.frame, ...ahead, ...(this.shown === null ? [] : [this.shown])])]);
+    this.#want();
     this.pictureOf(this.frame) === undefined ? this.#page.changed() : this.#show(this.frame);
   }
 
@@ -96,7 +96,7 @@ export class Playback {
   }
 
   play(on) {
-    if (this.#page.isLive) {
+    if (this.#page.isLive()) {
       this.followsNewest = on;
     } else if (on && this.#playing === null) {
       this.#playing = restarted(this.frame >= this.last ? this.first : this.frame);
@@ -117,6 +117,12 @@ export class Playback {
     this.#playing = this.#playing && restarted(this.frame);
   }
 
+  /** Loads the picture of a frame to look at beside the one that is shown; null for none. */
+  peek(number) {
+    this.#peeked = number;
+    this.#want();
+  }
+
   /** Does what a key stands for; false if it stands for nothing. */
   key({ key, shiftKey }) {
     const by = shiftKey ? LEAP : 1;
@@ -133,17 +139,25 @@ export class Playback {
     return act !== undefined;
   }
 
+  #want() {
+    const count = this.#playing === null ? 1 : AHEAD;
+    const ahead = Array.from({ length: count }, (_, by) => this.frame + by + 1).filter((one) => one <= this.last);
+    this.#pictures.want([...new Set([this.frame, ...ahead, this.shown, this.#peeked].filter((number) => number !== null))]);
+  }
+
   // While the user drags the slider, a picture on the way is better than an old one. A camera has gone on when its first picture comes.
   #came(number) {
-    const isNearer = this.shown === null ? this.#page.isLive : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
+    const isNearer = this.shown === null ? this.#page.isLive() : Math.abs(number - this.frame) < Math.abs(this.shown - this.frame);
     if (number === this.frame || isNearer) {
       this.#show(number);
+    } else if (number === this.#peeked) {
+      this.#page.changed();
     }
   }
 
   // Not every picture of a camera is kept: the next one is there soon.
   #missed(number, error) {
-    if (number === this.frame && !(this.#page.isLive && this.followsNewest)) {
+    if (number === this.frame && !(this.#page.isLive() && this.followsNewest)) {
       this.#page.failed(error);
     }
   }
@@ -184,6 +198,7 @@ export class Playback {
       const words = new URLSearchParams(location.hash.slice(1));
       words.set("frame", this.frame);
       history.replaceState(null, "", `#${words}`);
+      this.#page.visited?.(this.frame);
     }, ADDRESS_MS);
   }
 }
@@ -194,4 +209,23 @@ const restarted = (from) => ({ since: performance.now(), frame: from });
 function addressed() {
   const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
   return wanted > 0 ? wanted : null;
+}
+
+/** The frame that is called so, by its number or by its time, such as 12.5 or 1:02.5; null if there is none. `timeOf(number)` is in seconds or null. */
+export function frameNamed(text, { first, last }, timeOf) {
+  const words = text.trim();
+  if (/^\d+$/.test(words)) {
+    const number = Number(words);
+    return number >= first && number <= last ? number : null;
+  }
+  if (!/^(\d+:)*\d+(\.\d*)?$/.test(words) || timeOf(first) === null || timeOf(last) === null) {
+    return null;
+  }
+  const seconds = words.split(":").reduce((sum, part) => 60 * sum + Number(part), 0);
+  let [from, to] = [first, last];
+  while (from < to) {
+    const middle = Math.ceil((from + to) / 2);
+    [from, to] = timeOf(middle) <= seconds ? [middle, to] : [from, middle - 1];
+  }
+  return from;
 }

@@ -32,7 +32,7 @@ let drawing = null;
 // Before the playback reads the frame.
 addEventListener("hashchange", () => open(addressed() ?? recording));
 const playback = new Playback({
-  picture, isLive: false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, changed: draw, failed: () => {},
+  picture, isLive: () => false, timeOf: (number) => timeOf(number), speed: () => Number(byId("speed").value), isHeld: () => false, changed: draw, failed: () => {},
   marks: () => [...new Set(events.map(({ frame }) => frame))],
 });
 const visit = (number) => playback.visit(number);

@@ -23,16 +23,18 @@ export function drawStage(canvas, scene) {
 }
 
 /**
- * Draws on a part of a canvas of `width` times `height`. `view` is the part of a frame of `size`, maybe with a margin, that is seen. `boxes`: { box,
+ * Draws on a part of a canvas of `width` times `height`. `view` is the part of a frame of `size`, maybe with a margin, that is seen. `under(context, placed)` draws
+ * under the boxes, where `placed(box)` is the place of a box on the canvas. `boxes`: { box,
  * color, dash, words, isChosen, isLast, hasHandles } each; `isLast`: the box is not of this frame. `words`: { text, color } each, for the corner.
  * `proposed`: the box that the user draws, or null.
  */
-export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, boxes, words = [], proposed = null, color = "#fff" }) {
+export function drawFrame(context, { width, height }, { picture, size, view = { x: 0, y: 0, ...size }, under = () => {}, boxes, words = [], proposed = null, color = "#fff" }) {
   const scale = width / view.width;
   const placed = ({ x, y, width: wide, height: high }) => [(x - view.x) * scale, (y - view.y) * scale, wide * scale, high * scale];
   context.clearRect(0, 0, width, height);
   context.imageSmoothingEnabled = (scale * size.width) / picture.width < SMOOTH;
   context.drawImage(picture, ...placed({ x: 0, y: 0, ...size }));
+  under(context, placed);
   for (const one of sharing(boxes.map((one) => ({ ...one, place: placed(one.box) })))) {
     drawBox(context, one);
   }

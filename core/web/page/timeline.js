@@ -63,7 +63,7 @@ export class Columns {
 }
 
 export class Timeline {
-  #goTo;
+  #page;
   #box = htmlNode("div", {});
   #canvas = htmlNode("canvas", { "aria-hidden": "true" });
   #input = htmlNode("input", { type: "range", step: 1, "aria-label": "Frame" });
@@ -76,9 +76,9 @@ export class Timeline {
   #hasKeys = true; // the user moves the head by keys
   #drawing = null;
 
-  /** `goTo(frame)` is called when the user moves the head. */
-  constructor(place, { goTo }) {
-    this.#goTo = goTo;
+  /** `page`: { goTo(frame) the user moves the head, hover(frame, place) a mouse is over a frame, or over none: null }; hover may be missing. */
+  constructor(place, page) {
+    this.#page = page;
     // Styles that no page has to know. The canvas draws the head; the input has the keys and speaks.
     Object.assign(this.#box.style, { position: "relative", touchAction: "pan-y", cursor: "pointer" });
     Object.assign(this.#canvas.style, { display: "block", width: "100%" });
@@ -134,8 +134,11 @@ export class Timeline {
     this.#box.addEventListener("pointermove", (event) => {
       if (this.#isDragged && event.isPrimary) {
         this.#want(this.#frameAt(event));
+      } else if (event.pointerType === "mouse" && this.#shown !== null) {
+        this.#page.hover?.(this.#frameAt(event), event.clientX - this.#box.getBoundingClientRect().left);
       }
     });
+    this.#box.addEventListener("pointerleave", () => this.#page.hover?.(null));
     for (const end of ["pointerup", "pointercancel"]) {
       this.#box.addEventListener(end, () => {
         this.#isDragged = false;
@@ -155,7 +158,7 @@ export class Timeline {
     [this.#wanted, this.#hasCome] = [frame, false];
     this.#giveUpLater();
     this.draw(this.#shown);
-    this.#goTo(frame);
+    this.#page.goTo(frame);
   }
 
   #giveUpLater() {

@@ -3,16 +3,18 @@
 
 import { hasSimd, load } from "../smr.js";
 import { grayOf } from "./gray.js";
-import { streetFrame } from "./street.js";
+import { scene } from "./scene.js";
 import { Targets } from "./targets.js";
 
 let targets = null;
+let streetFrame = null; // draws the built-in recording
 let last = null; // the last frame, which a lock is on
 
 const WISHES = {
   async start({ modules, settings }) {
     const library = await load(await unpacked(hasSimd() ? modules.simd : modules.plain));
     targets = new Targets(library, settings);
+    streetFrame = await scene(await unpacked(modules.scene));
     return { simd: library.simd, version: library.version };
   },
 

@@ -1,6 +1,8 @@
 // Where the tests find what `.ci/web` has built, and the recordings that they follow.
 
-import { readFileSync } from "node:fs";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { load } from "../smr.js";
@@ -8,11 +10,37 @@ import { load } from "../smr.js";
 /** The folder of the project, and that of the package. */
 export const PROJECT = fileURLToPath(new URL("../../../", import.meta.url));
 export const PACKAGE = process.env.SMR_WEB ?? join(PROJECT, "target/web");
+export const HOST_SIM = process.env.SMR_HOST_SIM;
 
 /** The library from each module, by name. */
 export async function libraries() {
   const library = (name) => load(readFileSync(join(PACKAGE, name)));
   return { plain: await library("smr.wasm"), simd: await library("smr-simd.wasm") };
+}
+
+/** The gray pixels of all frames of a recording, as host-sim gives them. */
+export function converted(recording) {
+  const folder = mkdtempSync(join(tmpdir(), "smr-frames-"));
+  try {
+    const file = join(folder, "frames.raw");
+    const { status, stderr, error } = spawnSync(HOST_SIM, ["convert", recording, "--out", file], { encoding: "utf8" });
+    if (status !== 0) {
+      throw new Error(`host-sim convert ${recording}: ${stderr ?? error}; SMR_HOST_SIM names host-sim`);
+    }
+    return readFileSync(file);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}
+
+export const SYNTHETIC = { width: 160, height: 120, length: 240 };
+let synthetic = null;
+
+/** The gray pixels of frame `index` of the recording `synthetic`, counted from 0. */
+export function syntheticFrame(index) {
+  synthetic ??= converted("synthetic");
+  const size = SYNTHETIC.width * SYNTHETIC.height;
+  return synthetic.subarray(index * size, (index + 1) * size);
 }
 
 /** Numbers that look random and are the same in every run: xorshift, 32 bits. */

@@ -11,10 +11,8 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { Browser, hasBrowser } from "./browser.mjs";
-import { PACKAGE, PROJECT } from "./library.mjs";
-import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
+import { HOST_SIM, PACKAGE, PROJECT, SYNTHETIC, syntheticFrame } from "./library.mjs";
 
-const HOST_SIM = process.env.SMR_HOST_SIM;
 export const FRAMES = 100;
 export const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
 // Frames come, or the page says why not.

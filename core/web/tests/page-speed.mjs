@@ -1,14 +1,13 @@
 // How fast the page is, and whether it takes more memory with time: a camera of 640x480 at 60 frames a second, two targets, both trackers on each.
 //
-//   node core/web/tests/page-speed.mjs [FRAMES]          default: 3000
+//   SMR_HOST_SIM=... node core/web/tests/page-speed.mjs [FRAMES]          default: 3000
 
 import { mkdtempSync, openSync, readFileSync, readdirSync, rmSync, writeSync, closeSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
-import { PACKAGE } from "./library.mjs";
-import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
+import { PACKAGE, SYNTHETIC, syntheticFrame } from "./library.mjs";
 
 const FACTOR = 4; // of the recording `synthetic`
 const LENGTH = 160; // until then the target is in the picture

@@ -5,7 +5,7 @@ import { spawnSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { NUMBER, PRESSED, answers, choose, downloaded, dragBox, folder, host, lines, onPage, pausedAt, replays, same, settled, shoot } from "./open-page.mjs";
-import { SYNTHETIC, syntheticFrame } from "./synthetic.js";
+import { SYNTHETIC, syntheticFrame } from "./library.mjs";
 
 const BOX = "36,24,24,28";
 const DELAY = 80; // of a slow worker, in milliseconds

@@ -94,7 +94,7 @@ pub fn evaluate(
     let Sequence { name, frames, truth, .. } = sequence;
     let truth = truth_of(&name, truth)?;
     let start = start?;
-    let follower = |variant: &Variant| Ok(Follower::new(variant.build()?, vec![(1, variant.start(start))]));
+    let follower = |variant: &Variant| Ok(Follower::new(variant.build()?, vec![(1, Some(variant.start(start)))]));
     let followers: Result<Vec<_>> = variants.iter().map(follower).collect();
     let mut count = 0;
     let runs = follow(frames.inspect(|_| count += 1), followers?, progress)?;

@@ -224,7 +224,7 @@ impl Recording {
     /// Follows the target of a case. `progress` is called for each frame of the recording.
     /// Errors: The tracker cannot be built or fails, or a signal asks to stop.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
-        let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, case.target)]);
+        let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();
         for place in case.frame..case.end {
             ensure!(!cleanup::is_stopped(), "it was stopped");

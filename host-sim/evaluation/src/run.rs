@@ -13,9 +13,9 @@ pub struct Follower<M: Method + ?Sized = dyn Method> {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// Boxes still to lock on, with the numbers of their frames.
-    starts: std::iter::Peekable<std::vec::IntoIter<(usize, Rect)>>,
-    begun: bool,
+    /// Boxes still to lock on, with the numbers of their frames. `None`: the target is gone until the next one.
+    starts: std::iter::Peekable<std::vec::IntoIter<(usize, Option<Rect>)>>,
+    is_there: bool,
 }
 
 impl Follower {
@@ -33,19 +33,20 @@ impl Follower {
 
 impl<M: Method + ?Sized> Follower<M> {
     /// Makes a follower that locks on each of `starts` in the frame of its number, or in the next one that comes.
-    pub fn new(method: Box<M>, starts: Vec<(usize, Rect)>) -> Self {
-        Self { name: None, method, starts: starts.into_iter().peekable(), begun: false }
+    pub fn new(method: Box<M>, starts: Vec<(usize, Option<Rect>)>) -> Self {
+        Self { name: None, method, starts: starts.into_iter().peekable(), is_there: false }
     }
 
-    /// Returns the report of frame `number`; `None` before the first box.
+    /// Returns the report of frame `number`; `None` before the first box, and while the target is gone.
     /// Errors: The tracker's, with the number of the frame.
     pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
         let report = match self.starts.next_if(|(at, _)| *at <= number) {
             Some((_, start)) => {
-                self.begun = true;
-                lock(self.method.as_mut(), &frame.frame(), start).map(|()| Some(Report::locked(start)))
+                self.is_there = start.is_some();
+                let locked = start.map(|start| lock(self.method.as_mut(), &frame.frame(), start));
+                locked.transpose().map(|_| start.map(Report::locked))
             }
-            None if self.begun => self.method.update(&frame.frame()).map(Some),
+            None if self.is_there => self.method.update(&frame.frame()).map(Some),
             None => Ok(None),
         };
         report.with_context(|| match &self.name {
@@ -123,7 +124,7 @@ mod tests {
     }
 
     fn target(name: &str, frames: &[usize]) -> Target {
-        let start = |&frame: &usize| (frame, synthetic::truth(frame - 1).unwrap());
+        let start = |&frame: &usize| (frame, synthetic::truth(frame - 1));
         Target { name: Some(name.to_owned()), starts: frames.iter().map(start).collect() }
     }
 
@@ -156,11 +157,26 @@ mod tests {
     }
 
     #[test]
+    fn a_target_that_is_gone_has_no_answers_until_its_next_box() {
+        for &kind in MethodKind::value_variants() {
+            let mut gone = target("a", &[1, 5, 8]);
+            gone.starts[1].1 = None;
+            let [whole, gone] = [target("a", &[1, 8]), gone].map(|one| followed(&variant(kind), vec![one]).remove(0));
+            assert_eq!(
+                (&gone[..4], &gone[4..7], &gone[7..]),
+                (&whole[..4], &[None; 3][..], &whole[7..]),
+                "{}",
+                kind.name()
+            );
+        }
+    }
+
+    #[test]
     fn errors_name_the_target_and_the_frame() {
         let frames: Vec<GrayFrame> = synthetic::frames().take(2).collect();
         for &kind in MethodKind::value_variants() {
             let mut outside = target("car", &[2]);
-            outside.starts[0].1.x = -30.0;
+            outside.boxes_mut().for_each(|bbox| bbox.x = -30.0);
             let mut all = Follower::all(vec![outside, target("man", &[1])], &variant(kind)).unwrap();
             assert_eq!((all[0].step(1, &frames[0]).unwrap(), all[0].next_start()), (None, Some(2)));
             let error = format!("{:#}", all[0].step(2, &frames[1]).unwrap_err());

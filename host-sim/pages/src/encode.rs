@@ -31,6 +31,26 @@ pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
     plain_png(size, png::ColorType::Rgb, rgb)
 }
 
+/// Most pixels on a side of a part of a frame.
+const MOST_SIDE: i64 = 640;
+
+/// Returns a part of the frame, left, top, width and height, as PNG; `None` if no pixel of it lies in the frame.
+pub(crate) fn part_png(frame: &ColorFrame, [x, y, width, height]: [i32; 4]) -> Result<Option<Vec<u8>>> {
+    let span = |from: i32, length: i32, end: u16| {
+        let (from, end) = (i64::from(from), i64::from(end));
+        let first = from.clamp(0, end);
+        let last = (from + i64::from(length)).clamp(first, end.min(first + MOST_SIDE));
+        Some((usize::try_from(first).ok()?, usize::try_from(last).ok()?)).filter(|(first, last)| first < last)
+    };
+    let Some(((left, right), (top, bottom))) = span(x, width, frame.width).zip(span(y, height, frame.height)) else {
+        return Ok(None);
+    };
+    let rows = frame.pixels.chunks(frame.width.into()).take(bottom).skip(top);
+    let rgb: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened()).copied().collect();
+    let size = (u32::try_from(right - left)?, u32::try_from(bottom - top)?);
+    rgb_png(size, &rgb).map(Some)
+}
+
 fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
@@ -104,6 +124,14 @@ mod tests {
         assert_eq!(decode_picture(&png(&frame).unwrap()).unwrap(), frame);
         assert_eq!(decode_picture(&pgm(&frame)).unwrap(), frame);
         assert!(pgm(&frame).starts_with(b"P5\n3 2\n255\n\0"));
+
+        let frame = ColorFrame { width: 4, height: 2, pixels: (0..8).map(|at| [at, 2 * at, 3 * at]).collect() };
+        let part = |part| part_png(&frame, part).unwrap().map(|bytes| Canvas::decoded(&bytes));
+        let read = part([-1, 1, 3, 9]).unwrap();
+        assert_eq!((read.width, read.height, read.at(0, 0), read.at(1, 0)), (2, 1, [4, 8, 12], [5, 10, 15]));
+        assert!(part([4, 0, 9, 9]).is_none() && part([0, 0, i32::MIN, 1]).is_none());
+        let wide = ColorFrame { width: 1000, height: 1, pixels: vec![[1, 2, 3]; 1000] };
+        assert_eq!(Canvas::decoded(&part_png(&wide, [7, 0, i32::MAX, 1]).unwrap().unwrap()).width, 640);
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
         let read = decode_picture(&jpeg(&frame, GOOD).unwrap()).unwrap();

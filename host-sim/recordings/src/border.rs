@@ -56,8 +56,7 @@ fn hash((x, y): (i32, i32), seed: u32) -> u8 {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let of =
-        |(x, y): (i32, i32)| BoundingBox { x: x.into(), y: y.into(), width: TARGET.0.into(), height: TARGET.1.into() };
+    let of = |(x, y): (i32, i32)| BoundingBox::from([x, y, TARGET.0, TARGET.1]);
     let truth = script().map(|(place, _)| (place != NOWHERE).then(|| of(place))).collect();
     Sequence::made(NAME, frames(), truth)
 }

@@ -84,10 +84,17 @@ impl BoundingBox {
     }
 }
 
+/// Left, top, width and height.
+impl From<[i32; 4]> for BoundingBox {
+    fn from(sides: [i32; 4]) -> Self {
+        let [x, y, width, height] = sides.map(f64::from);
+        Self { x, y, width, height }
+    }
+}
+
 impl From<Rect> for BoundingBox {
     fn from(rect: Rect) -> Self {
-        let (width, height) = (f64::from(rect.width), f64::from(rect.height));
-        Self { x: f64::from(rect.x), y: f64::from(rect.y), width, height }
+        Self::from([rect.x, rect.y, rect.width.into(), rect.height.into()])
     }
 }
 

@@ -124,6 +124,11 @@ impl Process {
         said
     }
 
+    /// Ends and reaps the program.
+    pub fn end(&self) {
+        end(&self.child);
+    }
+
     /// Returns the exit status; `None` while the program runs.
     pub fn ended(&self) -> io::Result<Option<ExitStatus>> {
         locked(&self.child).try_wait()
@@ -146,7 +151,7 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        end(&self.child);
+        self.end();
     }
 }
 

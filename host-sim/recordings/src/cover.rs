@@ -1,7 +1,7 @@
 //! Covers of a camera's lens: frames that show nothing of the target.
 
 use super::GrayFrame;
-use super::random::Random;
+use smr_scene::random::Random;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cover {

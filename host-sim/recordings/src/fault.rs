@@ -1,10 +1,10 @@
 //! Faults of cameras, put into undamaged frames: the same seed always gives the same frames.
 
 use super::GrayFrame;
-use super::random::Random;
 use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
+use smr_scene::random::Random;
 use std::fmt;
 use std::str::FromStr;
 

@@ -28,9 +28,7 @@ mod noise;
 pub mod output;
 mod periodic;
 mod pnm;
-pub mod random;
 mod raw;
-mod rays;
 mod resize;
 mod samples;
 pub mod slow;
@@ -52,7 +50,7 @@ pub use live::{Arrivals, Live, is_live};
 pub use resize::{Resize, Scalable, resized};
 pub use samples::{Levels, luma};
 pub use source::{Seekable, Source, is_seekable};
-pub use start::{Start, Target, checked_name};
+pub use start::{Start, Target, check_gone, checked_name};
 pub use y4m::Planes;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};

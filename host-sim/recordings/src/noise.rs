@@ -3,8 +3,8 @@
 //! Every pixel of every frame is random by itself. The box stands in the middle throughout, with room around it for the
 //! paper's window wherever an update has moved it within another.
 
-use super::random::Random;
 use super::{BoundingBox, GrayFrame, Sequence};
+use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
 
@@ -24,8 +24,6 @@ fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let side = f64::from(SIDE);
-    let target =
-        BoundingBox { x: f64::from((WIDTH - SIDE) / 2), y: f64::from((HEIGHT - SIDE) / 2), width: side, height: side };
+    let target = BoundingBox::from([(WIDTH - SIDE) / 2, (HEIGHT - SIDE) / 2, SIDE, SIDE].map(i32::from));
     Sequence::made(NAME, frames(), vec![Some(target); LENGTH])
 }

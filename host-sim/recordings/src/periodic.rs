@@ -5,7 +5,7 @@
 //! frames show nothing at all; in others a cone stands alone, whose score falls with every pixel, so that the runner-up
 //! tells where exactly the neighbourhood of the peak ends.
 
-use super::{BoundingBox, GrayFrame, Sequence};
+use super::{GrayFrame, Sequence};
 
 pub const NAME: &str = "periodic";
 
@@ -65,6 +65,5 @@ impl Pattern {
 }
 
 pub(super) fn sequence() -> Sequence {
-    let init = BoundingBox { x: 26.0, y: 18.0, width: 12.0, height: 12.0 };
-    Sequence { init: Some(init), truth: None, ..Sequence::made(NAME, frames(), vec![]) }
+    Sequence { init: Some([26, 18, 12, 12].into()), truth: None, ..Sequence::made(NAME, frames(), vec![]) }
 }

@@ -1,9 +1,11 @@
 //! Generated recordings, each of one target that moves slowly on ordinary ground. The targets are dark, bright,
 //! textured, smooth and noisy, so that a measurement covers each kind. Integers only, own random numbers, fixed seeds.
 
-use super::random::Random;
-use super::synthetic::{Keys, PIXEL, Texture, between};
 use super::{BoundingBox, GrayFrame, Sequence};
+use smr_scene::PIXEL;
+use smr_scene::random::Random;
+use smr_scene::synthetic::{Keys, between};
+use smr_scene::texture::Texture;
 
 const LENGTH: usize = 120;
 const WIDTH: u16 = 160;
@@ -50,8 +52,8 @@ fn place(index: usize) -> (i32, i32) {
 impl Kind {
     fn sequence(&'static self, number: u64) -> Sequence {
         // Each recording has ground of its own.
-        let target = Texture::new(0x7A00 + number, self.grain, self.levels);
-        let ground = Texture::new(0x6B00 + number, (16, 8), (40, 200));
+        let target = Box::new(Texture::new(0x7A00 + number, self.grain, self.levels));
+        let ground = Box::new(Texture::new(0x6B00 + number, (16, 8), (40, 200)));
         let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));
         Sequence::made(self.name, frames, (0..LENGTH).map(|index| Some(truth(index))).collect())
     }

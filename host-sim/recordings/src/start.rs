@@ -1,18 +1,19 @@
-//! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48`, `car@300=150,100,40,48`.
+//! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48@300`, and `car=gone@400` while there is none.
 
 use super::BoundingBox;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::fmt;
 use std::str::FromStr;
 
-/// A box, the name of the target in it, and the frame that it lies in.
+/// A box, the name of the target in it, and the frame that it lies in; or the first frame without the target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Name of the target; `None` if there is only one target.
     pub name: Option<String>,
     /// Number of the frame in the recording, from 1; `None` for the first one that is read.
     pub frame: Option<usize>,
-    pub bbox: BoundingBox,
+    /// `None`: the target is gone from this frame on until its next box.
+    pub bbox: Option<BoundingBox>,
 }
 
 /// One target: its name, and the boxes that it is locked on, each with the number of its frame.
@@ -20,13 +21,14 @@ pub struct Start {
 pub struct Target {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// At least one box, in the order of their frames.
-    pub starts: Vec<(usize, BoundingBox)>,
+    /// At least one box, in the order of their frames, the first a box. `None`: it is gone until the next one.
+    pub starts: Vec<(usize, Option<BoundingBox>)>,
 }
 
 impl Target {
     /// Collects starts by target, in the order in which they were given. Frame `first` is the first that is read.
-    /// Errors: Two boxes of one target in one frame, a target without a name beside others, or a frame before `first`.
+    /// Errors: Two boxes of one target in one frame, a target without a name beside others, a frame before `first`, or
+    /// those of [`check_gone`].
     pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
         let mut targets: Vec<Self> = Vec::new();
         for Start { name, frame, bbox } in starts {
@@ -49,6 +51,8 @@ impl Target {
         ensure!(!unnamed, "--init: of several targets each needs a name: expected NAME=X,Y,W,H");
         for target in &mut targets {
             target.starts.sort_by_key(|(frame, _)| *frame);
+            let name = target.name.as_deref().unwrap_or("the target");
+            check_gone(name, target.starts.iter().map(|(frame, bbox)| (*frame, bbox.is_some()))).context("--init")?;
         }
         Ok(targets)
     }
@@ -67,17 +71,41 @@ impl Target {
     }
 
     /// Returns the boxes in whole pixels, as every tracker takes them, each with its frame.
-    pub fn rects(&self) -> Result<Vec<(usize, smr_core::Rect)>> {
-        let rect = |(frame, bbox): &(usize, BoundingBox)| {
-            bbox.pixels().map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
+    pub fn rects(&self) -> Result<Vec<(usize, Option<smr_core::Rect>)>> {
+        let rect = |(frame, bbox): &(usize, Option<BoundingBox>)| {
+            let rect = bbox.map(|bbox| bbox.pixels()).transpose();
+            rect.map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
         };
         self.starts.iter().map(rect).collect()
     }
+
+    pub fn boxes_mut(&mut self) -> impl Iterator<Item = &mut BoundingBox> {
+        self.starts.iter_mut().filter_map(|(_, bbox)| bbox.as_mut())
+    }
+}
+
+/// Checks the order of the locks of the target `name`: each is a frame, and true for a box or false for "gone".
+/// Errors: The target is gone before its first box, or twice without a box between.
+pub fn check_gone(name: &str, locks: impl Iterator<Item = (usize, bool)>) -> Result<()> {
+    let mut gone_from = Some(0);
+    for (frame, is_box) in locks {
+        match gone_from.filter(|_| !is_box) {
+            Some(0) => {
+                bail!("{name} is gone in frame {frame} before its first box: expected a box in an earlier frame")
+            }
+            Some(from) => {
+                bail!("{name} is gone from frame {from} on, and again in frame {frame}: expected a box between")
+            }
+            None => gone_from = (!is_box).then_some(frame),
+        }
+    }
+    Ok(())
 }
 
 const EXPECTED: &str = "expected X,Y,W,H, NAME=X,Y,W,H or X,Y,W,H@FRAME";
+const GONE: &str = "gone";
 
-/// `[NAME=]X,Y,W,H[@FRAME]`; the frame may also follow the name: `NAME@FRAME=X,Y,W,H`.
+/// `[NAME=]X,Y,W,H[@FRAME]` or `[NAME=]gone@FRAME`; the frame may also follow the name: `NAME@FRAME=X,Y,W,H`.
 impl FromStr for Start {
     type Err = Error;
 
@@ -87,8 +115,10 @@ impl FromStr for Start {
             head.map_or(Ok((None, None)), |head| split_frame(head).map(|(name, of)| (Some(name), of)))?;
         let (bbox, of_box) = split_frame(tail)?;
         ensure!(of_name.is_none() || of_box.is_none(), "{EXPECTED}: it has two frames");
-        let name = name.map(checked_name).transpose()?;
-        Ok(Self { name, frame: of_name.or(of_box), bbox: bbox.parse()? })
+        let (name, frame) = (name.map(checked_name).transpose()?, of_name.or(of_box));
+        let is_gone = bbox == GONE;
+        ensure!(!is_gone || frame.is_some(), "expected gone@FRAME: the first frame without the target");
+        Ok(Self { name, frame, bbox: if is_gone { None } else { Some(bbox.parse()?) } })
     }
 }
 
@@ -112,7 +142,7 @@ impl fmt::Display for Start {
         if let Some(name) = &self.name {
             write!(f, "{name}=")?;
         }
-        write!(f, "{}", self.bbox)?;
+        write!(f, "{}", self.bbox.map_or_else(|| GONE.to_owned(), |bbox| bbox.to_string()))?;
         self.frame.map_or(Ok(()), |frame| write!(f, "@{frame}"))
     }
 }
@@ -133,6 +163,7 @@ mod tests {
             ("car=-1,2,3,4", "car=-1,2,3,4"),
             ("car@20=1,2,3,4", "car=1,2,3,4@20"),
             ("Größe 2=1.5,2,3,4@20", "Größe 2=1.5,2,3,4@20"),
+            ("car@20=gone", "car=gone@20"),
         ] {
             assert_eq!(start(text).to_string(), printed);
         }
@@ -141,6 +172,7 @@ mod tests {
             ("1,2,3,4@0", "@0: expected the number of a frame"),
             ("1,2,3,4@", "@: expected the number of a frame"),
             ("car@1=1,2,3,4@2", "it has two frames"),
+            ("car=gone", "expected gone@FRAME"),
             ("=1,2,3,4", "the name \"\": expected letters"),
             ("a,b=1,2,3,4", "the name \"a,b\": expected letters"),
             ("a/b=1,2,3,4", "the name \"a/b\": expected letters"),
@@ -148,6 +180,27 @@ mod tests {
         ] {
             let error = refused.parse::<Start>().unwrap_err().to_string();
             assert!(error.contains(why), "{refused}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_target_is_gone_between_two_boxes() {
+        let all = |starts: &[&str]| Target::all(&starts.iter().map(|text| start(text)).collect::<Vec<_>>(), 1);
+        let starts = all(&["gone@9", "1,2,3,4", "5,5,9,9@20"]).unwrap()[0].rects().unwrap();
+        assert_eq!(
+            starts.iter().map(|(frame, rect)| (*frame, rect.is_some())).collect::<Vec<_>>(),
+            [(1, true), (9, false), (20, true)]
+        );
+        for (starts, why) in [
+            (&["a=gone@9", "a=1,2,3,4@9"][..], "--init: two boxes of a in frame 9"),
+            (&["gone@9"], "--init: the target is gone in frame 9 before its first box"),
+            (
+                &["a=1,2,3,4", "a=gone@9", "a=gone@12"],
+                "--init: a is gone from frame 9 on, and again in frame 12: expected",
+            ),
+        ] {
+            let error = format!("{:#}", all(starts).unwrap_err());
+            assert!(error.starts_with(why), "{error}");
         }
     }
 

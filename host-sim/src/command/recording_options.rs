@@ -18,7 +18,8 @@ pub struct RecordingOptions {
     /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
     ///
     /// `X,Y,W,H@FRAME` lies in a later frame. `track` and `report` take several targets, each with its name (--init car=150,100,40,48 --init
-    /// man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300).
+    /// man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300). `gone@FRAME` takes a
+    /// target out of the frames from there on, up to its next box (--init car=gone@200): they have no answers.
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
     /// Count the right and lower edges as part of each box to start from: it is one pixel wider and higher
@@ -81,7 +82,7 @@ impl RecordingOptions {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
             let mut boxes =
-                targets.iter().flat_map(|target| &target.starts).map(|(_, bbox)| bbox).chain(&sequence.init);
+                targets.iter().flat_map(|target| &target.starts).filter_map(|(_, bbox)| *bbox).chain(sequence.init);
             ensure!(
                 boxes.all(|bbox| bbox.width.min(bbox.height) >= 0.5),
                 "--resize {resize} makes a box to start from smaller than a pixel: expected larger frames"
@@ -92,7 +93,7 @@ impl RecordingOptions {
         }
         // Without one, this says what to do.
         sequence.start()?;
-        let starts = sequence.init.map(|init| (sequence.first, init)).into_iter().collect();
+        let starts = vec![(sequence.first, sequence.init)];
         Ok((sequence, vec![Target { name: None, starts }]))
     }
 
@@ -143,18 +144,17 @@ impl RecordingOptions {
         let mut targets = Target::all(&self.init, sequence.first)?;
         Target::check_frames(&targets, sequence.first, sequence.length).with_context(|| sequence.name.clone())?;
         if let Some(target) = targets.first() {
-            sequence.init = Some(target.starts[0].1);
+            sequence.init = target.starts[0].1;
         }
         if self.inclusive {
-            let given = targets.iter_mut().flat_map(|target| &mut target.starts).map(|(_, bbox)| bbox);
-            for bbox in given.chain(&mut sequence.init) {
+            for bbox in targets.iter_mut().flat_map(Target::boxes_mut).chain(&mut sequence.init) {
                 (bbox.width, bbox.height) = (bbox.width + 1.0, bbox.height + 1.0);
             }
         }
         if let Some(resize) = self.resize {
             let (resized, scale) = sequence.resized(resize)?;
             sequence = resized;
-            for (_, bbox) in targets.iter_mut().flat_map(|target| &mut target.starts) {
+            for bbox in targets.iter_mut().flat_map(Target::boxes_mut) {
                 *bbox = bbox.scaled(scale);
             }
         }

@@ -193,8 +193,9 @@ impl Pass {
         }
         let (mut shown, mut poor, mut happened) = (Vec::new(), Vec::new(), Vec::new());
         for (at, target) in self.targets.iter_mut().enumerate() {
-            let locks = target.next_start().is_some_and(|start| start <= number);
+            let is_due = target.next_start().is_some_and(|start| start <= number);
             let report = target.step(number, gray).with_context(|| self.name.clone())?;
+            let locks = is_due && report.is_some();
             let quality = target.quality().filter(|_| locks);
             if quality.is_some_and(Quality::is_poor) {
                 poor.push(target.name.as_deref());

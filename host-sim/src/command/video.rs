@@ -17,7 +17,7 @@ pub struct Film {
 
 pub struct Shown<'a> {
     pub name: Option<&'a str>,
-    /// `None` before its first box.
+    /// `None` before its first box, and while it is gone.
     pub report: Option<Report>,
 }
 

@@ -1,5 +1,6 @@
 //! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
 
+use super::paths::Places;
 use super::tracker_options::{Pair, TrackerOptions};
 use super::{Outcome, say, shell, usage, whole};
 use anyhow::{Context, Result, bail, ensure};
@@ -9,10 +10,13 @@ use smr_core::{Rect, Robust, Settings, Shape, robust};
 use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
-use smr_pages::window::{Camera, Followed, Growing, Job, Lock, Made, Server, Source, Target, Window, Wish};
+use smr_pages::window::{
+    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work, read_boxes,
+};
+use smr_recordings::input;
 use smr_recordings::messages::choice_name;
 use smr_recordings::output::complain;
-use smr_recordings::{FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
+use smr_recordings::{BUILT_IN, FFMPEG_PATIENCE, Levels, Live, OpenOptions, Start, is_live, is_seekable};
 use std::ffi::OsString;
 use std::io::Write;
 use std::num::NonZeroU16;
@@ -25,16 +29,29 @@ pub struct View {
     /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
     #[arg(value_name = "SEQ")]
     source: PathBuf,
-    /// How targets are followed
-    #[arg(long, value_enum, default_value = "robust")]
-    method: MethodKind,
+    /// How targets are followed [default: robust]
+    #[arg(long, value_enum)]
+    method: Option<MethodKind>,
+    /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video
+    ///
+    /// Of CSV, the boxes without a confidence are locks: the others are answers, which follow from these. In a file with states a target is
+    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone.
+    #[arg(long, value_name = "FILE", conflicts_with = "init")]
+    boxes: Option<PathBuf>,
+    /// The file in which the targets, the method and its options are kept [default: SEQ.smr.json, beside the recording]
+    ///
+    /// It is made at the first change and written after each one, and `view` goes on with it. Boxes on the command line take the place of its
+    /// targets, a method or options that of its method: the first change keeps the former file as FILE~. A camera, standard input and a built-in
+    /// recording have a session only with this option.
+    #[arg(long, value_name = "FILE")]
+    session: Option<PathBuf>,
     /// Print the address and leave the browser alone
     #[arg(long)]
     no_open: bool,
     /// Print the address as a JSON object
     #[arg(long)]
     json: bool,
-    /// Boxes to begin with, as `track` takes them [default: the one beside the recording]
+    /// Boxes to begin with, and frames that a target is gone from (gone@FRAME), as `track` takes them [default: the one beside the recording]
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
     /// The size of the frames of raw dumps
@@ -64,18 +81,27 @@ struct Opened {
 
 impl View {
     pub fn run(self) -> Result<Outcome> {
-        let variant = self.tracker.variant(self.method)?;
+        Places::of([&self.source]).writes("--session", self.session.as_ref(), None).check()?;
+        let given = self.tracker.variant(self.method.unwrap_or(MethodKind::Robust))?;
         let Opened { name, source, pictures, length, beside } = self.open()?;
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
         let is_live = source.live().is_some();
+        let (session, work) = Session::open(self.session_file(is_live), &name)?;
+        // The file of the targets, for errors.
+        let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
+        let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
+        let (variant, targets) = match work {
+            Some(work) => self.resumed(work, &session, (given, targets), is_live)?,
+            None => (given, targets),
+        };
         if !self.init.is_empty() && !is_live {
             // All frames have one size: what a box is refused for can be told from the first.
-            for Lock { bbox: (x, y, width, height), .. } in targets.iter().flat_map(|target| &target.locks) {
-                let target = Rect::new(*x, *y, *width, *height);
+            for target in targets.iter().flat_map(|target| &target.locks).filter_map(Lock::rect) {
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
         }
+        let followed = Arc::new(Followed::new(variant, targets, source.as_ref()).with_context(|| from)?);
         let made = Arc::new(Made::new()?);
         let server = Server::bind()?;
         let address = server.address();
@@ -84,12 +110,12 @@ impl View {
             name,
             size: (first.width, first.height),
             words: shell::line(words.iter().map(OsString::as_os_str)),
-            formats: Format::value_variants().iter().map(choice_name).collect(),
             films: if !is_live && has_ffmpeg() { FILM_ENDINGS.to_vec() } else { Vec::new() },
             source,
-            followed: Arc::new(Followed::new(variant, targets)),
+            followed,
             made: Arc::clone(&made),
             wish: Box::new(Desk { words, pictures }),
+            session,
         };
         say(|out| match self.json {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
@@ -134,17 +160,55 @@ impl View {
 
     /// The targets that are given, or else the one beside the recording.
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
+        if let Some(file) = &self.boxes {
+            return input::text(file, &input::BOXES)
+                .and_then(|text| read_boxes(&text))
+                .with_context(|| file.display().to_string());
+        }
         let given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
-        let lock = |frame, rect: Rect| Lock { frame, bbox: (rect.x, rect.y, rect.width, rect.height) };
-        let target = |id, name: Option<String>, rects: Vec<(usize, Rect)>| {
-            let locks = rects.into_iter().map(|(frame, rect)| lock(frame, rect)).collect();
+        let target = |id, name: Option<String>, rects: Vec<(usize, Option<Rect>)>| {
+            let locks = rects.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
             Target { id, name: name.unwrap_or_else(|| "target".to_owned()), locks }
         };
         if given.is_empty() {
-            return Ok(beside.map(|rect| target(1, None, vec![(1, rect)])).into_iter().collect());
+            return Ok(beside.map(|rect| target(1, None, vec![(1, Some(rect))])).into_iter().collect());
         }
         (1..).zip(given).map(|(id, given)| Ok(target(id, given.name.clone(), given.rects()?))).collect()
+    }
+
+    /// The file of the session, if the work is to be kept.
+    fn session_file(&self, is_live: bool) -> Option<PathBuf> {
+        let source = &self.source;
+        if self.session.is_some() || is_live || BUILT_IN.iter().any(|name| source == Path::new(name)) {
+            return self.session.clone();
+        }
+        let named = source.file_name().map_or_else(|| source.canonicalize().ok(), |_| Some(source.clone()))?;
+        let mut name = named.file_name()?.to_owned();
+        name.push(".smr.json");
+        Some(named.with_file_name(name))
+    }
+
+    /// The trackers and targets of a session, but for those that the command line has: then its work is left aside.
+    fn resumed(
+        &self,
+        work: Work,
+        session: &Session,
+        (variant, targets): (Variant, Vec<Target>),
+        is_live: bool,
+    ) -> Result<(Variant, Vec<Target>)> {
+        let name = session.name().unwrap_or_default();
+        // The frames of a camera have other numbers now.
+        let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
+        let has_method = self.method.is_some() || !self.tracker.says_nothing();
+        let mut note = format!("note: goes on with {name}");
+        if has_targets || has_method {
+            session.leave_aside();
+            note += &format!(", but for what is given here; the first change keeps it as {name}~");
+        }
+        complain(&note);
+        let kept = || variant_of(&work.method, &work.options).with_context(|| name.clone());
+        Ok((if has_method { variant } else { kept()? }, if has_targets { targets } else { work.targets }))
     }
 
     /// The source and its options, as they are typed.
@@ -178,17 +242,22 @@ struct Line {
     tracker: TrackerOptions,
 }
 
+fn variant_of(method: &str, options: &Map<String, Value>) -> Result<Variant> {
+    let words = [vec!["--method".into(), method.into()], typed(options)].concat();
+    let Line { method, tracker } =
+        Line::try_parse_from(&words).map_err(|error| anyhow::anyhow!(usage::said(&error, &Line::command(), &words)))?;
+    tracker.variant(method)
+}
+
 impl Wish for Desk {
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant> {
-        let words = [vec!["--method".into(), method.into()], typed(options)].concat();
-        let Line { method, tracker } = Line::try_parse_from(&words)
-            .map_err(|error| anyhow::anyhow!(usage::said(&error, &Line::command(), &words)))?;
-        tracker.variant(method)
+        variant_of(method, options)
     }
 
     fn boxes(&self, window: &Window, format: &str) -> Result<(String, Vec<u8>)> {
         let Ok(format) = Format::from_str(format, true) else {
-            bail!("{format:?} is no format of boxes: expected one of {}", window.formats.join(", "));
+            let all: Vec<_> = Format::value_variants().iter().map(choice_name).collect();
+            bail!("{format:?} is no format of boxes: expected one of {}", all.join(", "));
         };
         let (Window { followed, .. }, known, is_live) = (window, window.known(), window.source.live().is_some());
         let targets = followed.rows();
@@ -209,7 +278,9 @@ impl Wish for Desk {
         let frames = || targets.iter().flat_map(|(_, rows)| rows).map(|(frame, _)| *frame);
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
-        for frame in first..=frames().max().unwrap_or(0) {
+        let reached = followed.answered(known.frames);
+        // Behind the last answer, targets may be gone.
+        for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
                 let time = known.times.get(frame - 1).copied().or_else(|| row?.time);
@@ -220,7 +291,6 @@ impl Wish for Desk {
         }
         text += &printer.foot()?;
         let ending = format.endings().last().unwrap_or(&"txt");
-        let reached = followed.answered();
         // The name of a result that grows has the number of frames so far.
         let so_far = match known.frames {
             Some(all) if reached >= all || is_live => String::new(),
@@ -249,6 +319,7 @@ impl Wish for Desk {
         let words = [
             vec![command.into()],
             self.words.clone(),
+            followed.whole().map_or(Vec::new(), |last| vec!["--frames".into(), format!("..{last}").into()]),
             inits(&targets),
             vec!["--method".into(), kind.name().into()],
             typed(&options),
@@ -277,10 +348,11 @@ fn file(name: &str, so_far: &str, ending: &str) -> String {
 
 /// The options `--init` that give these targets.
 fn inits(targets: &[Target]) -> Vec<OsString> {
-    let init = |target: &Target, Lock { frame, bbox: (x, y, width, height) }: &Lock| {
+    let init = |target: &Target, Lock { frame, bbox }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
         let at = if *frame == 1 { String::new() } else { format!("@{frame}") };
-        ["--init".into(), format!("{name}{x},{y},{width},{height}{at}").into()]
+        let place = |(x, y, width, height)| format!("{x},{y},{width},{height}");
+        ["--init".into(), format!("{name}{}{at}", bbox.map_or("gone".to_owned(), place)).into()]
     };
     targets.iter().flat_map(|target| target.locks.iter().flat_map(|lock| init(target, lock))).collect()
 }

@@ -34,7 +34,7 @@ pub enum Format {
     Json,
     /// COCO, one JSON object: images, annotations (with score and track_id), categories
     Coco,
-    /// CVAT XML 1.1 for video: a track for each target, with a key frame in each frame, and outside where it is lost
+    /// CVAT XML 1.1 for video: a track for each target, with a key frame in each frame, and outside where it is lost or gone
     Cvat,
 }
 
@@ -96,7 +96,7 @@ pub struct Answer<'a> {
     pub time: Option<f64>,
     /// Width and height of the frame.
     pub size: (u16, u16),
-    /// `None` before the target's first box.
+    /// `None` before the target's first box, and while it is gone.
     pub report: Option<&'a Report>,
     /// Quality of the target, only in a frame that it was locked on.
     pub quality: Option<Quality>,

@@ -41,8 +41,8 @@ pub struct Film {
 pub(super) struct Locked {
     /// `None` if it is the only one, and was given none.
     pub name: Option<String>,
-    /// At least one: the index of a frame, and the box in it.
-    pub starts: Vec<(usize, Rect)>,
+    /// The index of a frame, and the box in it; `None`: it is gone until the next one.
+    pub starts: Vec<(usize, Option<Rect>)>,
 }
 
 impl Locked {
@@ -51,9 +51,14 @@ impl Locked {
         Ok(Self { name: target.name, starts })
     }
 
-    /// The index of the first frame with a box.
-    pub fn begins(&self) -> usize {
-        self.starts[0].0
+    /// The first box.
+    pub fn start(&self) -> Rect {
+        self.starts[0].1.unwrap_or_default()
+    }
+
+    /// False before the first box, and while the target is gone.
+    pub fn is_there(&self, index: usize) -> bool {
+        self.starts.iter().rfind(|(at, _)| *at <= index).is_some_and(|(_, bbox)| bbox.is_some())
     }
 }
 
@@ -84,7 +89,7 @@ pub struct Kept {
 
 /// Answers of all methods for one frame.
 pub struct Moment {
-    /// Before the first box of a target there is no answer: it is lost.
+    /// Before the first box of a target, and while it is gone, there is no answer: it is lost.
     pub reports: Vec<Report>,
     /// The box that is drawn of each: when lost, the last one that was believed, or the one that is followed meanwhile.
     pub(super) lasts: Vec<BoundingBox>,
@@ -110,7 +115,7 @@ pub fn watch(
     progress: impl Fn(),
 ) -> Result<Film> {
     let start = sequence.start()?;
-    let target = Target { name: None, starts: vec![(sequence.first, start.into())] };
+    let target = Target { name: None, starts: vec![(sequence.first, Some(start.into()))] };
     watch_all(sequence, vec![target], methods, refusal, stills, budget, progress)
 }
 
@@ -148,7 +153,7 @@ pub fn watch_all(
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
             let begun = report.zip(follower.method.sight());
-            Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].starts[0].1)))
+            Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
         };
         let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
         let (reports, sights): (Vec<Report>, Vec<Sight>) = looks?.into_iter().unzip();
@@ -210,7 +215,7 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
         if variant.kind == first {
             return true;
         }
-        let start = targets[*target].starts[0].1;
+        let start = targets[*target].start();
         let Err(error) = lock(follower.method.as_mut(), &frame.frame(), start) else { return true };
         let refused = error.downcast_ref::<Refused>();
         notes.extend(refused.map(|refused| format!("{} is left out: {refused}", variant.name)));
@@ -252,9 +257,9 @@ impl Film {
         Ok(Some(Evaluation { sequence: self.name.clone(), visible, scores, failures: vec![], notes: vec![] }))
     }
 
-    /// The index of the first frame in which a method has a target.
-    pub(super) fn begins(&self, method: usize) -> usize {
-        self.targets[self.of[method]].begins()
+    /// True if a method has a target in the frame with this index.
+    pub(super) fn has(&self, method: usize, index: usize) -> bool {
+        self.targets[self.of[method]].is_there(index)
     }
 
     /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
@@ -421,9 +426,9 @@ mod tests {
     /// Two targets, the second from the tenth frame of the part on, and the first locked on anew in the twentieth.
     #[test]
     fn several_targets_are_followed_side_by_side() {
-        let start = |frame: usize| (frame, synthetic::truth(frame - 1).unwrap());
+        let start = |frame: usize| (frame, synthetic::truth(frame - 1));
         let target = |name: &str, starts| Target { name: Some(name.to_owned()), starts };
-        let targets = || vec![target("a", vec![start(11), start(30)]), target("b", vec![start(20)])];
+        let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
         let film = watch_all(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
@@ -431,9 +436,10 @@ mod tests {
         assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
         let answers = |method: usize, index: usize| film.moments[index].reports[method].target;
-        assert_eq!([0, 2, 3].map(|method| film.begins(method)), [0, 9, 9]);
-        assert_eq!((answers(2, 8), answers(2, 9)), (None, Some(start(20).1)));
-        assert_eq!((answers(0, 0), answers(0, 19)), (Some(start(11).1), Some(start(30).1)));
+        let seen = [0, 2, 3].map(|method| (0..40).filter(|&index| film.has(method, index)).count());
+        assert_eq!(seen, [40 - 5, 40 - 9, 40 - 9]);
+        assert_eq!((answers(2, 8), answers(2, 9)), (None, start(20).1));
+        assert_eq!((answers(0, 0), answers(0, 14), answers(0, 19)), (start(11).1, None, start(30).1));
         let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
         let error = watch_all(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");

@@ -86,8 +86,8 @@ fn recording(film: &Film) -> Result<Value> {
 fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
         let method = film.of.iter().position(|of| *of == target)?;
-        let begun = || film.moments.iter().skip(film.begins(method));
-        let count = |state: State| begun().filter(|moment| moment.reports[method].state == state).count();
+        let there = || film.moments.iter().enumerate().filter(|(index, _)| film.has(method, *index));
+        let count = |state: State| there().filter(|(_, moment)| moment.reports[method].state == state).count();
         let states = film.methods[method].kind.states().iter().map(|&state| (name_of(state), count(state)));
         Some((titled(film, method, TITLE), states.filter(|(_, count)| *count > 0).collect()))
     };
@@ -135,12 +135,13 @@ pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<P
     Ok((longest.len() >= LEAST_PARTING).then_some(Parting { index: longest.start, is_lost: 2 * lost > longest.len() }))
 }
 
-/// `car: 40x48 at (150, 100), 40x48 at (170, 90) in frame 300`
+/// `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`
 fn starts(film: &Film, target: &Locked) -> String {
-    let start = |&(index, Rect { x, y, width, height }): &(usize, Rect)| {
+    let start = |&(index, bbox): &(usize, Option<Rect>)| {
         let frame = if index == 0 { String::new() } else { format!(" in frame {}", index + film.first) };
         let frame = film.clock(index).filter(|_| index > 0).map_or(frame.clone(), |time| format!("{frame} ({time})"));
-        format!("{width}x{height} at ({x}, {y}){frame}")
+        let place = |Rect { x, y, width, height }| format!("{width}x{height} at ({x}, {y})");
+        bbox.map_or("gone".to_owned(), place) + &frame
     };
     let name = target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     name + &target.starts.iter().map(start).collect::<Vec<_>>().join(", ")

@@ -62,7 +62,7 @@ fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
 
 /// Its name, and the numbers of the frames in which it is locked on.
 fn target_of(film: &Film, target: &Locked) -> Value {
-    let locks = target.starts.iter().map(|(index, _)| index + film.first);
+    let locks = target.starts.iter().filter(|(_, bbox)| bbox.is_some()).map(|(index, _)| index + film.first);
     json!({ "name": target.name, "locks": locks.collect::<Vec<_>>() })
 }
 
@@ -82,13 +82,12 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
         Some(moments.map(|(index, moment)| value(method, index, moment)).collect::<Vec<_>>())
     };
     let lasts = of_each(&|method, index, moment| {
-        let lost = moment.reports[method].target.is_none() && index >= film.begins(method);
+        let lost = moment.reports[method].target.is_none() && film.has(method, index);
         of_box(lost.then(|| &moment.lasts[method]))
     });
-    // Null before the target's first box.
-    let states = of_each(&|method, index, moment| {
-        (index >= film.begins(method)).then(|| name_of(moment.reports[method].state)).into()
-    });
+    // Null before the target's first box, and while it is gone.
+    let states =
+        of_each(&|method, index, moment| film.has(method, index).then(|| name_of(moment.reports[method].state)).into());
     Ok(json!({
         "name": entrant.name,
         "title": entrant.title,

@@ -92,7 +92,7 @@ pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
     }
 }
 
-/// A frame before the target's first box, which will be `start`.
+/// A frame without an answer; the first box of the target is `start`.
 pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
     let report = Report { target: None, bbox: None, state: State::Lost, evidence: None, work: None };
     (report, Sight { bbox: start.into(), search: None })

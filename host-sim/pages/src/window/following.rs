@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, GrayFrame, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -29,13 +29,13 @@ pub struct Target {
     pub locks: Vec<Lock>,
 }
 
-/// A box that the target is locked on.
+/// A box that the target is locked on, or the first frame that it is gone from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lock {
     pub frame: usize,
-    /// Left, top, width and height in whole pixels.
-    #[serde(rename = "box")]
-    pub bbox: (i32, i32, u16, u16),
+    /// Left, top, width and height in whole pixels; `None`: the target is gone until its next box.
+    #[serde(rename = "box", deserialize_with = "Option::deserialize")]
+    pub bbox: Option<(i32, i32, u16, u16)>,
 }
 
 impl Target {
@@ -49,9 +49,12 @@ impl Target {
 }
 
 impl Lock {
-    fn rect(&self) -> Rect {
-        let (x, y, width, height) = self.bbox;
-        Rect { x, y, width, height }
+    pub fn new(frame: usize, rect: Option<Rect>) -> Self {
+        Self { frame, bbox: rect.map(|Rect { x, y, width, height }| (x, y, width, height)) }
+    }
+
+    pub fn rect(&self) -> Option<Rect> {
+        self.bbox.map(|(x, y, width, height)| Rect { x, y, width, height })
     }
 }
 
@@ -115,6 +118,8 @@ const SPARE_ROWS: usize = 1 << 18;
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
+/// The most trackers of a recording that are kept for segments with all their answers: a file of boxes may have a lock in each frame.
+const MOST_TRACKERS: usize = if cfg!(test) { 8 } else { 64 };
 /// Most rows that a segment of a camera keeps: five minutes at 60 frames a second.
 const MOST_LIVE_ROWS: usize = 18_000;
 
@@ -132,6 +137,8 @@ struct State {
     end: Option<usize>,
     /// Highest frame number that was read.
     seen: usize,
+    /// Number of the last frame before damage.
+    damaged: Option<usize>,
     /// Frame being followed, and the frames followed a second.
     at: Option<(usize, f64)>,
     stopped: bool,
@@ -217,13 +224,18 @@ impl State {
                 checked_name(&target.name)?;
             }
             let name = &target.name;
-            for (at, Lock { frame, bbox: (.., width, height) }) in target.locks.iter().enumerate() {
-                ensure!(*width > 0 && *height > 0, "the box of {name} in frame {frame} has no pixels");
+            for (at, lock) in target.locks.iter().enumerate() {
+                let Lock { frame, .. } = lock;
+                ensure!(
+                    lock.rect().is_none_or(|rect| !rect.is_empty()),
+                    "the box of {name} in frame {frame} has no pixels"
+                );
                 let last = self.frames(known).unwrap_or(usize::MAX);
                 ensure!((1..=last).contains(frame), "there is no frame {frame}: expected 1 to {last}");
                 let twice = at > 0 && target.locks[at - 1].frame == *frame;
                 ensure!(!twice, "{name} has two boxes in frame {frame}: expected one");
             }
+            check_gone(name, target.locks.iter().map(|lock| (lock.frame, lock.bbox.is_some())))?;
             // A segment that exists already needs no old frame.
             let late =
                 planned(target, self.edition).find(|(key, _)| key.lock.0 < oldest && !self.segments.contains_key(key));
@@ -263,9 +275,9 @@ impl State {
 
 /// Returns the segments of a target, each with the frame before which it ends.
 fn planned(target: &Target, edition: usize) -> impl Iterator<Item = (Key, usize)> + '_ {
-    target.locks.iter().enumerate().map(move |(at, lock)| {
+    target.locks.iter().enumerate().filter_map(move |(at, lock)| {
         let end = target.locks.get(at + 1).map_or(usize::MAX, |next| next.frame);
-        (Key { target: target.id, lock: (lock.frame, lock.rect()), edition }, end)
+        Some((Key { target: target.id, lock: (lock.frame, lock.rect()?), edition }, end))
     })
 }
 
@@ -296,9 +308,10 @@ pub(super) struct Heard {
 }
 
 impl Followed {
-    pub fn new(variant: Variant, targets: Vec<Target>) -> Self {
-        let state = State {
-            targets,
+    /// Errors: Those of [`Followed::set_targets`]; of a camera, whose frames are still to come, none for frames.
+    pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
+        let mut state = State {
+            targets: Vec::new(),
             editions: vec![variant.origin()],
             variant,
             edition: 0,
@@ -307,12 +320,14 @@ impl Followed {
             news: News::default(),
             end: None,
             seen: 0,
+            damaged: None,
             at: None,
             stopped: false,
         };
-        let followed = Self { state: Mutex::new(state), changed: Condvar::new() };
-        followed.state().arrange();
-        followed
+        let (known, oldest) = source.live().map_or_else(|| (source.known().frames, 1), |_| (None, 0));
+        state.targets = state.checked(targets, known, oldest)?;
+        state.arrange();
+        Ok(Self { state: Mutex::new(state), changed: Condvar::new() })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -355,7 +370,7 @@ impl Followed {
 
     /// Replaces the targets; only changed parts are followed again. `revision` is the last change that the page has
     /// seen, if it says so. Returns the number of the new last change.
-    /// Errors: A box without pixels, two locks of a target in one frame, a frame that does not exist or that a camera
+    /// Errors: A box without pixels, two locks of a target in one frame, a target that is gone without a box before, a frame that does not exist or that a camera
     /// no longer keeps, or targets that another page has changed meanwhile.
     pub(super) fn set_targets(&self, targets: Vec<Target>, revision: Option<u64>, source: &dyn Source) -> Result<u64> {
         let (known, oldest) = (source.known().frames, source.oldest());
@@ -418,6 +433,11 @@ impl Followed {
         });
     }
 
+    /// Tells the user.
+    pub(super) fn say(&self, line: String) {
+        self.change(|state| state.news.say(line));
+    }
+
     /// Tells the pages that the file `id`, made for the user, has progressed.
     pub(super) fn makes(&self, id: u32) {
         self.change(|state| state.news.makes(id));
@@ -471,18 +491,28 @@ impl Followed {
     }
 
     /// Returns the last frame before the first one that lacks an answer. While targets are followed, also the frame
-    /// being read and the frames a second.
-    pub(super) fn reached(&self) -> (usize, Option<(usize, f64)>) {
+    /// being read and the frames a second. `known` is the number of frames, if known.
+    pub(super) fn reached(&self, known: Option<usize>) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
-        let done = || state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1)).max();
+        let ends = state.plan().filter_map(|(key, end)| Some(state.segments.get(&key)?.next().min(end) - 1));
+        let stays_gone = state.targets.iter().any(|target| target.locks.last().is_some_and(|lock| lock.bbox.is_none()));
+        // A target that stays gone needs no more answers.
+        let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
         (open.or_else(done).unwrap_or(0), at)
     }
 
     /// Returns the last frame before the first one that lacks an answer of a target.
-    pub fn answered(&self) -> usize {
-        self.reached().0
+    pub fn answered(&self, known: Option<usize>) -> usize {
+        self.reached(known).0
+    }
+
+    /// Returns the last frame before damage that ends a command, unless a target is locked behind it.
+    pub fn whole(&self) -> Option<usize> {
+        let state = self.state();
+        let mut locks = state.targets.iter().flat_map(|target| &target.locks);
+        state.damaged.filter(|&last| last > 0 && locks.all(|lock| lock.frame <= last))
     }
 
     /// Makes a pass whenever segments lack answers, until [`Self::stop`].
@@ -523,6 +553,12 @@ impl Following<'_> {
                 return None;
             }
             let oldest = self.source.oldest();
+            for Task { key, .. } in state.tasks().into_iter().filter(|task| task.has_begun()) {
+                // Its tracker is not kept any more: it begins anew.
+                if !self.trackers.contains_key(&key) {
+                    state.segments.entry(key).and_modify(|segment| segment.rows.clear());
+                }
+            }
             // After the lock, a tracker may skip frames of a camera.
             let (late, tasks): (Vec<Task>, _) =
                 state.tasks().into_iter().partition(|task| task.next < oldest && !task.has_begun());
@@ -568,6 +604,9 @@ impl Following<'_> {
                 state.segments.entry(key).and_modify(|segment| segment.in_vain = true);
             }
             if let Some(error) = error {
+                if error.is::<Damaged>() {
+                    state.damaged = Some(state.damaged.map_or(last, |before| before.min(last)));
+                }
                 state.news.say(messages::of(error));
             } else if known.map_or(start == 1, |all| last >= all) {
                 state.end = Some(last);
@@ -620,7 +659,11 @@ impl Following<'_> {
             state.at = Some((number, rate));
             state.seen = state.seen.max(number);
             state.end = state.end.filter(|&end| number <= end);
+            state.damaged = state.damaged.filter(|&last| number != last + 1);
             let tasks = state.tasks();
+            if self.trackers.len() > MOST_TRACKERS && !is_live {
+                self.trackers.retain(|key, _| tasks.iter().any(|task| task.key == *key));
+            }
             !state.stopped
                 && !tasks.is_empty()
                 && (is_live && tasks.iter().all(|task| task.next >= number || task.has_begun())
@@ -639,7 +682,7 @@ impl Following<'_> {
     ) -> Result<Option<(Report, Option<Quality>)>> {
         let locks = number == key.lock.0;
         if locks {
-            self.trackers.insert(key, Follower::new(variant.build()?, vec![key.lock]));
+            self.trackers.insert(key, Follower::new(variant.build()?, vec![(number, Some(key.lock.1))]));
         }
         let Some(tracker) = self.trackers.get_mut(&key) else { return Ok(None) };
         let report = tracker.step(number, frame)?;

@@ -26,14 +26,19 @@ pub struct Job {
 }
 
 /// The progress of a file.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct Progress {
     id: u32,
+    name: String,
     /// Part that is done, 0 to 1; `None` if it is not known.
     done: Option<f64>,
     /// Name of the file, once it is ready.
     file: Option<String>,
     error: Option<String>,
+    cancelled: bool,
+    /// `None` once it has ended.
+    #[serde(skip)]
+    process: Option<Arc<Process>>,
 }
 
 /// The most files that are made at a time.
@@ -59,10 +64,15 @@ impl Made {
         self.progress().get(&id).cloned()
     }
 
+    /// Returns the folder of a file: what a program that is ended leaves there is removed with it.
+    fn folder_of(&self, id: u32) -> PathBuf {
+        self.folder.path().join(id.to_string())
+    }
+
     /// Returns the name and the bytes of a file that is ready.
     pub(super) fn file(&self, id: u32) -> Result<(String, Vec<u8>)> {
         let name = self.of(id).and_then(|one| one.file).context("there is no such file, or it is not ready")?;
-        let file = self.folder.path().join(format!("{id}-{name}"));
+        let file = self.folder_of(id).join(&name);
         let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
         Ok((name, bytes))
     }
@@ -77,34 +87,55 @@ impl Made {
         self.folder.private("open.html", lead.as_bytes())
     }
 
-    /// Starts to make a file. `tell` is called with the file's number after each step.
+    /// Starts to make a file. `tell` is called with the file's number now and after each step.
     /// Errors: Too many files are being made already, or the program does not start.
     pub(super) fn begin(self: &Arc<Self>, job: Job, tell: impl Fn(u32) + Send + 'static) -> Result<u32> {
         let Job { name, words, lines } = job;
         let mut all = self.progress();
-        let running = all.values().filter(|one| one.file.is_none() && one.error.is_none()).count();
+        let running = all.values().filter(|one| one.process.is_some()).count();
         ensure!(running < MOST, "{running} files are being made already: wait until one is done");
         let id = all.last_key_value().map_or(1, |(last, _)| last + 1);
         // The extension of the file tells the program its format.
-        let place = self.folder.private(&format!("{id}-{name}"), &[])?;
+        fs::create_dir(self.folder_of(id)).context("cannot make a temporary folder")?;
+        let place = self.folder.private(&format!("{id}/{name}"), &[])?;
         let program = std::env::current_exe().context("cannot find host-sim itself")?;
         let mut command = Command::new(program);
         command.args(words).arg(&place).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let process = Process::start(&mut command).context("cannot start host-sim")?;
-        all.insert(id, Progress { id, done: (lines > 0).then_some(0.0), file: None, error: None });
+        let process = Arc::new(Process::start(&mut command).context("cannot start host-sim")?);
+        let (done, running) = ((lines > 0).then_some(0.0), Some(Arc::clone(&process)));
+        all.insert(id, Progress { id, name, done, file: None, error: None, cancelled: false, process: running });
         drop(all);
+        tell(id);
         let made = Arc::clone(self);
         thread::spawn(move || {
             let ended = made.watch(&process, id, lines, &tell);
             if let Some(progress) = made.progress().get_mut(&id) {
+                progress.process = None;
                 match ended {
-                    Ok(()) => (progress.done, progress.file) = (Some(1.0), Some(name)),
+                    _ if progress.cancelled => {}
+                    Ok(()) => (progress.done, progress.file) = (Some(1.0), Some(progress.name.clone())),
                     Err(error) => progress.error = Some(messages::of(&error)),
+                }
+                if progress.file.is_none() {
+                    // What is left here goes when this program ends.
+                    let _ = fs::remove_dir_all(made.folder_of(id));
                 }
             }
             tell(id);
         });
         Ok(id)
+    }
+
+    /// Ends the program that makes a file.
+    /// Errors: The file is not being made.
+    pub(super) fn cancel(&self, id: u32) -> Result<()> {
+        let mut all = self.progress();
+        let running = all.get_mut(&id).and_then(|one| Some((one.process.clone()?, &mut one.cancelled)));
+        let (process, cancelled) =
+            running.with_context(|| format!("file {id} is not being made: expected one that is"))?;
+        *cancelled = true;
+        process.end();
+        Ok(())
     }
 
     /// Counts the lines that the program prints until it ends.

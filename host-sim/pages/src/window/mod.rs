@@ -8,8 +8,9 @@
 //! `server` lets in the page and nobody else. A page sends all targets with their locks after each change, and other
 //! pages hear of it; `following` finds out which segments lack answers. All changes are `news`; if many answers
 //! changed, a page asks for parts of them. Frames come from a `recording` or a `camera`. The page itself is
-//! core/web/page/window.html.
+//! core/web/page/window.html. `session` keeps what the user has done in a file.
 
+mod boxes;
 mod camera;
 mod following;
 mod made;
@@ -17,16 +18,19 @@ mod news;
 mod recording;
 mod routes;
 mod server;
+mod session;
 
+pub use boxes::read as read_boxes;
 pub use camera::Camera;
 pub use following::{Followed, Lock, Row, Target};
 pub use made::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Window, Wish};
 pub use server::Server;
+pub use session::{Session, Work};
 
 use anyhow::Result;
-use smr_recordings::GrayFrame;
+use smr_recordings::{ColorFrame, GrayFrame};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The longest side of a picture, in pixels.
@@ -56,6 +60,12 @@ pub trait Source: Send + Sync {
 
     /// Returns the frame as a JPEG, in color if the source has color; `None` if there is no such frame.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>>;
+
+    /// Returns the frame with all its pixels, in color if the source has color; `None` if there is no such frame, or only
+    /// its picture is kept.
+    fn color(&self, _number: usize) -> Option<Arc<ColorFrame>> {
+        None
+    }
 
     /// Returns the state of a camera; `None` for a recording.
     fn live(&self) -> Option<LiveState> {

@@ -1,11 +1,11 @@
 //! A recording as the source of a window. Any frame is soon a JPEG: the latest pictures are kept, and the next ones are
-//! read in order. A recording that is still being written is opened anew when it has grown.
+//! read in order. The last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
 
 use super::{Known, Numbered, SIDE, Source, lock};
 use crate::encode;
 use anyhow::Result;
 use smr_recordings::{ColorFrame, INNER, OpenOptions, Seekable, Sequence};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -15,6 +15,8 @@ use std::{fs, thread};
 const LOOKS: Duration = Duration::from_secs(1);
 /// The most bytes of pictures that are kept.
 const MOST_BYTES: usize = 96 << 20;
+/// The most pixels of frames that are kept: 64 MB.
+const MOST_PIXELS: usize = (64 << 20) / 3;
 /// A frame at most this far ahead is reached by reading on, a farther one by a seek.
 const NEAR: usize = 24;
 /// A seek for a user who steps back goes this much further, because earlier frames will be wanted.
@@ -42,6 +44,22 @@ struct Opened {
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
+    colors: Mutex<Colors>,
+}
+
+/// Frames with all their pixels, each with its number.
+#[derive(Default)]
+struct Colors(VecDeque<(usize, Arc<ColorFrame>)>);
+
+impl Colors {
+    fn keep(&mut self, number: usize, frame: ColorFrame) -> Arc<ColorFrame> {
+        let frame = Arc::new(frame);
+        self.0.push_back((number, Arc::clone(&frame)));
+        while self.0.len() > 1 && self.0.iter().map(|(_, frame)| frame.pixels.len()).sum::<usize>() > MOST_PIXELS {
+            self.0.pop_front();
+        }
+        frame
+    }
 }
 
 #[derive(Default)]
@@ -111,6 +129,10 @@ impl Source for Growing {
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         self.recorded().picture(number)
     }
+
+    fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
+        self.recorded().color(number)
+    }
 }
 
 /// Returns the bytes of a file, or the number of files in a folder; 0 for a built-in recording.
@@ -125,7 +147,7 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        Arc::new(Self { recording, pictures: Mutex::default() })
+        Arc::new(Self { recording, pictures: Mutex::default(), colors: Mutex::default() })
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
@@ -142,12 +164,20 @@ impl Recorded {
             pictures.reader = Some((from, self.recording.color_from(from, SIDE).ok()?));
         }
         pictures.last = number;
-        pictures.read_to(number)
+        pictures.read_to(number, &self.colors)
+    }
+
+    fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
+        let kept = lock(&self.colors).0.iter().find(|(at, _)| *at == number).map(|(_, frame)| Arc::clone(frame));
+        kept.or_else(|| {
+            let frame = self.recording.color_from(number, u16::MAX).ok()?.next()?;
+            Some(lock(&self.colors).keep(number, frame))
+        })
     }
 }
 
 impl Pictures {
-    fn read_to(&mut self, number: usize) -> Option<Arc<Vec<u8>>> {
+    fn read_to(&mut self, number: usize, colors: &Mutex<Colors>) -> Option<Arc<Vec<u8>>> {
         loop {
             let (next, frames) = self.reader.as_mut()?;
             let at = *next;
@@ -158,6 +188,10 @@ impl Pictures {
             *next += 1;
             let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
             self.keep(at, &picture);
+            // ffmpeg may have made a larger one smaller.
+            if frame.width.max(frame.height) < SIDE {
+                lock(colors).keep(at, frame);
+            }
             if at == number {
                 return Some(picture);
             }
@@ -229,6 +263,11 @@ mod tests {
         let count = recorded.known().frames.unwrap();
         assert!(recorded.picture(count).is_some() && recorded.picture(count + 1).is_none());
         assert!(recorded.picture(1).is_some());
+        let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().2;
+        for number in [150, count, 7] {
+            assert_eq!(*recorded.color(number).unwrap(), ColorFrame::from(&gray(number)), "{number}");
+        }
+        assert!(recorded.color(count + 1).is_none());
     }
 
     #[test]
@@ -239,6 +278,10 @@ mod tests {
             pictures.keep(number, &picture);
             assert!(pictures.bytes <= MOST_BYTES && pictures.kept.contains_key(&number));
         }
+        let (mut colors, large) =
+            (Colors::default(), ColorFrame { width: 4000, height: 2000, pixels: vec![[0; 3]; 8_000_000] });
+        (1..=4).for_each(|number| drop(colors.keep(number, large.clone())));
+        assert!(colors.0.iter().map(|(number, _)| *number).eq([3, 4]));
         assert_eq!(pictures.bytes, pictures.kept.values().map(|one| one.len()).sum::<usize>());
     }
 }

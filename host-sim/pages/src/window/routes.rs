@@ -4,13 +4,16 @@ use super::following::{Followed, Heard, Row, Target};
 use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
-use super::{Known, Source};
-use crate::front_end;
+use super::{Known, Session, Source, read_boxes};
+use crate::export::boxes::Format;
+use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
-use serde::Deserialize;
+use clap::ValueEnum;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
-use smr_recordings::{BoundingBox, messages};
+use smr_recordings::BoundingBox;
+use smr_recordings::messages::{self, choice_name};
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -43,21 +46,13 @@ pub struct Window {
     pub size: (u16, u16),
     /// The source and its options, as they are typed.
     pub words: String,
-    /// The formats of boxes.
-    pub formats: Vec<String>,
     /// The formats of videos.
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
     pub made: Arc<Made>,
     pub wish: Box<dyn Wish>,
-}
-
-#[derive(Deserialize)]
-struct Wanted {
-    method: String,
-    #[serde(default)]
-    options: Map<String, Value>,
+    pub session: Session,
 }
 
 impl Window {
@@ -103,38 +98,53 @@ impl Window {
                 let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
             }
+            (false, "frames", name) if name.ends_with(".png") => self.part(name, query)?,
             (false, "frames", name) => self.picture(name),
             (false, "boxes", "") => {
                 let format = value(query, "format").context("expected ?format=")?;
-                let (name, bytes) = self.wish.boxes(self, format)?;
-                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
+                saved(self.wish.boxes(self, format)?)
             }
-            (false, "made", id) => {
-                let (name, bytes) = self.made.file(id.parse().context("expected a number")?)?;
-                Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
-            }
+            (false, "made", id) => saved(self.made.file(id.parse().context("expected a number")?)?),
             (false, "firmware", "") => {
                 Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
+                let before = self.followed.revision().1;
                 let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
+                if made != before {
+                    self.keep();
+                }
                 json_reply(&revision.map_or(json!({}), |_| json!({ "revision": made })))
             }
+            (true, "boxes", "") => {
+                let name = value(query, "name").map_or("these boxes".to_owned(), decoded);
+                let text = std::str::from_utf8(body).context("it is not text in UTF-8: expected CSV or CVAT XML");
+                let targets = text.and_then(read_boxes).context(name)?;
+                json_reply(&json!({ "targets": targets }))
+            }
             (true, "method", "") => {
-                let Wanted { method, options } = serde_json::from_slice(body).context("this is no method")?;
-                self.followed.set_variant(self.wish.variant(&method, &options)?);
+                let (method, options): (String, Option<Map<_, _>>) = (field(body, "method")?, field(body, "options")?);
+                self.followed.set_variant(self.wish.variant(&method, &options.unwrap_or_default())?);
+                self.keep();
+                json_reply(&json!({}))
+            }
+            (true, "place", "") => {
+                self.told(self.session.shows(field(body, "frame")?));
                 json_reply(&json!({}))
             }
             (true, "film", "") => {
-                let wanted: Value = serde_json::from_slice(body).context("expected { as }")?;
-                let ending = wanted["as"].as_str().context("expected { as }")?;
-                if !self.films.contains(&ending) {
+                let ending: String = field(body, "as")?;
+                if !self.films.contains(&&*ending) {
                     bail!("no video can be made as {ending:?}: expected one of {}", self.films.join(", "));
                 }
-                self.make(ending)?
+                self.make(&ending)?
             }
             (true, "report", "") => self.make("html")?,
+            (true, "cancel", "") => {
+                self.made.cancel(field(body, "id")?)?;
+                json_reply(&json!({}))
+            }
             (true, "stop", "") => {
                 self.source.stop();
                 self.followed.stop();
@@ -144,9 +154,28 @@ impl Window {
         })
     }
 
+    /// Keeps the targets, the method and its options in the session.
+    fn keep(&self) {
+        self.told(self.session.keep(|work| {
+            let variant = self.followed.variant();
+            (work.method, work.options) = (variant.kind.name().to_owned(), variant.options);
+            work.targets = self.followed.targets();
+        }));
+    }
+
+    /// Tells the user what has to be told.
+    fn told(&self, line: Option<String>) {
+        line.into_iter().for_each(|line| self.followed.say(line));
+    }
+
     /// Returns the number of frames and their times, as far as they are known.
     pub fn known(&self) -> Known {
         self.followed.known(self.source.as_ref())
+    }
+
+    /// Returns the source and its options as they are typed, and the frames before damage.
+    fn words(&self) -> String {
+        self.words.clone() + &self.followed.whole().map_or(String::new(), |last| format!(" --frames ..{last}"))
     }
 
     fn told_source(&self) -> Value {
@@ -166,11 +195,13 @@ impl Window {
             "methods": ["robust", "smr"],
             "method": variant.kind.name(),
             "options": origin["options"],
-            "words": self.words,
+            "words": self.words(),
             "targets": targets,
             "revision": revision,
-            "formats": self.formats,
+            "formats": Format::value_variants().iter().map(offer).collect::<Value>(),
             "films": self.films,
+            "session": self.session.name(),
+            "frame": self.session.frame(),
         })
     }
 
@@ -185,7 +216,7 @@ impl Window {
             heard = self.followed.heard(since, Duration::ZERO, asks);
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
-        let (followed, at) = self.followed.reached();
+        let (followed, at) = self.followed.reached(self.source.known().frames);
         // JavaScript has no exact whole numbers beyond 2^53.
         let told = |part: &Part| json!([part.target, part.from, part.to.min(u32::MAX as usize)]);
         let mut news = json!({
@@ -198,8 +229,11 @@ impl Window {
         if !void.is_empty() {
             news["clear"] = void.iter().map(told).collect();
         }
-        if let Some((targets, revision)) = targets {
+        if let Some((targets, revision)) = &targets {
             (news["targets"], news["revision"]) = (json!(targets), json!(revision));
+        }
+        if frames || targets.is_some() {
+            news["words"] = json!(self.words());
         }
         if frames {
             let Known { frames, times } = self.known();
@@ -212,19 +246,28 @@ impl Window {
         if !said.is_empty() {
             news["said"] = json!(said.join(" / "));
         }
-        if let Some(&last) = made.last() {
-            news["export"] = json!(self.made.of(last));
+        if !made.is_empty() {
             news["exports"] = made.iter().filter_map(|&id| self.made.of(id)).map(|one| json!(one)).collect();
         }
         Ok(news)
     }
 
     fn picture(&self, name: &str) -> Reply {
-        let number = name.strip_suffix(".jpg").and_then(|number| number.parse().ok());
-        match number.filter(|&number: &usize| number > 0).and_then(|number| self.source.picture(number)) {
+        match frame(name, ".jpg").and_then(|number| self.source.picture(number)) {
             Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
             None => Reply::error(404, "there is no such frame, or it is not kept any more"),
         }
+    }
+
+    /// Returns the pixels of a part of a frame as they are.
+    fn part(&self, name: &str, query: &str) -> Result<Reply> {
+        let numbers = value(query, "part").and_then(|part| part.split(',').map(|number| number.parse().ok()).collect());
+        let part = numbers.and_then(|numbers: Vec<i32>| numbers.try_into().ok()).context("expected ?part=X,Y,W,H")?;
+        let Some(color) = frame(name, ".png").and_then(|number| self.source.color(number)) else {
+            return Ok(Reply::error(404, "there is no such frame, or only its picture is kept"));
+        };
+        let bytes = encode::part_png(&color, part)?;
+        Ok(Reply::new("image/png", bytes.context("this part lies outside the frame: expected one inside")?))
     }
 
     fn make(&self, ending: &str) -> Result<Reply> {
@@ -235,13 +278,47 @@ impl Window {
     }
 }
 
+/// A format of boxes, and true if it holds several targets.
+fn offer(format: &Format) -> Value {
+    json!({ "name": choice_name(format), "several": format.has_names() })
+}
+
 fn json_reply(value: &Value) -> Reply {
     Reply::new("application/json", value.to_string())
+}
+
+/// Makes the reply with a file that a browser saves under its name.
+fn saved((name, bytes): (String, Vec<u8>)) -> Reply {
+    Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
+}
+
+/// Returns a field of a JSON object.
+fn field<T: DeserializeOwned>(body: &[u8], name: &str) -> Result<T> {
+    let object: Value = serde_json::from_slice(body).unwrap_or_default();
+    let value = object.get(name).cloned().unwrap_or_default();
+    serde_json::from_value(value).with_context(|| format!("expected {{ {name} }}"))
 }
 
 /// Returns the value of `name` in a query such as `a=1&b=2`.
 fn value<'a>(query: &'a str, name: &str) -> Option<&'a str> {
     query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
+}
+
+/// Returns the number of the frame in the name of a picture, such as `7.jpg`.
+fn frame(name: &str, ending: &str) -> Option<usize> {
+    name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
+}
+
+/// Decodes `%20` and the like.
+fn decoded(text: &str) -> String {
+    let mut parts = text.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let byte = part.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(byte.unwrap_or(b'%'));
+        bytes.extend(&part.as_bytes()[if byte.is_some() { 2 } else { 0 }..]);
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 fn number(query: &str, name: &str) -> Result<u64> {

@@ -33,8 +33,8 @@ const MOST_STRANGERS: usize = 128;
 const PATIENCE: Duration = Duration::from_secs(10);
 /// The longest time in which a connection reads nothing of a reply, in multiples of [`PATIENCE`].
 const READING: u32 = 3;
-/// Most bytes of a body, enough for a list of targets with thousands of corrections.
-const MOST_BYTES: usize = 1 << 20;
+/// Most bytes of a body, enough for a file with the boxes of a long recording.
+const MOST_BYTES: usize = 16 << 20;
 
 /// Headers of every reply: a browser must not keep it, show it in another page, or let another page read it.
 const HEADERS: [(&str, &str); 6] = [
@@ -182,7 +182,7 @@ impl Door {
         let read = Limited::new(request.into_body(), MOST_BYTES).collect();
         let body = match tokio::time::timeout(self.patience, read).await {
             Ok(Ok(body)) => body.to_bytes().to_vec(),
-            Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 1 MiB")),
+            Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 16 MiB")),
             Err(_) => return reply(Reply::error(408, "the request does not end")),
         };
         let request = Request { posts, path, query, revision, body };

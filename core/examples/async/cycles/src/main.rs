@@ -6,7 +6,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../../../../host-sim/recordings/src/tiles/scene.rs"]
+#[path = "../../../../../host-sim/scene/src/tiles.rs"]
 #[allow(dead_code)] // the host needs more of it
 mod scene;
 #[path = "../../../cycles/table.rs"]

@@ -27,11 +27,11 @@ impl Tracks {
 
     pub fn add(&mut self, answer: &Answer<'_>) {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
-        let Some(report) = answer.report else { return };
         let track = &mut self.tracks[answer.target];
+        let target = answer.report.and_then(|report| report.target);
         // Outside once: it stays so until the next box.
-        let is_outside = report.target.is_none();
-        let Some(seen) = report.target.or(track.last.filter(|_| !track.is_outside)) else { return };
+        let is_outside = target.is_none();
+        let Some(seen) = target.or(track.last.filter(|_| !track.is_outside)) else { return };
         (track.last, track.is_outside) = (Some(seen), is_outside);
         let BoundingBox { x, y, width, height } = seen;
         let (right, bottom) = (x + width, y + height);

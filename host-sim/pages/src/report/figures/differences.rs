@@ -92,7 +92,7 @@ pub(super) fn draw(film: &Film, still: &Still) -> Result<Sheet> {
 ///
 /// The method may have been started beside the annotator's box; it is put as far beside it here.
 fn at_truth(film: &Film, still: &Still, search: &Search, truth: &BoundingBox) -> Result<Difference> {
-    let start = BoundingBox::from(film.targets[0].starts[0].1).centre();
+    let start = BoundingBox::from(film.targets[0].start()).centre();
     let beside = |first: BoundingBox| (start.0 - first.centre().0, start.1 - first.centre().1);
     let beside = film.truth_at(0).map_or((0.0, 0.0), beside);
     let Difference { size: (width, height), template, .. } = &search.difference;

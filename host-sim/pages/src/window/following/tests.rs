@@ -59,8 +59,7 @@ impl Source for Scene {
 }
 
 fn lock(frame: usize) -> Lock {
-    let Rect { x, y, width, height } = synthetic::truth(frame - 1).unwrap().to_rect().unwrap();
-    Lock { frame, bbox: (x, y, width, height) }
+    Lock::new(frame, synthetic::truth(frame - 1).unwrap().to_rect())
 }
 
 fn target(id: u32, frames: &[usize]) -> Target {
@@ -79,7 +78,8 @@ struct Running {
 
 impl Running {
     fn start(scene: Scene, targets: Vec<Target>) -> Self {
-        let (followed, scene) = (Arc::new(Followed::new(variant(MethodKind::Smr), targets)), Arc::new(scene));
+        let followed = Arc::new(Followed::new(variant(MethodKind::Smr), targets, &scene).unwrap());
+        let scene = Arc::new(scene);
         let (of, from) = (Arc::clone(&followed), Arc::clone(&scene));
         thread::spawn(move || of.run(from.as_ref()));
         Self { followed, scene, position: 0 }
@@ -89,7 +89,7 @@ impl Running {
     fn heard(&mut self) -> (Vec<String>, Vec<(u32, usize, Row)>) {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
-            let is_done = self.followed.reached().1.is_none();
+            let is_done = self.followed.reached(None).1.is_none();
             let heard = self.followed.heard(self.position, Duration::from_millis(20), false);
             if is_done && heard.position == self.position {
                 return (said, rows);
@@ -145,7 +145,7 @@ fn answers_are_those_of_a_run_in_order() {
     assert_eq!(answered(&running, 1), expected(MethodKind::Smr, &[5, 30]));
     let quality = |at: usize| rows.iter().find(|row| (row.0, row.1) == (1, at)).unwrap().2.quality;
     assert!(quality(1).is_some() && quality(2).is_none());
-    assert_eq!((running.frames(), running.followed.reached()), (Some(FRAMES), (FRAMES, None)));
+    assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (FRAMES, None)));
     assert_eq!(running.scene.read.load(Ordering::SeqCst), 1);
 }
 
@@ -172,6 +172,39 @@ fn a_correction_is_followed_again_alone_and_undone_at_once() {
 }
 
 #[test]
+fn a_target_that_is_gone_has_no_answers_until_its_next_box() {
+    let gone = |frames: &[usize]| {
+        let mut gone = target(1, frames);
+        gone.locks[1].bbox = None;
+        gone
+    };
+    let mut running = Running::start(Scene::default(), vec![target(1, &[1])]);
+    running.heard();
+    let reads = running.scene.read.load(Ordering::SeqCst);
+    let rows = running.set(vec![gone(&[1, 20, 40])]);
+    assert_eq!(rows.iter().map(|row| row.1).collect::<Vec<_>>(), (40..=FRAMES).collect::<Vec<_>>());
+    let both = [&expected(MethodKind::Smr, &[1])[..19], &expected(MethodKind::Smr, &[40])].concat();
+    assert_eq!(answered(&running, 0), both);
+    assert_eq!(running.scene.read.load(Ordering::SeqCst), reads + 1, "one read, from its next box on");
+    running.set(vec![gone(&[1, 20])]);
+    assert_eq!((answered(&running, 0).len(), running.followed.reached(None)), (19, (FRAMES, None)));
+    running.set(vec![target(1, &[1])]);
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1]), "undo");
+    let lock = |text| serde_json::from_str::<Lock>(text);
+    assert!(lock(r#"{"frame":2,"box":null}"#).unwrap().bbox.is_none() && lock(r#"{"frame":2}"#).is_err());
+}
+
+#[test]
+fn trackers_of_many_locks_are_not_kept_and_what_needs_one_again_begins_anew() {
+    let dense: Vec<usize> = (1..=20).collect();
+    let mut running = Running::start(Scene::default(), vec![target(1, &dense)]);
+    running.heard();
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &dense));
+    running.set(vec![target(1, &[1, 15])]);
+    assert_eq!(answered(&running, 0), expected(MethodKind::Smr, &[1, 15]));
+}
+
+#[test]
 fn other_trackers_follow_all_again() {
     let mut running = Running::start(Scene { known: FRAMES, ..Scene::default() }, vec![target(1, &[3])]);
     running.heard();
@@ -190,10 +223,15 @@ fn other_trackers_follow_all_again() {
 fn what_cannot_be_is_refused_and_nothing_changes() {
     let running = Running::start(Scene { known: FRAMES, ..Scene::default() }, vec![]);
     let mut empty = target(1, &[1]);
-    empty.locks[0].bbox.2 = 0;
+    empty.locks[0].bbox = Some((1, 1, 0, 5));
     let mut late = target(1, &[1]);
     late.locks[0].frame = FRAMES + 1;
+    let (mut never, mut again) = (target(1, &[4]), target(1, &[1, 4, 9]));
+    never.locks[0].bbox = None;
+    again.locks[1..].iter_mut().for_each(|lock| lock.bbox = None);
     for (targets, said) in [
+        (vec![never], "1 is gone in frame 4 before its first box: expected a box in an earlier frame"),
+        (vec![again], "1 is gone from frame 4 on, and again in frame 9: expected a box between"),
         (vec![empty], "the box of 1 in frame 1 has no pixels"),
         (vec![target(1, &[4, 4])], "1 has two boxes in frame 4: expected one"),
         (vec![late], "there is no frame 61: expected 1 to 60"),
@@ -207,14 +245,14 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
 #[test]
 fn a_box_that_is_refused_and_damage_are_said_and_concern_only_who_waited() {
     let mut outside = target(1, &[1]);
-    outside.locks[0].bbox.0 = -500;
+    outside.locks[0].bbox = Some((-500, 1, 24, 28));
     let scene = Scene { damaged: Some(21), known: FRAMES, ..Scene::default() };
     let mut running = Running::start(scene, vec![outside, target(2, &[1])]);
     let (said, _) = running.heard();
     assert!(said.len() == 2 && said[0].starts_with("frame 1: the box -500,"), "{said:?}");
     assert_eq!(said[1], "frame 21 is damaged");
     assert_eq!((answered(&running, 0).len(), answered(&running, 1).len()), (0, 20));
-    assert_eq!((running.frames(), running.followed.reached()), (Some(FRAMES), (20, None)));
+    assert_eq!((running.frames(), running.followed.reached(None)), (Some(FRAMES), (20, None)));
     // Behind the damage a lock is followed as ever.
     running.set(vec![target(2, &[1, 30])]);
     assert_eq!(answered(&running, 0).len(), 20 + FRAMES - 29);
@@ -330,6 +368,6 @@ fn what_differs_between_two_lists_of_locks() {
         assert_eq!(differing(&locks(old), &locks(new)), part, "{old:?} {new:?}");
     }
     let mut moved = locks(&[1, 5, 9]);
-    moved[1].bbox.0 += 1;
+    moved[1].bbox = None;
     assert_eq!(differing(&locks(&[1, 5, 9]), &moved), Some((5, 8)));
 }

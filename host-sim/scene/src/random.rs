@@ -16,7 +16,8 @@ impl Random {
         usize::try_from(product >> 64).unwrap_or(0)
     }
 
-    pub(crate) fn next(&mut self) -> u64 {
+    #[allow(clippy::should_implement_trait)] // it never ends
+    pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -24,7 +25,7 @@ impl Random {
     }
 
     /// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
-    pub(super) fn noise(&mut self) -> i32 {
+    pub fn noise(&mut self) -> i32 {
         let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
         (a + b + c + d - 4 * 255 / 2 + 32) >> 6
     }

@@ -2,6 +2,10 @@
 //!
 //! Only sums, products, quotients, remainders and square roots are used: IEEE 754 rounds them alike on every machine.
 
+use super::texture::Texture;
+#[cfg(target_family = "wasm")]
+pub use super::web::sqrt;
+
 /// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
 pub type Triple = [f64; 3];
 
@@ -28,21 +32,38 @@ pub struct Solid {
     heading: [f64; 2],
     /// Radius around `origin` that holds the whole solid.
     reach: f64,
-    /// Outward normal of each face, and its distance from the origin; empty for a ball.
-    faces: Vec<(Triple, f64)>,
+    /// Outward normal of each face, and its distance from the origin; `None` for a ball.
+    faces: Option<[(Triple, f64); 6]>,
     base: Triple,
     paint: Paint,
 }
 
-/// Returns the color at a place of a solid with this normal, both in the solid's own axes.
-pub type Paint = fn(base: Triple, at: Triple, normal: Triple) -> Triple;
+/// Returns the color at a place of a solid with this normal, both in the solid's own axes; the texture is that of leaves.
+pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) -> Triple;
+
+/// Place where a ray enters a solid.
+pub struct Hit<'a> {
+    pub far: f64,
+    solid: &'a Solid,
+    /// Place and normal in the solid's own axes.
+    at: Triple,
+    normal: Triple,
+}
+
+impl Hit<'_> {
+    /// Returns the color and the normal.
+    pub fn seen(&self, leaves: &Texture) -> (Triple, Triple) {
+        let (Solid { heading: [c, s], base, paint, .. }, [x, y, z]) = (self.solid, self.normal);
+        (paint(*base, self.at, self.normal, leaves), [x * c - z * s, y, x * s + z * c])
+    }
+}
 
 /// Back end, front end and half width of a block at its bottom and at its top.
 pub type Ends = [f64; 3];
 
 impl Solid {
     pub fn ball(origin: Triple, reach: f64, base: Triple, paint: Paint) -> Self {
-        Self { origin, heading: [1.0, 0.0], reach, faces: Vec::new(), base, paint }
+        Self { origin, heading: [1.0, 0.0], reach, faces: None, base, paint }
     }
 
     pub fn block(
@@ -55,24 +76,24 @@ impl Solid {
     ) -> Self {
         let tall = high - low;
         let face = |normal: Triple, at: Triple| (unit(normal), dot(unit(normal), at));
-        let faces = vec![
+        let faces = Some([
             face([0.0, 1.0, 0.0], [0.0, high, 0.0]),
             face([0.0, -1.0, 0.0], [0.0, low, 0.0]),
             face([-tall, top[0] - bottom[0], 0.0], [bottom[0], low, 0.0]),
             face([tall, bottom[1] - top[1], 0.0], [bottom[1], low, 0.0]),
             face([0.0, bottom[2] - top[2], tall], [0.0, low, bottom[2]]),
             face([0.0, bottom[2] - top[2], -tall], [0.0, low, -bottom[2]]),
-        ];
+        ]);
         let longest = |ends: Ends| ends[0].abs().max(ends[1].abs());
         let corner = [longest(bottom).max(longest(top)), low.abs().max(high.abs()), bottom[2].max(top[2])];
-        Self { origin, heading, reach: dot(corner, corner).sqrt(), faces, base, paint }
+        Self { origin, heading, reach: length(corner), faces, base, paint }
     }
 
-    /// False if the solid's shadow lies nowhere within `reach` of a place.
-    pub fn may_shade(&self, place: Triple, reach: f64) -> bool {
+    /// False if no line in this direction that begins within `reach` of a place meets the solid.
+    pub fn may_meet(&self, place: Triple, along: Triple, reach: f64) -> bool {
         let apart = minus(self.origin, place);
-        let along = dot(apart, SUN);
-        dot(apart, apart) - along * along / dot(SUN, SUN) < (self.reach + reach) * (self.reach + reach)
+        let ahead = dot(apart, along);
+        dot(apart, apart) - ahead * ahead / dot(along, along) < (self.reach + reach) * (self.reach + reach)
     }
 
     fn inward(&self, [x, y, z]: Triple) -> Triple {
@@ -80,8 +101,7 @@ impl Solid {
         [x * c + z * s, y, z * c - x * s]
     }
 
-    /// Returns the distance of the first hit, and the color and the normal there.
-    fn hit(&self, from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
+    fn hit(&self, from: Triple, along: Triple) -> Option<Hit<'_>> {
         let from = minus(from, self.origin);
         let (middle, apart) = (-dot(from, along), dot(from, from) - self.reach * self.reach);
         let within = middle * middle - apart;
@@ -90,11 +110,11 @@ impl Solid {
         }
         let (from, along) = (self.inward(from), self.inward(along));
         let (mut enter, mut leave, mut normal) = (0.0, f64::INFINITY, [0.0; 3]);
-        if self.faces.is_empty() {
-            (enter, leave) = (middle - within.sqrt(), middle);
+        if self.faces.is_none() {
+            (enter, leave) = (middle - sqrt(within), middle);
             normal = onward(from, along, enter).map(|side| side / self.reach);
         }
-        for &(face, far) in &self.faces {
+        for &(face, far) in self.faces.iter().flatten() {
             let (toward, beyond) = (dot(face, along), dot(face, from) - far);
             if toward < 0.0 {
                 if beyond / -toward > enter {
@@ -106,12 +126,8 @@ impl Solid {
                 return None;
             }
         }
-        if enter <= 0.0 || enter >= leave {
-            return None;
-        }
-        let color = (self.paint)(self.base, onward(from, along, enter), normal);
-        let [c, s] = self.heading;
-        Some((enter, color, [normal[0] * c - normal[2] * s, normal[1], normal[0] * s + normal[2] * c]))
+        let at = onward(from, along, enter);
+        (0.0 < enter && enter < leave).then_some(Hit { far: enter, solid: self, at, normal })
     }
 }
 
@@ -120,9 +136,9 @@ pub fn is_met<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, alo
     solids.into_iter().any(|solid| solid.hit(from, along).is_some())
 }
 
-/// Returns the nearest hit among the solids: see [`Solid::hit`].
-pub fn nearest(solids: &[Solid], from: Triple, along: Triple) -> Option<(f64, Triple, Triple)> {
-    solids.iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.0.total_cmp(&b.0))
+/// Returns the nearest hit among the solids.
+pub fn nearest<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, along: Triple) -> Option<Hit<'a>> {
+    solids.into_iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.far.total_cmp(&b.far))
 }
 
 pub fn dot(a: Triple, b: Triple) -> f64 {
@@ -137,8 +153,17 @@ pub fn onward(from: Triple, along: Triple, far: f64) -> Triple {
     [from[0] + along[0] * far, from[1] + along[1] * far, from[2] + along[2] * far]
 }
 
+#[cfg(not(target_family = "wasm"))]
+pub fn sqrt(of: f64) -> f64 {
+    of.sqrt()
+}
+
+pub fn length(of: Triple) -> f64 {
+    sqrt(dot(of, of))
+}
+
 pub fn unit(of: Triple) -> Triple {
-    let length = dot(of, of).sqrt();
+    let length = length(of);
     of.map(|side| side / length)
 }
 

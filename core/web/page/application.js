@@ -1,0 +1,640 @@
+// The application: shows the frames of a source with the boxes of the targets, and takes what the user draws on them. The source is
+// host-sim (connection.js) or the browser itself.
+
+import { Answers } from "./answers.js";
+import { drawCommands } from "./command-lines.js";
+import { Detail } from "./detail.js";
+import { byId, htmlNode, inView } from "./dom.js";
+import { save } from "./download.js";
+import { Drag, gripOf } from "./drag.js";
+import { Edits, isGone, lockIn, nameOf } from "./edits.js";
+import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
+import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
+import { Figures } from "./figures.js";
+import { FRAMES, chartsOf } from "./curves.js";
+import { Graph } from "./graph.js";
+import { drawList } from "./list.js";
+import { METHODS } from "./methods.js";
+import { Playback, frameNamed } from "./playback.js";
+import { Preview } from "./preview.js";
+import { drawStage } from "./stage.js";
+import { Timeline } from "./timeline.js";
+import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
+import { drawTrail } from "./trail.js";
+import { Viewport } from "./viewport.js";
+
+const READINGS_MS = 80;
+const EVENTS_MS = 400;
+const LOADING_MS = 200; // a shorter wait is not worth a word
+const MOST_LATE = 50; // frames
+const SMALL_PART = 1 / 4; // of the last area: a smaller box may be a slip
+const NEW_COLOR = "#fff";
+const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
+
+const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
+const edits = new Edits();
+const answers = new Answers();
+const happened = new Map(); // events by the id of a target
+let source; // see connection.js
+let recording; // the facts that it opened with
+let kind; // recorded or live
+let followed = null; // the last frame that all targets have answers for
+let news = {};
+let proposed = null; // a box that is being drawn
+let pulled = null; // the grip that it is pulled by
+let asked = null; // a box that the user has to confirm, and its grip
+let hovered = { number: null }; // the frame under the mouse on the timeline
+let hasEnded = false;
+let [drawing, reading, loading] = [null, null, null];
+let playback, viewport, detail, timeline, preview, graph, figures, drag, seesCurves;
+
+function say(text) {
+  byId("said").textContent = text;
+  byId("said").hidden = text === "";
+}
+
+// ---- frames
+
+const size = () => (playback.shown === null ? null : { width: recording.width, height: recording.height });
+const timeOf = (number) => recording.times?.[number - recording.first] ?? (recording.rate ? (number - recording.first) / recording.rate : null);
+const visit = (number) => playback.visit(number);
+
+function visitNamed() {
+  const number = frameNamed(byId("go").value, playback, timeOf);
+  if (number === null) {
+    say(`No frame is called "${byId("go").value}": expected a number from ${playback.first} to ${playback.last}, or a time such as 1:02.5.`);
+    return;
+  }
+  say("");
+  byId("go").value = "";
+  visit(number);
+}
+
+// ---- what the user draws
+
+// Where the target is, or the middle.
+function startBox() {
+  const { x, y, width, height } = viewport.seen;
+  return whole(boxOf(edits.chosen)?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 });
+}
+
+function whole({ x, y, width, height }) {
+  return { x: Math.round(x), y: Math.round(y), width: Math.round(width), height: Math.round(height) };
+}
+
+const areaOf = ({ width, height }) => width * height;
+
+// Returns false if the box stays until the user has answered.
+function lock(box, grip) {
+  if (areaOf(box) === 0) {
+    say("The box has no pixels: drag from one corner to the other.");
+    return true;
+  }
+  const isConfirmed = asked !== null && JSON.stringify(asked.box) === JSON.stringify(box);
+  const held = isConfirmed ? asked.grip : grip;
+  const target = held === null ? edits.chosen : targetOf(held.id);
+  const last = target?.locks.findLast((one) => one.box !== null)?.box;
+  if (!isConfirmed && last !== undefined && areaOf(box) < areaOf(last) * SMALL_PART) {
+    ask({ box, grip: held }, `This box has ${box.width}x${box.height} pixels, and the last one of ${nameOf(target)} ${last.width}x${last.height}.`);
+    return false;
+  }
+  ask(null);
+  say("");
+  edits.lock(playback.shown, box, target);
+  changed();
+  if (held === null && kind === "recorded" && byId("plays").checked) {
+    // The box is not proposed any more when the frame goes on.
+    queueMicrotask(() => playback.play(true));
+  }
+  return true;
+}
+
+function ask(what, words = "") {
+  asked = what;
+  byId("asked").hidden = what === null;
+  byId("asked").firstElementChild.textContent = words;
+}
+
+const targetOf = (id) => edits.targets.find((target) => target.id === id) ?? null;
+
+// The chosen target has handles. While a target is added, every drag draws.
+function gripAt(point, reach) {
+  const chosen = edits.chosen;
+  for (const target of chosen === null ? [] : [chosen, ...edits.targets]) {
+    const box = boxOf(target)?.box;
+    const held = box && gripOf(box, point, target === chosen ? reach : 0);
+    if (held) {
+      return { box: whole(box), held, id: target.id };
+    }
+  }
+  return null;
+}
+
+function clicked(point) {
+  const target = edits.targets.find((one) => boxOf(one) !== null && gripOf(boxOf(one).box, point, 0) !== null);
+  if (target !== undefined) {
+    choose(target);
+  }
+}
+
+function choose(target) {
+  edits.choose(target);
+  draw();
+}
+
+// Each change is sent as all that is wanted now. What host-sim refuses is taken back.
+async function changed() {
+  const { targets } = edits;
+  draw();
+  try {
+    await source.targets(targets);
+    answers.keep(edits.targets.map(({ id }) => id));
+  } catch (error) {
+    edits.takeBack(targets);
+    say(error.message);
+    draw();
+  }
+}
+
+function rename(target, text) {
+  const refused = edits.rename(target, text);
+  refused === null ? changed() : say(refused);
+}
+
+function unlock() {
+  if (lockIn(edits.chosen, playback.shown) !== undefined) {
+    edits.unlock(edits.chosen, playback.shown);
+    changed();
+  }
+}
+
+// Takes the chosen target out of the frames from here on, or brings it back where it was last.
+function goOrComeBack() {
+  const { chosen } = edits;
+  const here = playback.shown;
+  if (isGone(chosen, here)) {
+    const { number, box } = chosen.locks.findLast((one) => one.number < here && one.box !== null);
+    edits.lock(here, whole(answers.last(chosen.id, number, here)?.box ?? box), chosen);
+    say("Pull the box to where the target is.");
+  } else {
+    edits.lose(chosen, here);
+  }
+  changed();
+}
+
+function undo(isRedo) {
+  if (isRedo ? edits.canRedo : edits.canUndo) {
+    isRedo ? edits.redo() : edits.undo();
+    changed();
+  }
+}
+
+// ---- what host-sim tells
+
+function heard(told) {
+  if (told.opened !== undefined) {
+    opened(told.opened);
+  }
+  news = { ...told, live: told.live ?? news.live };
+  answers.clear(told.clear ?? []);
+  answers.take(told.rows);
+  followed = told.followed > 0 ? recording.first + told.followed - 1 : null;
+  Object.assign(recording, { frames: told.frames ?? recording.frames, times: told.times ?? recording.times });
+  if (told.targets !== undefined) {
+    edits.load(told.targets);
+    answers.keep(edits.targets.map(({ id }) => id));
+  }
+  if (told.said !== undefined) {
+    say(told.said);
+  }
+  told.exports?.forEach((one) => drawMade(byId("made"), one, cancel));
+  measure();
+  draw();
+}
+
+// From where to where frames can be reached.
+function measure() {
+  if (kind !== "live") {
+    const known = recording.frames === null ? Math.max(followed ?? 0, playback.frame ?? 0, recording.first) : recording.first + recording.frames - 1;
+    playback.reach(recording.first, known);
+  } else if (news.live) {
+    const { oldest, newest } = news.live;
+    playback.reach(oldest, newest);
+    answers.forget(oldest);
+    if (playback.followsNewest) {
+      // So that there is a picture with its boxes, unless these come late.
+      playback.goTo(edits.targets.length === 0 || followed === null ? newest : clamp(followed, newest - MOST_LATE, newest));
+    }
+  }
+}
+
+function gone() {
+  hasEnded = true;
+  playback.play(false);
+  const isKept = recording.session ? `: what was drawn is kept in ${recording.session}, and in` : ": what was drawn is in";
+  say(`host-sim has ended${isKept} the command line below. Start it again to go on.`);
+  draw();
+}
+
+// ---- what is drawn
+
+// The box of a target in the frame that is shown: its lock, else its answer.
+const boxOf = (target) => boxIn(target, playback.shown);
+
+function boxIn(target, number) {
+  const answer = target && answers.at(target.id, number);
+  const box = target && (lockIn(target, number)?.box ?? answer?.box);
+  return box && !isGone(target, number) ? { box, state: answer?.state ?? "tracking" } : null;
+}
+
+function drawn(target) {
+  const found = boxOf(target);
+  const isChosen = target === edits.chosen;
+  // The box that is pulled is drawn where it is pulled to.
+  if (found === null || (proposed !== null && pulled?.id === target.id)) {
+    return [];
+  }
+  const { box, state } = found;
+  const words = state === "tracking" ? nameOf(target) : `${nameOf(target)}: ${state}`;
+  return [{ box, color: target.color, words, isChosen, isLast: state === "lost", hasHandles: isChosen }];
+}
+
+// The box of a target that is not lost, for its trail.
+function trailOf(target) {
+  const isThere = (found) => found !== null && found.state !== "lost";
+  return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
+}
+
+// What is followed or moved by keys stays in view.
+function follow() {
+  const box = proposed ?? boxOf(edits.chosen)?.box;
+  if (viewport.zoom > 1 && box && !drag.isPointing && (playback.isPlaying || proposed !== null)) {
+    viewport.show(box);
+  }
+}
+
+// Draws once for each picture of the screen, however much has changed. What is read is drawn less often.
+function draw() {
+  drawing ??= requestAnimationFrame(() => {
+    drawing = null;
+    if (playback.picture !== undefined) {
+      follow();
+      drawFrame();
+    }
+  });
+  reading ??= setTimeout(() => {
+    reading = null;
+    drawReadings();
+  }, READINGS_MS);
+}
+
+function drawFrame() {
+  const { picture, shown } = playback;
+  const view = viewport.seen;
+  const { chosen } = edits;
+  const inOrder = [...edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
+  const color = (pulled === null ? chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
+  if (source.part && kind === "recorded" && view.width < recording.width) {
+    detail.want(shown, view, recording);
+  }
+  const under = (context, placed) => {
+    detail.draw(context, shown, placed);
+    if (byId("trail").checked) {
+      edits.targets.forEach((target) => drawTrail(context, shown, { boxAt: trailOf(target), placed, color: target.color }));
+    }
+  };
+  drawStage(byId("stage"), { picture, size: size(), view, under, boxes: inOrder.flatMap(drawn), proposed, color });
+}
+
+// The events of a target. Of an hour they take a while, so they are not found anew for each answer.
+function events(target) {
+  const { id, locks } = target;
+  const version = answers.version(id);
+  const known = happened.get(id);
+  if (known !== undefined && known.version === version && known.locks === locks) {
+    return known.events;
+  }
+  if (known !== undefined && known.locks === locks && performance.now() - known.at < EVENTS_MS) {
+    setTimeout(draw, EVENTS_MS);
+    return known.events;
+  }
+  const found = { version, locks, events: eventsOf(answers.states(id), locks), at: performance.now() };
+  happened.set(id, found);
+  return found.events;
+}
+
+function allEvents() {
+  const isNamed = edits.targets.length > 1;
+  const all = edits.targets.flatMap((target) => events(target).map((event) => (isNamed ? { ...event, name: nameOf(target) } : event)));
+  return all.sort((one, other) => one.frame - other.frame);
+}
+
+function drawReadings() {
+  const { chosen } = edits;
+  const { first, last, shown } = playback;
+  drawTargets(chosen);
+  timeline.draw({
+    first, last, frame: shown ?? first, followed, timeOf,
+    strips: edits.targets.map((target) => ({ name: nameOf(target), color: target.color, isChosen: target === chosen, states: (number) => answers.state(target.id, number) })),
+    marks: chosen === null ? [] : events(chosen),
+  });
+  preview.draw({ ...hovered, picture: playback.pictureOf(hovered.number), size: recording, timeOf });
+  drawEvents(byId("events"), allEvents(), { timeOf, goTo: visit, chosen: shown });
+  drawChosen(chosen);
+  drawControls(chosen);
+  drawLimits(byId("files"), edits.targets.length);
+  drawCommands(byId("commands"), kind === "live" ? { track: "" } : { view: "", track: "", report: "-o report.html" }, recording, edits.targets);
+}
+
+function drawTargets(chosen) {
+  const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
+  drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
+  edits.targets.forEach((target, at) => {
+    const state = isGone(target, playback.shown) ? "gone" : (answers.state(target.id, playback.shown) ?? "–");
+    write(byId("targets").children[at].querySelector(".now"), state);
+  });
+}
+
+const named = (number) => (number > playback.last ? "" : timeOf(number) === null ? String(number) : clock(timeOf(number)));
+
+function drawChosen(chosen) {
+  const { shown, first, last } = playback;
+  const on = Object.fromEntries(METHODS.map((method) => [method, method === recording.method]));
+  const now = chosen === null ? undefined : answers.at(chosen.id, shown);
+  figures.draw({ now: { [recording.method]: now ?? {} }, time: () => NaN }, on);
+  if (seesCurves() && shown !== null) {
+    const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
+    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end);
+    const charts = chartsOf(byId("curves"), { histories: { [recording.method]: history } }, on);
+    graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
+  }
+}
+
+function drawControls(chosen) {
+  const { isPlaying, shown, frame, first, last } = playback;
+  byId("newest").checked = playback.followsNewest;
+  write(byId("play"), isPlaying ? "❚❚" : "▶");
+  byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
+  const isHere = lockIn(chosen, shown) !== undefined;
+  const isBegun = chosen !== null && chosen.locks[0].number < shown;
+  const off = { back: frame <= first, on: frame >= last, undo: !edits.canUndo, redo: !edits.canRedo, unlock: !isHere, gone: !isBegun, add: chosen === null, stop: hasEnded };
+  Object.entries(off).forEach(([id, isOff]) => (byId(id).disabled = isOff));
+  write(byId("gone"), isGone(chosen, shown) ? "Back here" : "Gone from here");
+  write(byId("whole"), `${viewport.zoom < 10 ? Number(viewport.zoom.toFixed(1)) : Math.round(viewport.zoom)}×`);
+  write(byId("place"), shown === null ? "" : placed(shown));
+  drawLoading();
+  const lost = chosen === null ? undefined : events(chosen).find((event) => event.kind === "lost" && event.frame <= shown && shown <= event.until);
+  write(byId("lost"), lost === undefined ? "" : `Lost since ${placeOf(lost.frame, timeOf)}. Drag a box over it to lock again.`);
+  byId("lost").hidden = lost === undefined;
+  write(byId("load"), load());
+  write(byId("about"), about());
+  byId("stage").setAttribute("aria-label", `Frame ${shown}, ${said(chosen)}`);
+}
+
+function drawLoading() {
+  loading = playback.isLoading ? (loading ?? performance.now()) : null;
+  const isLong = loading !== null && performance.now() - loading > LOADING_MS;
+  write(byId("loading"), isLong ? `Loading frame ${playback.frame}` : "");
+  byId("loading").hidden = !isLong;
+  if (loading !== null && !isLong) {
+    setTimeout(draw, LOADING_MS);
+  }
+}
+
+function placed(number) {
+  const of = kind === "live" || recording.frames === null ? "" : ` of ${playback.last}`;
+  return `frame ${number}${of}${timeOf(number) === null ? "" : `, ${clock(timeOf(number))}`}`;
+}
+
+function said(chosen) {
+  const found = boxOf(chosen);
+  if (found === null) {
+    return edits.targets.length === 0 ? "no box yet" : "no box here";
+  }
+  const { x, y, width, height } = whole(found.box);
+  return `${nameOf(chosen)} ${found.state}: left ${x}, top ${y}, ${width} x ${height} pixels`;
+}
+
+function about() {
+  const end = timeOf(playback.last);
+  const long = kind === "live" || recording.frames === null ? "" : `, ${recording.frames} frames${end === null ? "" : `, ${clock(end)}`}`;
+  const kept = recording.session && edits.targets.length > 0 ? `. Your work is kept in ${recording.session}` : "";
+  return `${recording.width}x${recording.height} pixels${long}${kept}`;
+}
+
+function load() {
+  const { progress, live } = news;
+  const dropped = live && `${droppedOf(live)}. The picture is ${Math.round(live.latency_ms)} ms old.`;
+  const following = !live && progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
+  const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
+  return [dropped, following, hint].filter(Boolean).join(" ");
+}
+
+function write(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
+}
+
+function droppedOf({ dropped }) {
+  return dropped === 0 ? "No frame was dropped" : `${dropped} ${dropped === 1 ? "frame was" : "frames were"} dropped: this machine was behind`;
+}
+
+// ---- actions of the user
+
+function pressed(event) {
+  const { key, target, ctrlKey, metaKey, altKey, shiftKey } = event;
+  const isTyping = target.matches("input[type=text], select, textarea");
+  // Radio buttons have arrows of their own, buttons and links the space.
+  const isOwn = key === " " ? target.matches("button, a, summary, input:not([type=range])") : target.matches("input[type=radio]");
+  if (event.defaultPrevented || isTyping || altKey) {
+    return;
+  }
+  if (ctrlKey || metaKey) {
+    const isRedo = key.toLowerCase() === "y" || shiftKey;
+    if (["z", "y"].includes(key.toLowerCase())) {
+      event.preventDefault();
+      undo(isRedo);
+    }
+  } else if (!isOwn && acted(event)) {
+    event.preventDefault();
+  }
+}
+
+function acted(event) {
+  const unlocks = ["Delete", "Backspace"].includes(event.key);
+  if (unlocks) {
+    unlock();
+  }
+  return unlocks || playback.key(event) || viewport.key(event);
+}
+
+function listen() {
+  const clicks = {
+    back: () => visit(playback.frame - 1),
+    on: () => visit(playback.frame + 1),
+    play: () => playback.toggle(),
+    smaller: () => viewport.smaller(),
+    larger: () => viewport.larger(),
+    whole: () => viewport.whole(),
+    take: () => drag.take(),
+    drop: () => drag.drop(),
+    undo: () => undo(false),
+    redo: () => undo(true),
+    gone: goOrComeBack,
+    unlock, stop,
+    add: () => {
+      choose(null);
+      byId("stage").focus({ preventScroll: true });
+    },
+  };
+  Object.entries(clicks).forEach(([id, act]) => byId(id).addEventListener("click", act));
+  const changes = {
+    go: visitNamed,
+    newest: () => {
+      playback.followsNewest = byId("newest").checked;
+      measure();
+    },
+    speed: () => playback.restart(),
+    trail: draw,
+    method: useMethod,
+    settings: useMethod,
+    boxes: () => readBoxes(byId("boxes").files[0]),
+  };
+  Object.entries(changes).forEach(([id, act]) => byId(id).addEventListener("change", act));
+  document.addEventListener("keydown", pressed);
+  document.addEventListener("dragover", (event) => event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    readBoxes(event.dataTransfer.files[0]);
+  });
+  byId("firmware").addEventListener("toggle", async () => {
+    byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(source.firmware()) : "";
+  });
+  new ResizeObserver(draw).observe(byId("stage"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+}
+
+function useMethod() {
+  Object.assign(recording, chosenTracker(recording));
+  trying(source.method(recording.method, recording.options));
+  // It tells of the settings before.
+  byId("firmware").open = false;
+  showMethod();
+  draw();
+}
+
+async function stop() {
+  if ((await trying(source.stop())) !== "") {
+    playback.play(false);
+    say("Stopped. The last minutes can still be looked through.");
+  }
+}
+
+async function trying(promise) {
+  try {
+    return await promise;
+  } catch (error) {
+    say(error.message);
+    return "";
+  }
+}
+
+async function take(format) {
+  const file = await trying(source.boxes(format));
+  if (file !== "") {
+    save(file.name, file.bytes);
+    drawTaken(byId("made"), file.name);
+  }
+}
+
+async function make(what, options) {
+  const made = await trying(source.make(what, options));
+  if (made !== "" && !byId(`made${made.id}`)) {
+    drawMade(byId("made"), made, cancel);
+  }
+}
+
+const cancel = (id) => trying(source.cancel(id));
+
+async function readBoxes(file) {
+  if (file === undefined || source.readBoxes === undefined) {
+    return;
+  }
+  byId("boxes").value = "";
+  const targets = await trying(source.readBoxes(file));
+  if (targets !== "") {
+    edits.add(targets);
+    changed();
+  }
+}
+
+function prepare() {
+  playback = new Playback({
+    picture: (number) => source.picture(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
+    isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
+    visited: (number) => source.place && trying(source.place(number)),
+  });
+  timeline = new Timeline(byId("timeline"), { goTo: visit, hover });
+  preview = new Preview(byId("timeline"));
+  detail = new Detail((number, part) => source.part(number, part), draw);
+  drag = new Drag(byId("stage"), {
+    size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
+    propose: (box, grip) => {
+      [proposed, pulled] = [box, grip ?? asked?.grip ?? null];
+      if (box === null) {
+        ask(null);
+      }
+      draw();
+    },
+  });
+  viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => drag.drop() });
+  graph = new Graph({ goTo: visit });
+  figures = new Figures(byId("figures"), NOT_THERE);
+  seesCurves = inView(byId("curves"), draw);
+}
+
+// Shows a recording or camera that the source has opened.
+function opened(facts) {
+  recording = { first: 1, ...facts };
+  kind = recording.live ? "live" : "recorded";
+  [news, followed, hasEnded] = [{}, null, false];
+  document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
+  document.querySelectorAll("[data-needs]").forEach((node) => (node.hidden = source[node.dataset.needs] === undefined));
+  document.title = recording.name;
+  byId("name").textContent = recording.name;
+  byId("version").textContent = `host-sim ${recording.version}`;
+  byId("stage").style.setProperty("--ratio", recording.width / recording.height);
+  answers.keep([]);
+  edits.load(recording.targets);
+  showTracker(recording);
+  drawMenu(byId("files"), recording, { take, make: kind === "live" || source.make === undefined ? undefined : make });
+  playback.forget(recording.first, recording.first);
+  viewport.whole();
+  measure();
+  playback.begin(recording.frame ?? playback.first);
+}
+
+function hover(number, x) {
+  if (kind === "live") {
+    return;
+  }
+  hovered = { number, x };
+  playback.peek(number);
+  draw();
+}
+
+/** Shows a source, as long as it is there. What it cannot do (`data-needs` of an element) is not shown. */
+export async function run(of) {
+  try {
+    source = of;
+    const facts = await source.open();
+    prepare();
+    listen();
+    opened(facts);
+    await source.listen(heard, gone, () => playback.shown ?? playback.first);
+  } catch (error) {
+    document.body.classList.add("failed");
+    say(error.message);
+  }
+}

@@ -1,0 +1,52 @@
+// The recording's own pixels of the part that is seen, where the picture of the frame has fewer than the screen.
+
+const MOST_SIDE = 640; // pixels of a part that host-sim gives
+const REST_MS = 120; // the user has stopped moving, and the frame stays
+
+export class Detail {
+  #load;
+  #came;
+  #wanted = null; // the number of a frame and its part
+  #timer = null;
+  #here = null; // { number, part, picture }
+
+  /** `load(number, part)` gives the pixels of a part, { x, y, width, height } in whole pixels; `came()` is told. */
+  constructor(load, came) {
+    [this.#load, this.#came] = [load, came];
+  }
+
+  /** Asks for the part `seen` of a frame if it is small enough. */
+  want(number, seen, size) {
+    const part = around(seen, size);
+    const key = `${number} ${Object.values(part)}`;
+    if (key === this.#wanted) {
+      return;
+    }
+    this.#wanted = key;
+    clearTimeout(this.#timer);
+    if (part.width <= MOST_SIDE && part.height <= MOST_SIDE) {
+      this.#timer = setTimeout(() => this.#fetch(key, number, part), REST_MS);
+    }
+  }
+
+  /** Draws what is here of a frame; `placed(box)` is the place of a box on the canvas. */
+  draw(context, number, placed) {
+    if (this.#here?.number === number) {
+      context.imageSmoothingEnabled = false;
+      context.drawImage(this.#here.picture, ...placed(this.#here.part));
+    }
+  }
+
+  async #fetch(key, number, part) {
+    const picture = await this.#load(number, part).catch(() => null);
+    if (picture !== null && key === this.#wanted) {
+      this.#here = { number, part, picture };
+      this.#came();
+    }
+  }
+}
+
+function around({ x, y, width, height }, size) {
+  const [left, top] = [Math.floor(x), Math.floor(y)];
+  return { x: left, y: top, width: Math.min(Math.ceil(x + width), size.width) - left, height: Math.min(Math.ceil(y + height), size.height) - top };
+}

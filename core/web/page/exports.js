@@ -1,0 +1,74 @@
+// The menu of files that the user takes away, and the list of files that are being made.
+
+import { byId, htmlNode } from "./dom.js";
+
+const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML" };
+const ONE_TARGET = "holds one target only";
+const NO_BOX = "draw a box first";
+
+/**
+ * Fills the menu. `formats`: { name, several } each, `films`: endings; `take(format)` saves boxes, `make(what, options)` begins a film or a
+ * report, each undefined where the source has none.
+ */
+export function drawMenu(place, { formats, films }, { take, make }) {
+  const boxes = formats.map(({ name, several }) => button(FORMATS[name] ?? name, { "data-several": several }, () => take(name)));
+  const made = make === undefined ? [] : [...films.map((as) => button(`Video (.${as})`, {}, () => make("film", { as }))), button("Report (.html)", {}, () => make("report", {}))];
+  const groups = [["Boxes", boxes], ["With pictures", made]].filter(([, nodes]) => nodes.length > 0);
+  place.replaceChildren(...groups.map(([title, nodes]) => htmlNode("div", { class: "controls", role: "group", "aria-label": title }, htmlNode("b", {}, title), ...nodes)));
+}
+
+/** Disables what cannot hold so many targets, and says why. */
+export function drawLimits(place, count) {
+  for (const node of place.querySelectorAll("button")) {
+    const why = count === 0 ? NO_BOX : count > 1 && node.dataset.several === "false" ? ONE_TARGET : "";
+    node.disabled = why !== "";
+    node.title = why;
+  }
+  const isLimited = count > 1 && place.querySelector("[data-several=false]") !== null;
+  byId("limits").textContent = count === 0 ? "Draw a box first." : isLimited ? `What is gray ${ONE_TARGET}.` : "";
+}
+
+/** Writes the progress of a file, or the way to it, in a line of its own. `cancel(id)` ends its making. */
+export function drawMade(place, { id, name, done, file, error, cancelled }, cancel) {
+  const line = byId(`made${id}`) ?? newLine(place, `made${id}`);
+  if (file) {
+    line.replaceChildren("Ready: ", htmlNode("a", { href: `made/${id}`, download: file }, file));
+  } else if (error || cancelled) {
+    line.replaceChildren(cancelled ? `${name} was cancelled.` : `${name}: ${error}`);
+  } else {
+    drawProgress(line, { id, name, done }, cancel);
+  }
+}
+
+// What is there stays, so that the button keeps the focus.
+function drawProgress(line, { id, name, done }, cancel) {
+  if (line.querySelector("progress") === null) {
+    line.replaceChildren(`${name} `, htmlNode("progress", { max: 1, "aria-label": name }), button("Cancel", { "aria-label": `Cancel ${name}` }, () => cancel(id)));
+  }
+  if (typeof done === "number") {
+    line.querySelector("progress").value = done;
+  }
+}
+
+/** Says of boxes that were saved while targets are followed, by their file's name, how many frames they have. */
+export function drawTaken(place, name) {
+  const [, frames, all] = /-(\d+)(?:-of-(\d+))?-frames\.\w+$/.exec(name) ?? [];
+  byId("taken")?.remove();
+  if (frames !== undefined) {
+    const said = [frames, all].filter(Boolean).map((count) => Number(count).toLocaleString("en")).join(" of ");
+    newLine(place, "taken").replaceChildren(`${name} holds ${said} frames: save it again when all are followed.`);
+  }
+}
+
+function button(text, attributes, act) {
+  const node = htmlNode("button", { type: "button", ...attributes }, text);
+  node.addEventListener("click", act);
+  return node;
+}
+
+function newLine(place, id) {
+  const line = htmlNode("div", { id });
+  place.prepend(line);
+  place.hidden = false;
+  return line;
+}

@@ -1,0 +1,38 @@
+// The settings of the tracker, as elements of the page and as options of host-sim.
+
+import { optionsOf } from "./command.js";
+import { byId, htmlNode } from "./dom.js";
+import { SETTINGS, TITLES } from "./methods.js";
+
+const PARTS = ["size", "sweep", "refiner"];
+
+/** Shows a method and its options; `methods` are those to choose from. */
+export function showTracker({ methods, method, options: { set = [], config } }) {
+  byId("method").replaceChildren(...methods.map((one) => htmlNode("option", { value: one }, TITLES[one])));
+  const given = Object.fromEntries(set.map((one) => one.split("=")));
+  const reach = given.reach ?? SETTINGS.robust.reach;
+  if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
+    byId("reach").append(htmlNode("option", {}, reach));
+  }
+  byId("reach").value = reach;
+  PARTS.forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
+  byId("refiner").checked &&= config !== "robust" || "refiner" in given;
+  byId("config").value = method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
+  byId("method").value = method;
+  showMethod();
+}
+
+/** Shows the settings of the method that is chosen. */
+export function showMethod() {
+  document.querySelectorAll("[data-method]").forEach((node) => (node.hidden = node.dataset.method !== byId("method").value));
+}
+
+/** The method and the options that are chosen. Options that the page does not show stay as they were `before`. */
+export function chosenTracker(before) {
+  const method = byId("method").value;
+  const { set = [], config, ...others } = method === before.method ? before.options : {};
+  const robust = { reach: Number(byId("reach").value), ...Object.fromEntries(PARTS.map((part) => [part, byId(part).checked])) };
+  const { set: own = [], ...options } = optionsOf(method, { robust, smr: { config: byId("config").value } });
+  const all = [...set.filter((one) => !(one.split("=")[0] in robust)), ...own];
+  return { method, options: { ...others, ...options, ...(all.length === 0 ? {} : { set: all }) } };
+}

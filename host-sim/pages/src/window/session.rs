@@ -1,0 +1,211 @@
+//! The session of a window: all that the user has done there, in a file beside the recording. It is written whole after each change.
+
+use super::{Target, lock};
+use anyhow::{Context, Result, anyhow, ensure};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use smr_recordings::input::{self, Kind};
+use smr_recordings::output;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Version of the form of the file.
+const VERSION: u32 = 1;
+const KIND: Kind = Kind { expected: "a session of host-sim view", most: 64 };
+
+/// All that a user has done in a window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    smr_session: u32,
+    /// Name of the recording.
+    pub recording: String,
+    pub method: String,
+    /// Options of the method, as they are typed.
+    pub options: Map<String, Value>,
+    pub targets: Vec<Target>,
+    /// Frame that was shown last.
+    pub frame: Option<usize>,
+}
+
+impl Work {
+    /// Returns a work that nothing has been done in yet.
+    pub fn new(recording: &str) -> Self {
+        let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
+        Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), frame: None }
+    }
+}
+
+/// The file that the work is kept in.
+pub struct Session {
+    /// `None`: the work is not kept.
+    path: Option<PathBuf>,
+    kept: Mutex<Kept>,
+}
+
+struct Kept {
+    work: Work,
+    /// The bytes of the file as this window has read or written them; `None`: it has done neither.
+    bytes: Option<Vec<u8>>,
+    /// True if the user knows that the file cannot be written.
+    has_failed: bool,
+}
+
+impl Session {
+    /// Reads the session of the recording at `path`, if there is one.
+    /// Errors: The file cannot be read, or is no session.
+    pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
+        let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
+        let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
+        let (bytes, work) = read.unzip();
+        let kept = Kept { work: work.clone().unwrap_or_else(|| Work::new(recording)), bytes, has_failed: false };
+        Ok((Self { path, kept: Mutex::new(kept) }, work))
+    }
+
+    /// Leaves the work that the file has aside: a change keeps it under another name.
+    pub fn leave_aside(&self) {
+        let mut kept = lock(&self.kept);
+        (kept.bytes, kept.work.frame) = (None, None);
+    }
+
+    /// Returns the name of the file as it was typed.
+    pub fn name(&self) -> Option<String> {
+        self.path.as_ref().map(|path| path.display().to_string())
+    }
+
+    /// Returns the frame that was shown last.
+    pub(super) fn frame(&self) -> Option<usize> {
+        lock(&self.kept).work.frame
+    }
+
+    /// Remembers the frame that is shown. Before the first change there is no file for it.
+    pub(super) fn shows(&self, frame: usize) -> Option<String> {
+        let mut kept = lock(&self.kept);
+        kept.work.frame = Some(frame);
+        if kept.bytes.is_some() { self.write(&mut kept) } else { None }
+    }
+
+    /// Keeps what the user has changed. Returns what the user is to be told, if anything.
+    pub(super) fn keep(&self, change: impl FnOnce(&mut Work)) -> Option<String> {
+        let mut kept = lock(&self.kept);
+        change(&mut kept.work);
+        self.write(&mut kept)
+    }
+
+    fn write(&self, kept: &mut Kept) -> Option<String> {
+        let path = self.path.as_ref()?;
+        match replaced(path, kept) {
+            Ok(aside) => {
+                kept.has_failed = false;
+                let said =
+                    |aside: PathBuf| format!("{} had other work, which is in {}", path.display(), aside.display());
+                aside.map(said)
+            }
+            Err(error) => {
+                let is_new = !std::mem::replace(&mut kept.has_failed, true);
+                is_new.then(|| format!("the work is not kept: {error:#}"))
+            }
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
+    let wrong = |error| {
+        anyhow!("it is damaged, or no session of host-sim view ({error}): move it away, or name another by --session")
+    };
+    let bytes = input::bytes(path, &KIND)?;
+    let value: Value = serde_json::from_slice(&bytes).map_err(wrong)?;
+    let version = &value["smr_session"];
+    ensure!(
+        version.as_u64().is_none_or(|version| version <= VERSION.into()),
+        "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim"
+    );
+    Ok((bytes, serde_json::from_value(value).map_err(wrong)?))
+}
+
+/// Writes the file. Work in it that this window does not know gets another name, which is returned.
+fn replaced(path: &Path, kept: &mut Kept) -> Result<Option<PathBuf>> {
+    let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
+    bytes.push(b'\n');
+    let there = fs::read(path).ok();
+    let aside = there.is_some_and(|there| kept.bytes.as_ref() != Some(&there)).then(|| free(path));
+    if let Some(aside) = &aside {
+        fs::copy(path, aside).with_context(|| format!("cannot write {}", aside.display()))?;
+    }
+    output::write(path, &bytes)?;
+    kept.bytes = Some(bytes);
+    Ok(aside)
+}
+
+/// Returns a name beside `path` that no file has: `NAME~`, `NAME~2`, ...
+fn free(path: &Path) -> PathBuf {
+    let named = |number: usize| {
+        let mut name = path.as_os_str().to_owned();
+        name.push("~");
+        if number > 1 {
+            name.push(number.to_string());
+        }
+        PathBuf::from(name)
+    };
+    (1..).map(named).find(|name| fs::symlink_metadata(name).is_err()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::window::Lock;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn work_is_kept_from_the_first_change_on_and_other_work_is_not_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.smr.json");
+        let open = || Session::open(Some(file.clone()), "a").unwrap();
+        let locks = vec![Lock { frame: 3, bbox: Some((-1, 2, 3, 4)) }, Lock { frame: 9, bbox: None }];
+        let car = Target { id: 4, name: "car".to_owned(), locks };
+        let (first, work) = open();
+        assert_eq!((work, first.shows(7), names(folder.path()).len()), (None, None, 0));
+        assert_eq!(first.keep(|work| work.targets = vec![car.clone()]), None);
+        assert_eq!(first.shows(8), None);
+        let expected = Work { targets: vec![car], frame: Some(8), ..Work::new("a") };
+        let (second, work) = open();
+        assert_eq!((work.as_ref(), second.frame(), names(folder.path()).len()), (Some(&expected), Some(8), 1));
+        second.leave_aside();
+        assert_eq!((second.frame(), second.shows(1), open().1.as_ref()), (None, None, Some(&expected)));
+        let said = second.keep(|work| work.targets.clear()).unwrap();
+        assert!(said.ends_with("a.smr.json~"), "{said}");
+        // The first window does not know what the second one did.
+        assert!(first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~2"));
+        assert_eq!((second.path.as_ref(), names(folder.path()).len()), (Some(&file), 3));
+        let kept: Work = serde_json::from_slice(&fs::read(folder.path().join("a.smr.json~")).unwrap()).unwrap();
+        assert_eq!(kept, expected);
+    }
+
+    #[test]
+    fn what_is_no_session_is_refused_and_what_cannot_be_written_is_said_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.smr.json");
+        for (text, said) in [
+            ("{\"smr_session\": 1, ", "it is damaged, or no session"),
+            ("[]", "it is damaged, or no session"),
+            ("{\"smr_session\": 2}", "it is a session of version 2, and this host-sim reads 1"),
+        ] {
+            fs::write(&file, text).unwrap();
+            let error = format!("{:#}", Session::open(Some(file.clone()), "a").err().unwrap());
+            assert!(error.contains(said) && error.starts_with(&file.display().to_string()), "{error}");
+        }
+        let (session, _) = Session::open(Some(folder.path().join("no/a.smr.json")), "a").unwrap();
+        let said = [(); 2].map(|()| session.keep(|_| ()));
+        assert!(
+            said[0].as_ref().unwrap().starts_with("the work is not kept: cannot write ") && said[1].is_none(),
+            "{said:?}"
+        );
+        assert_eq!(Session::open(None, "a").unwrap().0.keep(|_| ()), None);
+    }
+}

@@ -1,0 +1,24 @@
+//! The street as JavaScript calls it: `core/web/page/worker.js`.
+
+use crate::street::Street;
+
+static mut STREET: Street = Street::BLANK;
+
+/// Draws frame `index`, counted from 0, and returns the place of its pixels: red, green, blue and opacity.
+#[unsafe(no_mangle)]
+extern "C" fn street_frame(index: usize) -> *const [u8; 4] {
+    // SAFETY: A module has one thread, and nothing else uses the street.
+    let street = unsafe { &mut *&raw mut STREET };
+    street.frame(index).as_ptr()
+}
+
+// SAFETY: JavaScript's `Math.sqrt` takes any number.
+#[link(wasm_import_module = "Math")]
+unsafe extern "C" {
+    pub safe fn sqrt(of: f64) -> f64;
+}
+
+#[panic_handler]
+fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
+    core::arch::wasm32::unreachable()
+}
