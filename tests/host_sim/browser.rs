@@ -21,12 +21,15 @@ const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
-/// Functions for scripts: `is` notes a value that is not the expected one.
+/// Functions for scripts: `is` notes a value that is not the expected one; `place` is the frame of a player, `unfold` shows what is folded.
 const AFTER: [&str; 2] = [
     // A module comes after those of the page.
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
 const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
+const place = () => document.getElementById("place").value;
+const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
+const unfold = () => document.querySelectorAll("details").forEach((one) => { one.open = true; });
 (async () => { try {"#,
     r#"} catch (error) { problems.push(String(error)); }
 parent.postMessage(problems.length ? "PROBLEMS " + problems.join("; ") : "FINE", "*"); })();

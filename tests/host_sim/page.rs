@@ -31,8 +31,6 @@ fn page(test: &str, arguments: &[&str]) -> PathBuf {
 
 /// Actions of a user, each with the state that the page then has.
 const PLAYER: &str = r##"
-  const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
-  const place = () => document.getElementById("place").value;
   is("start", place(), "frame 1 of 240");
   document.getElementById("on").click();
   is("a step", place(), "frame 2 of 240");
@@ -42,21 +40,21 @@ const PLAYER: &str = r##"
   is("the end", place(), "frame 240 of 240");
   press("Home");
   is("whose state it is", document.getElementById("stage").ariaLabel, "frame 1 of 240, Paper: tracking, Robust: tracking");
-  document.querySelectorAll("details").forEach((one) => { one.open = true; });
+  unfold();
   await pause(100);
   is("nothing to compare yet", getComputedStyle(document.getElementById("histogram")).display, "none");
   const scrub = document.getElementById("scrub");
   scrub.value = 100;
   scrub.dispatchEvent(new Event("input", { bubbles: true }));
   is("scrubbing", place(), "frame 100 of 240");
-  await pause(100);
+  while (document.getElementById("stage").dataset.frame !== "100") await pause(20);
   const drawn = () => document.getElementById("stage").toDataURL();
   const before = drawn();
   document.querySelector("#switches input").click();
-  await pause(100);
+  await new Promise(requestAnimationFrame);
   is("a method switched off is not on the frame", drawn() !== before, true);
   document.querySelector("#switches input").click();
-  await pause(100);
+  await new Promise(requestAnimationFrame);
   is("and on again", drawn() === before, true);
   const curves = document.querySelectorAll(".chart canvas");
   const area = curves[1].getBoundingClientRect();
@@ -93,7 +91,7 @@ fn the_page_plays_in_a_browser() {
 }
 
 const BY_ITSELF: &str = r##"
-  const number = () => Number(document.getElementById("place").value.split(" ")[1]);
+  const number = () => Number(place().split(" ")[1]);
   const play = document.getElementById("play");
   await pause(600);
   is("it plays: " + number(), number() > 3 && play.ariaLabel === "Pause", true);
@@ -115,7 +113,6 @@ fn the_page_plays_by_itself_and_begins_with_what_happened() {
 
 /// Zoomed by keys; the mark of frame 120 shows where the curves are.
 const MOVING: &str = r##"
-  const key = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
   const mark = () => Math.round(parseFloat(document.querySelectorAll(".cursor")[1].style.left));
   const over = () => document.querySelectorAll(".chart canvas")[1];
   const point = (type, kind, x, more) => over().dispatchEvent(new type(kind,
@@ -123,13 +120,10 @@ const MOVING: &str = r##"
   const middle = mark();
   point(WheelEvent, "wheel", 100, { deltaX: 40 });
   is("there is nothing to move yet", mark(), middle);
-  key("+"); key("+");
+  press("+"); press("+");
   is("zoomed around the frame", mark(), middle);
-  point(PointerEvent, "pointerdown", 100, { shiftKey: true });
-  point(PointerEvent, "pointermove", 130, { shiftKey: true });
-  point(PointerEvent, "pointerup", 130, { shiftKey: true });
+  for (const [kind, x] of [["pointerdown", 100], ["pointermove", 130], ["pointerup", 130]]) point(PointerEvent, kind, x, { shiftKey: true });
   is("moved by shift and a drag", mark(), middle + 30);
-  is("that is not a click", document.getElementById("place").value, "frame 120 of 240");
   point(WheelEvent, "wheel", 100, { deltaX: 20 });
   is("moved by the wheel", mark(), middle + 10);
   point(WheelEvent, "wheel", 100, { deltaY: 20 });
@@ -137,18 +131,16 @@ const MOVING: &str = r##"
   const finger = (kind, id, x) => point(PointerEvent, kind, x, { pointerType: "touch", pointerId: id });
   finger("pointerdown", 1, 50); finger("pointermove", 1, 30); finger("pointerup", 1, 30);
   is("moved by a finger", mark(), middle - 10);
-  is("that is not a click either", document.getElementById("place").value, "frame 120 of 240");
-  key("0");
+  press("0");
   is("all frames", mark(), middle);
   finger("pointerdown", 1, middle - 20); finger("pointerdown", 2, middle + 20);
   finger("pointermove", 1, middle - 40); finger("pointermove", 2, middle + 60);
   finger("pointerup", 1, 0); finger("pointerup", 2, 0);
   is("pinched: other frames than before", mark() !== middle, true);
-  is("nor is that", document.getElementById("place").value, "frame 120 of 240");
   finger("pointerdown", 1, middle + 40); finger("pointercancel", 1, middle + 40);
-  is("a finger that scrolls the page is no click", document.getElementById("place").value, "frame 120 of 240");
-  key("+");
-  key("0");
+  is("none of these is a click, nor a finger that scrolls the page", place(), "frame 120 of 240");
+  press("+");
+  press("0");
 "##;
 
 #[test]
@@ -159,8 +151,6 @@ fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
 
 /// The recording has 25 frames a second.
 const EVENTS: &str = r##"
-  const place = () => document.getElementById("place").value;
-  const key = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
   const events = [...document.querySelectorAll("#events button")];
   const words = events.map((event) => event.textContent);
   is("what happened, and when", words[0], "locked at 0:00.0");
@@ -171,9 +161,9 @@ const EVENTS: &str = r##"
   events[lost].click();
   is("a click goes there", place(), there(lost));
   is("and marks it", document.querySelector("#events [aria-current]").textContent, words[lost]);
-  key("]");
+  press("]");
   is("the next one", place(), there(lost + 1));
-  key("["); key("[");
+  press("["); press("[");
   is("and back", place(), there(lost - 1));
   const scrub = document.getElementById("scrub");
   is("said with the slider", scrub.getAttribute("aria-valuetext"), `0:0${((numbers[lost - 1] - 1) / 25).toFixed(1)} (frame ${numbers[lost - 1]})`);
@@ -225,7 +215,7 @@ const STAYS: &str = r##"
   }
   const root = document.documentElement;
   is("nothing is wider than the window", root.scrollWidth, root.clientWidth);
-  document.querySelectorAll("details").forEach((each) => { each.open = true; });
+  unfold();
   is("not even what was folded", root.scrollWidth, root.clientWidth);
 "##;
 
@@ -238,7 +228,6 @@ fn the_player_stays_in_view_and_nothing_is_too_wide() {
 }
 
 const ADDRESS: &str = r##"
-  const place = () => document.getElementById("place").value;
   // The page hears of it first.
   const typed = (address) => new Promise((heard) => {
     addEventListener("hashchange", () => setTimeout(heard), { once: true });
@@ -263,11 +252,10 @@ fn the_address_names_the_frame() {
 
 /// With another first number in the page's data: 240 frames from 601 on.
 const NUMBERS: &str = r##"
-  const place = () => document.getElementById("place").value;
   is("the number in the address", place(), "frame 700 of 840");
   is("of the picture", document.getElementById("stage").ariaLabel.startsWith("frame 700 of 840, "), true);
   is("of the slider", [document.getElementById("scrub").min, document.getElementById("scrub").max, document.getElementById("scrub").value], "601,840,700");
-  document.querySelectorAll("details").forEach((one) => { one.open = true; });
+  unfold();
   await pause(100);
   is("in the curves", document.querySelectorAll(".panel .frame")[1].textContent.startsWith("frame 700"), true);
   is("in the states", document.querySelector("#more .value").textContent.includes("in 601 to 7"), true);
@@ -301,8 +289,8 @@ const LOOKS: &str = r##"
   const legend = document.querySelector("#curves .panel").querySelectorAll(".value .sample path");
   is("the legend of a curve is like the switches", looks(legend).join(), looks(switches).slice(0, 20).join());
   is("and so are the tables", looks(document.querySelectorAll(".scroll tbody .sample path")).join(), looks(switches).slice(0, 20).join());
-  await pause(200);
   const stage = document.getElementById("stage");
+  while (stage.dataset.frame !== "6") await pause(20);
   const { data } = stage.getContext("2d").getImageData(0, 0, stage.width, stage.height);
   const pixels = new Set();
   for (let at = 0; at < data.length; at += 4) pixels.add(`rgb(${data[at]}, ${data[at + 1]}, ${data[at + 2]})`);

@@ -41,7 +41,7 @@ function inScript(script) {
 
 const style = readFileSync(BASE, "utf8") + text("page.css");
 const script = inScript(bundle(new URL("app.js", import.meta.url)));
-const parts = { style, script, policy: policy(style, script), data: carried(bundle(new URL("worker.js", import.meta.url))) };
+const parts = { style, script, words: text("words.html"), policy: policy(style, script), data: carried(bundle(new URL("worker.js", import.meta.url))) };
 const page = text("index.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 const size = Buffer.byteLength(page);
 if (size > MOST_BYTES) {

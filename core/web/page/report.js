@@ -169,6 +169,7 @@ function drawPicture() {
     picture: playback.picture, size: { width, height }, view: { x: -margin, y: -margin, width: width + 2 * margin, height: height + 2 * margin },
     boxes: shown().flatMap(boxed), words: stateWords(playback.shown, statesAt(index)),
   });
+  byId("stage").dataset.frame = playback.shown;
 }
 
 // Where it is narrow, the player lies over the room that it takes, and gets smaller when that is scrolled away: what is below does not jump.

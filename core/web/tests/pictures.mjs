@@ -38,7 +38,7 @@ const strip = `(async () => {
   [strip.width, strip.height] = [2 * stage.width, ${FRAMES.length / 2} * stage.height];
   for (const [at, frame] of ${JSON.stringify(FRAMES)}.entries()) {
     location.hash = "frame=" + frame;
-    await new Promise((resolve) => setTimeout(resolve, 500));
+    while (stage.dataset.frame !== String(frame)) await new Promise((resolve) => setTimeout(resolve, 50));
     strip.getContext("2d").drawImage(stage, (at % 2) * stage.width, Math.floor(at / 2) * stage.height);
   }
   return strip.toDataURL("image/jpeg", 0.7).split(",")[1];

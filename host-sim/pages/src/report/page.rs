@@ -6,7 +6,7 @@ use super::palette::looks;
 use super::player_frames::Pictures;
 use super::scores::{Measured, Scores};
 use super::trackers::{SENTENCE, TITLE, place_files, titled};
-use crate::front_end::{STYLES, import_map};
+use crate::front_end::{STYLES, WORDS, import_map};
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
@@ -56,6 +56,7 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         options => about.options.as_str(),
         version => env!("CARGO_PKG_VERSION"),
         style => STYLES.concat() + STYLE,
+        words => WORDS,
         looks => Serde(looks()),
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
         scores => Serde(Scores::new(&measured)),
