@@ -189,12 +189,11 @@ impl State {
             .flat_map(move |(segment, end)| segment.answers(segment.places(from, end.min(to.saturating_add(1)))))
     }
 
-    /// Returns the rows that changed after position `since`, up to position `to`: target, segment and indices.
-    fn changed(&self, since: u64, to: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
+    /// Returns the rows that changed after position `since`: target, segment and indices.
+    fn changed(&self, since: u64) -> impl Iterator<Item = (u32, &Segment, Range<usize>)> {
         self.plan().filter_map(move |(key, end)| {
             let segment = self.segments.get(&key)?;
-            let place = |position: u64| segment.rows.partition_point(|(at, _)| *at <= position);
-            let places = place(since)..place(to).min(segment.places(0, end).end);
+            let places = segment.rows.partition_point(|(at, _)| *at <= since)..segment.places(0, end).end;
             (!places.is_empty()).then_some((key.target, segment, places))
         })
     }
@@ -443,9 +442,9 @@ impl Followed {
         self.change(|state| state.news.makes(id));
     }
 
-    /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page
-    /// that `asks` gets none and requests them by parts; another page gets one portion and the position after it.
-    pub(super) fn heard(&self, since: u64, patience: Duration, asks: bool) -> Heard {
+    /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page gets
+    /// none and asks for them by parts.
+    pub(super) fn heard(&self, since: u64, patience: Duration) -> Heard {
         let mut state = self.state();
         let begin = Instant::now();
         while state.news.end() <= since {
@@ -456,14 +455,8 @@ impl Followed {
         let heard = since;
         // A page that was away for long begins anew.
         let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
-        let first = state.changed(since, u64::MAX).map(|(_, segment, places)| segment.rows[places.start].0).min();
-        let position = match first.filter(|_| !asks) {
-            // The page would begin anew after a position before `forgotten`.
-            Some(first) => news.end().min((first - 1 + PORTION as u64).max(news.forgotten)),
-            None => news.end(),
-        };
-        let is_told = |at: u64| heard < at && at <= position;
-        let changed: Vec<_> = state.changed(since, position).collect();
+        let is_told = |at: u64| heard < at;
+        let changed: Vec<_> = state.changed(since).collect();
         let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
         let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
             let target = *target;
@@ -475,13 +468,13 @@ impl Followed {
             to: segment.first + places.end - 1,
         };
         Heard {
-            position,
+            position: news.end(),
             void: if news.remembers(heard) {
                 news.voided(is_told)
             } else {
                 state.targets.iter().map(|target| Part::all(target.id)).collect()
             },
-            rows: if is_short || !asks { changed.iter().flat_map(rows).collect() } else { Vec::new() },
+            rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
             changed: changed.iter().map(part).collect(),
             said: news.said(is_told),
             made: news.made(is_told),

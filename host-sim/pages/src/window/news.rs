@@ -33,7 +33,7 @@ pub(super) struct News {
     made: BTreeMap<u32, u64>,
     void: VecDeque<(u64, Part)>,
     /// Position of the last void part that is no longer remembered.
-    pub forgotten: u64,
+    forgotten: u64,
 }
 
 impl News {

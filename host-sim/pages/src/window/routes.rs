@@ -205,15 +205,15 @@ impl Window {
         })
     }
 
-    /// Returns the changes after position `since`. With `ranges=1` many answers are only named, and the page asks for
-    /// them by `answers`. With `wait=0` it returns at once.
+    /// Returns the changes after position `since`. Many answers are only named, and the page asks for them by `answers`. With
+    /// `wait=0` it returns at once.
     fn news(&self, query: &str) -> Result<Value> {
-        let (since, asks) = (number(query, "since")?, value(query, "ranges").is_some());
+        let since = number(query, "since")?;
         let patience = if value(query, "wait") == Some("0") { Duration::ZERO } else { PATIENCE };
-        let mut heard = self.followed.heard(since, patience, asks);
+        let mut heard = self.followed.heard(since, patience);
         if !patience.is_zero() && heard.position > since && heard.rows.len() < 100 {
             thread::sleep(GATHERING);
-            heard = self.followed.heard(since, Duration::ZERO, asks);
+            heard = self.followed.heard(since, Duration::ZERO);
         }
         let Heard { position, void, changed, rows, said, made, frames, targets } = heard;
         let (followed, at) = self.followed.reached(self.source.known().frames);

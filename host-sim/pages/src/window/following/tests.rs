@@ -90,14 +90,19 @@ impl Running {
         let (mut said, mut rows) = (Vec::new(), Vec::new());
         loop {
             let is_done = self.followed.reached(None).1.is_none();
-            let heard = self.followed.heard(self.position, Duration::from_millis(20), false);
+            let heard = self.followed.heard(self.position, Duration::from_millis(20));
             if is_done && heard.position == self.position {
                 return (said, rows);
             }
             self.position = heard.position;
             said.extend(heard.said);
-            rows.extend(heard.rows);
+            let part = |part: &Part| self.part(*part);
+            rows.extend(if heard.rows.is_empty() { heard.changed.iter().flat_map(part).collect() } else { heard.rows });
         }
+    }
+
+    fn part(&self, part: Part) -> Vec<(u32, usize, Row)> {
+        self.followed.part(part).0.into_iter().map(|(frame, row)| (part.target, frame, row)).collect()
     }
 
     fn try_set(&self, targets: Vec<Target>) -> Result<u64> {
@@ -211,7 +216,7 @@ fn other_trackers_follow_all_again() {
     let position = running.position;
     running.followed.set_variant(variant(MethodKind::Robust));
     running.heard();
-    assert_eq!(running.followed.heard(position, Duration::ZERO, false).void, [Part::all(1)]);
+    assert_eq!(running.followed.heard(position, Duration::ZERO).void, [Part::all(1)]);
     assert_eq!(answered(&running, 0), expected(MethodKind::Robust, &[3]));
     let reads = running.scene.read.load(Ordering::SeqCst);
     running.followed.set_variant(variant(MethodKind::Smr));
@@ -283,18 +288,16 @@ fn the_end_of_a_read_is_not_the_end_of_the_recording() {
 }
 
 #[test]
-fn a_page_is_told_by_portions_or_asks_for_parts() {
+fn a_page_asks_for_many_answers_by_parts() {
     let targets: Vec<_> = (1..=4).map(|id| target(id, &[1])).collect();
     let mut running = Running::start(Scene::default(), targets);
     let (_, rows) = running.heard();
     assert_eq!(rows.len(), 4 * FRAMES, "each answer once");
-    let portion = running.followed.heard(0, Duration::ZERO, false);
-    assert!(portion.rows.len() == PORTION && portion.position < running.position);
-    let all = running.followed.heard(0, Duration::ZERO, true);
+    let all = running.followed.heard(0, Duration::ZERO);
     assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
     running.followed.makes(7);
-    let heard = portions(&running);
-    assert_eq!((heard[0].made.len(), heard.last().unwrap().made.clone()), (0, vec![7]), "each change is told once");
+    let next = running.followed.heard(all.position, Duration::ZERO);
+    assert_eq!((all.made.len(), next.made, next.changed.len()), (0, vec![7], 0), "each change is told once");
     assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
     let (rows, to) = running.followed.part(Part { target: 4, from: 50, to: usize::MAX });
     assert_eq!((rows.len(), rows[0].0, to), (FRAMES - 49, 50, usize::MAX));
@@ -303,19 +306,9 @@ fn a_page_is_told_by_portions_or_asks_for_parts() {
         running.try_set(vec![target(1, if turn % 2 == 0 { &[1, 30] } else { &[1] }), target(2, &[1])]).unwrap();
     }
     running.heard();
-    let anew = running.followed.heard(all.position, Duration::ZERO, true);
+    let anew = running.followed.heard(all.position, Duration::ZERO);
     assert!((anew.void, anew.rows.len()) == (vec![Part::all(1), Part::all(2)], 0));
-    assert_eq!(portions(&running).iter().map(|heard| heard.rows.len()).sum::<usize>(), 2 * FRAMES);
-}
-
-/// All that is told to a program that does not ask for parts.
-fn portions(running: &Running) -> Vec<Heard> {
-    let mut all = vec![running.followed.heard(0, Duration::ZERO, false)];
-    while all.last().unwrap().position < running.followed.state().news.end() {
-        all.push(running.followed.heard(all.last().unwrap().position, Duration::ZERO, false));
-        assert!(all.len() < 100, "it comes to an end");
-    }
-    all
+    assert_eq!(anew.changed.iter().map(|part| running.part(*part).len()).sum::<usize>(), 2 * FRAMES);
 }
 
 #[test]
