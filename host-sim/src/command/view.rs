@@ -165,16 +165,17 @@ impl View {
                 .and_then(|text| read_boxes(&text))
                 .with_context(|| file.display().to_string());
         }
-        let given = smr_recordings::Target::all(&self.init, 1)?;
+        let mut given = smr_recordings::Target::all(&self.init, 1)?;
         smr_recordings::Target::check_frames(&given, 1, length)?;
-        let target = |id, name: Option<String>, rects: Vec<(usize, Option<Rect>)>| {
-            let locks = rects.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
-            Target { id, name: name.unwrap_or_else(|| "target".to_owned()), locks }
-        };
         if given.is_empty() {
-            return Ok(beside.map(|rect| target(1, None, vec![(1, Some(rect))])).into_iter().collect());
+            let beside = beside.map(|rect| vec![(1, Some(rect.into()))]);
+            given.extend(beside.map(|starts| smr_recordings::Target { name: None, starts }));
         }
-        (1..).zip(given).map(|(id, given)| Ok(target(id, given.name.clone(), given.rects()?))).collect()
+        let target = |(id, given): (u32, smr_recordings::Target)| {
+            let locks = given.rects()?.into_iter().map(|(frame, rect)| Lock::new(frame, rect)).collect();
+            Ok(Target { id, name: given.name.unwrap_or_else(|| "target".to_owned()), locks })
+        };
+        (1..).zip(given).map(target).collect()
     }
 
     /// The file of the session, if the work is to be kept.
@@ -201,7 +202,7 @@ impl View {
         // The frames of a camera have other numbers now.
         let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
-        let mut note = format!("note: goes on with {name}");
+        let mut note = format!("note: goes on with {name}, of the recording {}", work.recording);
         if has_targets || has_method {
             session.leave_aside();
             note += &format!(", but for what is given here; the first change keeps it as {name}~");
@@ -278,7 +279,7 @@ impl Wish for Desk {
         let frames = || targets.iter().flat_map(|(_, rows)| rows).map(|(frame, _)| *frame);
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
-        let reached = followed.answered(known.frames);
+        let (reached, _) = followed.reached(known.frames);
         // Behind the last answer, targets may be gone.
         for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {

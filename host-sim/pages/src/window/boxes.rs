@@ -11,7 +11,10 @@ pub fn read(text: &str) -> Result<Vec<Target>> {
     let read = if text.trim_start().starts_with('<') { of_cvat(text)? } else { of_csv(text)? };
     let targets = (1..).zip(read).map(|(id, Reading { name, locks, .. })| Target { id, name, locks });
     let targets: Vec<_> = targets.filter(|target| !target.locks.is_empty()).collect();
-    ensure!(!targets.is_empty(), "there is no box in it: expected one or more");
+    ensure!(
+        !targets.is_empty(),
+        "there is no box to lock on: expected one without a confidence, or a key frame of CVAT"
+    );
     Ok(targets)
 }
 
@@ -225,8 +228,8 @@ mod tests {
             ("frame,x,y,width,height\n1,a,2,3,4", "line 2: expected x,y,width,height"),
             ("frame,x,y,width,height\n1,1,2,.2,4", "line 2: the box has no pixels"),
             ("target,frame,x,y,width,height\na/b,1,1,2,3,4", "line 2: the name \"a/b\""),
-            ("frame,x,y,width,height\n1,,,,\n", "there is no box in it"),
-            ("<annotations></annotations>", "there is no box in it"),
+            ("frame,x,y,width,height\n1,,,,\n", "there is no box to lock on"),
+            ("<annotations></annotations>", "there is no box to lock on"),
             ("<a>\n<image id=\"1\"/></a>", "line 2: this is CVAT XML for images"),
             ("<a>\n\n<box frame=\"1\"/></a>", "line 3: this box is in no track"),
             ("<track label=\"a\">\n<box frame=\"1\"/>", "line 2: there is no xtl=\"...\" in <box frame=\"1\"/>"),

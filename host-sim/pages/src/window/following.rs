@@ -485,7 +485,7 @@ impl Followed {
 
     /// Returns the last frame before the first one that lacks an answer. While targets are followed, also the frame
     /// being read and the frames a second. `known` is the number of frames, if known.
-    pub(super) fn reached(&self, known: Option<usize>) -> (usize, Option<(usize, f64)>) {
+    pub fn reached(&self, known: Option<usize>) -> (usize, Option<(usize, f64)>) {
         let state = self.state();
         let open = state.tasks().iter().map(|task| task.next - 1).min();
         let at = open.map(|reached| state.at.unwrap_or((reached, 0.0)));
@@ -494,11 +494,6 @@ impl Followed {
         // A target that stays gone needs no more answers.
         let done = || ends.chain(state.frames(known).filter(|_| stays_gone)).max();
         (open.or_else(done).unwrap_or(0), at)
-    }
-
-    /// Returns the last frame before the first one that lacks an answer of a target.
-    pub fn answered(&self, known: Option<usize>) -> usize {
-        self.reached(known).0
     }
 
     /// Returns the last frame before damage that ends a command, unless a target is locked behind it.

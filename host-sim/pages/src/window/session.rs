@@ -58,7 +58,8 @@ impl Session {
         let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
         let (bytes, work) = read.unzip();
-        let kept = Kept { work: work.clone().unwrap_or_else(|| Work::new(recording)), bytes, has_failed: false };
+        let former = work.clone().unwrap_or_else(|| Work::new(recording));
+        let kept = Kept { work: Work { recording: recording.to_owned(), ..former }, bytes, has_failed: false };
         Ok((Self { path, kept: Mutex::new(kept) }, work))
     }
 
