@@ -2,25 +2,19 @@
 
 export const byId = (id) => document.getElementById(id);
 
-export function htmlNode(name, attributes, ...children) {
-  const node = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    node.setAttribute(key, value);
-  }
+export const htmlNode = (name, attributes, ...children) => filled(document.createElement(name), attributes, children);
+export const svgNode = (name, attributes, ...children) => filled(document.createElementNS("http://www.w3.org/2000/svg", name), attributes, children);
+
+function filled(node, attributes, children) {
+  Object.entries(attributes).forEach(([key, value]) => node.setAttribute(key, value));
   node.append(...children);
   return node;
 }
 
 /** A short line with the color and the dashes of a method; runners-up are dotted. */
 export function sample(method, isSecond = false) {
-  const make = (name, attributes) => {
-    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-    Object.entries(attributes).forEach(([key, value]) => node.setAttribute(key, value));
-    return node;
-  };
-  const line = make("svg", { class: `sample look-${method}${isSecond ? " second" : ""}`, viewBox: "0 0 52 6", "aria-hidden": "true" });
-  line.append(make("path", { d: "M0 3H52" }));
-  return line;
+  const line = { class: `sample look-${method}${isSecond ? " second" : ""}`, viewBox: "0 0 52 6", "aria-hidden": "true" };
+  return svgNode("svg", line, svgNode("path", { d: "M0 3H52" }));
 }
 
 // The sizes of canvases, in pixels of the page. Asking an element each time would make the browser lay out the page.

@@ -1,17 +1,10 @@
 // What the trackers compared in a frame: templates, differences, and how many pixels differ by how much.
 
-import { byId, htmlNode, sample } from "./dom.js";
+import { byId, htmlNode, sample, svgNode } from "./dom.js";
 import { placeOf } from "./events.js";
 
 const HEIGHT = 170, LEFT = 56, RIGHT = 22, TOP = 10, BOTTOM = HEIGHT - 34;
 const LABELS = 8;
-
-const svgNode = (name, attributes, ...children) => {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-  Object.entries(attributes).forEach(([key, value]) => node.setAttribute(key, value));
-  node.append(...children);
-  return node;
-};
 
 /** Shows what the `entrants` compared in the frame of this index, or in the one before that has a picture. `data`: { bar, bars } of the histograms. */
 export function drawComparisons({ first, pictures: { every, comparisons } }, entrants, index, { timeOf, data }) {
