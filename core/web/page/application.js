@@ -199,7 +199,9 @@ function heard(told) {
   answers.clear(told.clear ?? []);
   answers.take(told.rows);
   followed = told.followed > 0 ? recording.first + told.followed - 1 : null;
-  Object.assign(recording, { frames: told.frames ?? recording.frames, times: told.times ?? recording.times });
+  for (const fact of ["frames", "times", "words"]) {
+    recording[fact] = told[fact] ?? recording[fact];
+  }
   if (told.targets !== undefined) {
     edits.load(told.targets);
     answers.keep(edits.targets.map(({ id }) => id));

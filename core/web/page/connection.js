@@ -43,7 +43,7 @@ export class Connection {
     const parts = []; // of answers that are to be asked for: [target, first frame, last frame]
     while (failures < MOST_FAILURES) {
       try {
-        const { targets, ...news } = await (await asked(`news?since=${position}&ranges=1${parts.length === 0 ? "" : "&wait=0"}`)).json();
+        const { targets, ...news } = await (await asked(`news?since=${position}${parts.length === 0 ? "" : "&wait=0"}`)).json();
         [position, failures] = [news.position, 0];
         if (news.rows.length === 0) {
           parts.push(...news.changed);

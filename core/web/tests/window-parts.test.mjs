@@ -201,5 +201,5 @@ test("a page asks for answers where there are many, and tells others' targets fr
   });
   await sent;
   assert.deepEqual(heard, [[[[1, 30]], undefined], [[[2, 30]], undefined], [[[1, 7], [1, 1]], 1]]);
-  assert.deepEqual(asked.slice(0, 4), ["news?since=0&ranges=1", "targets []", "answers?target=1&from=30&to=100", "news?since=9&ranges=1&wait=0"]);
+  assert.deepEqual(asked.slice(0, 4), ["news?since=0", "targets []", "answers?target=1&from=30&to=100", "news?since=9&wait=0"]);
 });

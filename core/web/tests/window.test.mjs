@@ -374,7 +374,7 @@ onWindow("boxes are saved, in a format that has names if there are several targe
   await followedAll(page);
   const button = (label) => page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
   const off = await page.value(`[...document.querySelectorAll("#files button:disabled")].map(({ textContent, title }) => textContent + ": " + title)`);
-  assert.deepEqual(off, ["TLD", "VOT", "OTB", "GOT-10k"].map((format) => `${format}: holds one target only`));
+  assert.deepEqual(off, ["TLD", "OTB", "VOT", "GOT-10k"].map((format) => `${format}: holds one target only`));
   await button("CSV");
   const file = join(browser.downloads, "clip.csv");
   for (let wait = 0; !existsSync(file); wait += 20) {
