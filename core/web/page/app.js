@@ -8,12 +8,10 @@ import { save } from "./download.js";
 import { Drag } from "./drag.js";
 import { clock, drawEvents, eventsOf } from "./events.js";
 import { Figures } from "./figures.js";
-import { Film } from "./film.js";
 import { Followed } from "./followed.js";
 import { Follower } from "./follower.js";
 import { FRAMES, chartsOf } from "./curves.js";
 import { Graph } from "./graph.js";
-import { KEPT } from "./history.js";
 import { drawList } from "./list.js";
 import { METHODS, SETTINGS, SHORT, TITLES } from "./methods.js";
 import { lookOf, palette } from "./palette.js";
@@ -42,7 +40,6 @@ let version = "";
 let passes = 0; // of the sources, each from a first frame on
 let drawing = null;
 let reading = null;
-let film = null; // that is being made: { pictures, first, next, last }
 let told = { key: "", events: [] }; // what happened to the chosen target
 let follower, player, graph, cards, figures, timeline, seesCurves, seesComparisons;
 
@@ -92,7 +89,6 @@ function lockByUser(box) {
   if (chosen === null) {
     newTarget();
   }
-  dropFilm();
   chosen.planned = [];
   lock(chosen, box, true).catch((error) => say(error.message));
 }
@@ -119,7 +115,6 @@ async function use(source) {
 
 function forget() {
   passes += 1;
-  dropFilm();
   follower.ask("restart", { settings });
   [targets, chosen, ids, number] = [[], null, 0, null];
   newTarget();
@@ -163,7 +158,6 @@ function seek(to) {
     say("The earlier pictures of a camera are gone.");
     return;
   }
-  dropFilm();
   player.seek(to);
 }
 
@@ -184,7 +178,6 @@ function behind() {
 // Locks are repeated, except on a camera: its earlier pictures are gone.
 function restarted() {
   passes += 1;
-  dropFilm();
   follower.ask("restart", { settings });
   targets.forEach((target) => target.restart(player.source.kind !== "camera"));
   number = null;
@@ -213,9 +206,6 @@ function answered(reply) {
     found === undefined ? target.showAt(reply.number) : target.answered(reply.number, found);
   }
   number = reply.number;
-  if (number === film?.next) {
-    filmed();
-  }
   draw();
 }
 
@@ -313,8 +303,6 @@ function drawControls() {
   const next = behind();
   const stopped = next === null ? "" : ` This frame is not followed yet: Play goes on from frame ${next}.`;
   byId("load").textContent = `${named}${dropped === 0 ? "No frame was dropped." : `${dropped} frames were dropped: this machine was behind.`}${stopped}`;
-  byId("filming").value = film === null ? "" : `frame ${film.next - 1} of ${film.last}`;
-  byId("film").textContent = film === null ? "Video with boxes" : "Stop and save the video";
   const states = METHODS.map((method) => chosen?.now[method]?.state && `${SHORT[method]}: ${chosen.now[method].state}`).filter(Boolean);
   byId("stage").setAttribute("aria-label", ["The frame with its boxes", ...states].join(", "));
   drawCommand();
@@ -335,7 +323,6 @@ function drawCommand() {
 const FILES = {
   csv: (method, named) => save(`boxes-${method}.csv`, csv(named, timeOf)),
   json: (method, named) => save(`boxes-${method}.jsonl`, json(named, method, settings, version, timeOf)),
-  film: () => (film === null ? startFilm() : endFilm()),
   record: async (method) => {
     const { bytes } = await follower.ask("record", { id: chosen?.id, method });
     bytes === null ? say(`${TITLES[method]} has no flight record: lock it on a target first.`) : save(`flight-${method}.smr`, bytes);
@@ -348,69 +335,6 @@ function download(event) {
   const named = targets.filter(({ histories }) => histories[method]).map(({ name, histories }) => [name, histories[method]]);
   if (kind !== undefined) {
     FILES[kind](method, named);
-  }
-}
-
-// The video plays once more from its first frame, as far as it was followed.
-async function startFilm() {
-  const histories = targets.flatMap((target) => Object.values(target.histories));
-  const last = Math.max(...targets.map((target) => target.last ?? 0));
-  if (player.source.kind === "camera" || last === 0) {
-    say(last === 0 ? "There are no boxes yet: lock a target first." : "The earlier pictures of a camera are gone: no video can be made of them.");
-    return;
-  }
-  const before = passes;
-  try {
-    const pictures = await Film.open(size, (error) => dropFilm(`The video cannot be made: ${error.message}`));
-    if (film !== null || before !== passes) {
-      pictures.drop();
-      return;
-    }
-    // Earlier boxes are forgotten.
-    const first = Math.max(1, ...histories.filter(({ length }) => length === KEPT).map((history) => history.row(KEPT - 1).number));
-    film = { pictures, first, next: first, last };
-    player.seek(first);
-    draw();
-  } catch (error) {
-    say(error.message);
-  }
-}
-
-function filmed() {
-  const { source } = player;
-  const seconds = (frame) => source.timeOf(frame) ?? frame / source.rate;
-  targets.forEach((target) => target.showAt(number));
-  film.pictures.add(sceneOf({ picture, size, targets, chosen, on: settings.on, box: null, number }), seconds(number) - seconds(film.first));
-  film.next += 1;
-  if (number === film.last) {
-    endFilm();
-  } else if (!player.isPlaying && number === film.first) {
-    player.play(true);
-  }
-}
-
-async function endFilm() {
-  const { pictures, first, next } = film;
-  film = null;
-  player.play(false);
-  if (next === first) {
-    pictures.drop();
-    say("The video has no frames yet.");
-    return;
-  }
-  try {
-    save("boxes.webm", await pictures.end());
-    say(`boxes.webm has frames ${first} to ${next - 1}, without sound.`);
-  } catch (error) {
-    say(`The video cannot be made: ${error.message}`);
-  }
-}
-
-function dropFilm(reason = "The video with boxes was given up.") {
-  if (film !== null) {
-    film.pictures.drop();
-    film = null;
-    say(reason);
   }
 }
 
@@ -533,7 +457,7 @@ async function start() {
   seesComparisons = inView(byId("scale"), draw);
   byId("cost").textContent = "Time here: of an update in this browser, the median of 300. Cortex-M4 and M55: instructions of this update, estimated from its work.";
   player = new Player(follower, {
-    shown: () => chosen?.id, behind, ready: () => film?.pictures.ready(), sent, answered, restarted, changed: draw, say,
+    shown: () => chosen?.id, behind, sent, answered, restarted, changed: draw, say,
   });
   timeline = new Timeline(byId("timeline"), { goTo: seek });
   new Drag(byId("stage"), {

@@ -2,7 +2,7 @@
 
 import { htmlNode } from "./dom.js";
 
-const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream", webm: "video/webm" };
+const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
 
 /** Saves `content`, text, bytes or a blob, under `name`. */
 export function save(name, content) {

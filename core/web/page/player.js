@@ -16,7 +16,7 @@ export class Player {
 
   /**
    * `page`: { shown() the target whose pictures are wanted, behind() the frame where following stopped, if that is before the
-   * frame that is shown, or null, ready() a promise for the time when it can take a frame, sent(number), answered(reply),
+   * frame that is shown, or null, sent(number), answered(reply),
    * restarted(), changed(), say(text) }.
    */
   constructor(follower, page) {
@@ -123,9 +123,8 @@ export class Player {
     }
   }
 
-  async #room() {
-    await this.#page.ready();
-    await this.#follower.free();
+  #room() {
+    return this.#follower.free();
   }
 
   // Follows the picture that a camera shows now. `count` gives its number, if it is followed.
