@@ -349,6 +349,11 @@ onWindow("a frame is found by its number, by its time and by a look at the timel
   await touch("touchEnd");
   await page.until(`${zoom} > 2`);
   assert.equal(await command(page), "Drag a box first.", "two fingers draw no box");
+  const asksForPixels = () => page.requests.some((address) => /frames\/1\.png\?part=\d+,\d+,\d+,\d+$/.test(address));
+  for (let wait = 0; !asksForPixels(); wait += 50) {
+    assert.ok(wait < 60_000, "the recording's own pixels were not asked for");
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
 });
 
 onWindow("a box that is refused is taken back, and why is said", async (page) => {
