@@ -10,8 +10,6 @@ pub const WHITE: Color = [255; 3];
 pub(crate) const BLACK: Color = [0; 3];
 /// The ground of diagrams and of sheets.
 pub(crate) const PAPER: Color = [24; 3];
-/// Spans that are marked as hidden.
-pub(crate) const SHADE: Color = [58, 58, 58];
 /// The color of lines at a number.
 pub(crate) const GRID: Color = [90; 3];
 

@@ -7,17 +7,23 @@ use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 
-/// A PNG of pixels that are indices into `palette`. Small, and the same bytes every time.
-pub(crate) fn palette_png((width, height): (u32, u32), indices: &[u8], palette: &[Color]) -> Result<Vec<u8>> {
+/// A PNG of levels, row by row, in their colors. Small, and the same bytes every time.
+pub(crate) fn palette_png(size: (u16, u16), levels: &[u8], color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
+    let pixels: Vec<Color> = levels.iter().map(|&level| color(level)).collect();
+    let mut palette = pixels.clone();
+    palette.sort_unstable();
+    palette.dedup();
+    let index = |pixel: &Color| palette.partition_point(|color| color < pixel).to_le_bytes()[0];
+    let indices: Vec<u8> = pixels.iter().map(index).collect();
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    let mut encoder = png::Encoder::new(&mut bytes, size.0.into(), size.1.into());
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.concat());
     encoder.set_compression(png::Compression::High);
     // Neighbours in a palette of grays are neighbours to the eye, so what predicts gray levels predicts indices.
     let grays = palette.iter().filter(|[red, green, blue]| red == green && green == blue).count();
     encoder.set_filter(if 2 * grays > palette.len() { png::Filter::Adaptive } else { png::Filter::NoFilter });
-    encoder.write_header()?.write_image_data(indices)?;
+    encoder.write_header()?.write_image_data(&indices)?;
     Ok(bytes)
 }
 
@@ -111,14 +117,14 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::canvas::Canvas;
-    use smr_recordings::decode_picture;
+    use smr_recordings::{decode_colors, decode_picture};
 
     #[test]
     fn a_picture_reads_back() {
-        let palette = [[0, 0, 0], [255, 0, 0], [0, 0, 255]];
-        let read = Canvas::decoded(&palette_png((3, 2), &[0, 1, 2, 2, 1, 0], &palette).unwrap());
-        assert_eq!((read.width, read.height, read.at(1, 0), read.at(0, 1)), (3, 2, palette[1], palette[2]));
+        let color = |level: u8| [[0, 0, 0], [255, 0, 0], [0, 0, 255]][usize::from(level)];
+        let levels = [0, 1, 2, 2, 1, 0];
+        let read = decode_colors(&palette_png((3, 2), &levels, color).unwrap()).unwrap();
+        assert_eq!((read.width, read.height, read.pixels), (3, 2, levels.map(color).to_vec()));
 
         let frame = GrayFrame { width: 3, height: 2, pixels: vec![0, 10, 255, 13, 35, 128] };
         assert_eq!(decode_picture(&png(&frame).unwrap()).unwrap(), frame);
@@ -126,12 +132,13 @@ mod tests {
         assert!(pgm(&frame).starts_with(b"P5\n3 2\n255\n\0"));
 
         let frame = ColorFrame { width: 4, height: 2, pixels: (0..8).map(|at| [at, 2 * at, 3 * at]).collect() };
-        let part = |part| part_png(&frame, part).unwrap().map(|bytes| Canvas::decoded(&bytes));
+        let part = |part| part_png(&frame, part).unwrap().map(|bytes| decode_colors(&bytes).unwrap());
         let read = part([-1, 1, 3, 9]).unwrap();
-        assert_eq!((read.width, read.height, read.at(0, 0), read.at(1, 0)), (2, 1, [4, 8, 12], [5, 10, 15]));
+        assert_eq!((read.width, read.height, read.pixels), (2, 1, vec![[4, 8, 12], [5, 10, 15]]));
         assert!(part([4, 0, 9, 9]).is_none() && part([0, 0, i32::MIN, 1]).is_none());
         let wide = ColorFrame { width: 1000, height: 1, pixels: vec![[1, 2, 3]; 1000] };
-        assert_eq!(Canvas::decoded(&part_png(&wide, [7, 0, i32::MAX, 1]).unwrap().unwrap()).width, 640);
+        let read = part_png(&wide, [7, 0, i32::MAX, 1]).unwrap().unwrap();
+        assert_eq!(decode_colors(&read).unwrap().width, 640);
 
         let frame = GrayFrame { width: 8, height: 8, pixels: vec![100; 64] };
         let read = decode_picture(&jpeg(&frame, GOOD).unwrap()).unwrap();

@@ -7,7 +7,7 @@ use super::{Outcome, from, progress, shell};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use smr_evaluation::{Evaluation, MethodKind, Variant, result_files};
-use smr_pages::report::figures::{self, Figure, Plan, Wish};
+use smr_pages::report::figures::{self, Figure, Plan};
 use smr_pages::report::{self, About, Film, Refusal};
 use smr_recordings::output::{self, Output, complain, print};
 use smr_recordings::{BUILT_IN, FrameRange, Sequence, Source, Target, misfit};
@@ -41,7 +41,7 @@ pub struct Report {
     /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
-    /// Draw the paper's five figures of one recording, SMR beside SAD, as PNG and SVG into this folder
+    /// Draw the paper's five figures of one recording, SMR beside SAD, as SVG into this folder
     ///
     /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
     /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
@@ -140,7 +140,7 @@ impl Report {
             film
         };
         let film = watch(&BTreeSet::new())?;
-        let wish = Wish { frame: self.frame.map(|frame| frame.get() - 1), hidden: self.hidden };
+        let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
             // A frame or a span that is given must be one of the recording.
@@ -149,7 +149,7 @@ impl Report {
                 Figure::Occlusion => self.hidden.is_some(),
                 _ => false,
             };
-            match Plan::new(figure, &film, &wish) {
+            match Plan::new(figure, &film, frame, self.hidden) {
                 Ok(plan) => plans.push(plan),
                 Err(error) if must => return Err(error),
                 Err(error) => left_out.push(format!("{error:#}")),
@@ -162,13 +162,10 @@ impl Report {
         make_folder(folder)?;
         let mut files = Vec::new();
         for plan in &plans {
-            let sheet = plan.draw(&film)?;
-            for (ending, bytes) in [("png", sheet.png()?), ("svg", sheet.svg()?.into_bytes())] {
-                let file = folder.join(format!("{}.{ending}", plan.figure));
-                output::write(&file, &bytes)?;
-                let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
-                files.push(Written { file: file.display().to_string(), bytes: bytes.len(), frames });
-            }
+            let (file, svg) = (folder.join(plan.figure.to_string()), plan.draw(&film)?);
+            output::write(&file, svg.as_bytes())?;
+            let frames = Some(plan.frames.iter().map(|index| index + 1).collect());
+            files.push(Written { file: file.display().to_string(), bytes: svg.len(), frames });
         }
         Ok((files, left_out))
     }

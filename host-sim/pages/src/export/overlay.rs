@@ -1,33 +1,50 @@
 //! Boxes and lines of text, drawn over a frame.
 
 use crate::colors::{BLACK, Color};
-use crate::report::canvas::{Canvas, Dashes, line, rgb};
-use embedded_graphics::Drawable;
-use embedded_graphics::geometry::{Point, Size};
-use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
-use embedded_graphics::primitives::{Primitive, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
+use embedded_graphics::geometry::{OriginDimensions, Point, Size};
+use embedded_graphics::mono_font::{MonoTextStyle, iso_8859_1::FONT_6X10};
+use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
+use embedded_graphics::primitives::{Line, Primitive};
+use embedded_graphics::primitives::{PointsIter, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
+use embedded_graphics::text::{Baseline, Text};
+use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget, geometry::Dimensions};
 use smr_recordings::{BoundingBox, ColorFrame};
+use std::convert::Infallible;
 
-/// A frame that is drawn on.
-pub struct Overlay(Canvas);
+/// A frame that is drawn on. What is outside is not drawn.
+pub struct Overlay {
+    width: u32,
+    height: u32,
+    pixels: Vec<Color>,
+}
 
 impl Overlay {
     pub fn new(ColorFrame { width, height, pixels }: ColorFrame) -> Self {
-        Self(Canvas { width: width.into(), height: height.into(), pixels })
+        Self { width: width.into(), height: height.into(), pixels }
     }
 
     pub const fn size(&self) -> (u32, u32) {
-        (self.0.width, self.0.height)
+        (self.width, self.height)
     }
 
     /// Red, green and blue of each pixel.
     pub fn rgb(&self) -> &[u8] {
-        self.0.pixels.as_flattened()
+        self.pixels.as_flattened()
+    }
+
+    fn at(&self, x: u32, y: u32) -> Color {
+        self.pixels[(y * self.width + x) as usize]
+    }
+
+    fn set(&mut self, x: u32, y: u32, color: Color) {
+        if x < self.width && y < self.height {
+            self.pixels[(y * self.width + x) as usize] = color;
+        }
     }
 
     /// Returns the width of lines in pixels. Large frames have wider lines, so that they are seen.
     fn dot(&self) -> u32 {
-        self.0.width.min(self.0.height) / 240 + 1
+        self.width.min(self.height) / 240 + 1
     }
 
     /// Draws lines around the box, and a dark line outside for any ground. The box stays free: targets are small.
@@ -39,7 +56,7 @@ impl Overlay {
         let dot = self.dot();
         for (width, color) in [(dot + 1, BLACK), (dot, color)] {
             let style = PrimitiveStyleBuilder::new().stroke_color(rgb(color)).stroke_width(width);
-            let Ok(()) = area.into_styled(style.stroke_alignment(StrokeAlignment::Outside).build()).draw(&mut self.0);
+            let Ok(()) = area.into_styled(style.stroke_alignment(StrokeAlignment::Outside).build()).draw(self);
         }
     }
 
@@ -52,34 +69,104 @@ impl Overlay {
         }
         let dot = self.dot();
         let corners = [(x, y), (right, y), (right, bottom), (x, bottom), (x, y)];
-        let dash = f64::from(5 * dot);
-        line(&mut self.0, &corners, dot + 1, BLACK, Dashes::NONE);
-        line(&mut self.0, &corners, dot, color, Dashes::new(dash, dash));
+        self.line(&corners, dot + 1, BLACK, LONGEST);
+        self.line(&corners, dot, color, f64::from(5 * dot));
+    }
+
+    /// Draws a line through `points`. Dashes and gaps are so long, and go on around the corners.
+    fn line(&mut self, points: &[(f64, f64)], width: u32, color: Color, dash: f64) {
+        let style = PrimitiveStyle::with_stroke(rgb(color), width);
+        let mut before = 0.0;
+        for ends in points.windows(2) {
+            let (from, to) = (ends[0], ends[1]);
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let at = |along: f64| {
+                let part = if length > 0.0 { (along - before) / length } else { 0.0 };
+                Point::new(pixel(from.0 + (to.0 - from.0) * part), pixel(from.1 + (to.1 - from.1) * part))
+            };
+            let mut next = (before / (2.0 * dash)).floor() * 2.0 * dash;
+            while next <= before + length {
+                let (start, end) = (next.max(before), (next + dash - 1.0).min(before + length));
+                if start <= end {
+                    let Ok(()) = Line::new(at(start), at(end)).into_styled(style).draw(self);
+                }
+                next += 2.0 * dash;
+            }
+            before += length;
+        }
     }
 
     /// Writes a line on a dark ground, in the upper left corner.
     pub fn label(&mut self, text: &str, color: Color) {
-        let label = self.lettering(text, color);
-        self.0.picture(0, 0, &label);
+        let label = lettering(text, color);
+        self.picture(0, 0, &label);
     }
 
     /// Writes a line on a dark ground above the box, or in it if there is no room above.
     pub fn label_box(&mut self, target: &BoundingBox, text: &str, color: Color) {
-        let label = self.lettering(text, color);
-        let gap = f64::from(label.height + self.dot());
+        let label = lettering(text, color);
+        let (width, height) = (label.width * self.dot(), label.height * self.dot());
+        let gap = f64::from(height + self.dot());
         let top = if target.y >= gap { target.y - gap } else { target.y };
         let most = |whole: u32, part: u32| f64::from(whole.saturating_sub(part));
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // inside the frame
         let place = |at: f64, most: f64| at.min(most).max(0.0) as u32;
-        let left = place(target.x, most(self.0.width, label.width));
-        self.0.picture(left, place(top, most(self.0.height, label.height)), &label);
+        self.picture(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
     }
 
-    fn lettering(&self, text: &str, color: Color) -> Canvas {
-        let Size { width, height } = FONT_6X10.character_size;
-        let mut label = Canvas::new(text.chars().map(|_| width).sum::<u32>() + 4, height + 2, BLACK);
-        label.text(2, 1, text, color, &FONT_6X10);
-        label.nearest(label.width * self.dot(), label.height * self.dot())
+    /// Draws a picture, so much larger as lines are wider.
+    fn picture(&mut self, left: u32, top: u32, picture: &Self) {
+        let dot = self.dot();
+        for y in 0..picture.height * dot {
+            (0..picture.width * dot).for_each(|x| self.set(left + x, top + y, picture.at(x / dot, y / dot)));
+        }
+    }
+}
+
+/// A dash that is longer than any line.
+const LONGEST: f64 = 1e9;
+
+fn lettering(text: &str, color: Color) -> Overlay {
+    let Size { width, height } = FONT_6X10.character_size;
+    let (width, height) = (text.chars().map(|_| width).sum::<u32>() + 4, height + 2);
+    let mut label = Overlay { width, height, pixels: vec![BLACK; (width * height) as usize] };
+    let style = MonoTextStyle::new(&FONT_6X10, rgb(color));
+    let Ok(_) = Text::with_baseline(text, Point::new(2, 1), style, Baseline::Top).draw(&mut label);
+    label
+}
+
+#[allow(clippy::cast_possible_truncation)] // it saturates
+fn pixel(place: f64) -> i32 {
+    place.round() as i32
+}
+
+const fn rgb([r, g, b]: Color) -> Rgb888 {
+    Rgb888::new(r, g, b)
+}
+
+impl OriginDimensions for Overlay {
+    fn size(&self) -> Size {
+        Size::new(self.width, self.height)
+    }
+}
+
+impl DrawTarget for Overlay {
+    type Color = Rgb888;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
+        for Pixel(at, color) in pixels {
+            if let (Ok(x), Ok(y)) = (u32::try_from(at.x), u32::try_from(at.y)) {
+                self.set(x, y, [color.r(), color.g(), color.b()]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Visits only the pixels of the frame: boxes may be far larger.
+    fn fill_solid(&mut self, area: &Rectangle, color: Rgb888) -> Result<(), Infallible> {
+        let seen = area.intersection(&self.bounding_box());
+        self.draw_iter(seen.points().map(|point| Pixel(point, color)))
     }
 }
 
@@ -99,36 +186,45 @@ mod tests {
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: 4.2, y: 5.0, width: 6.0, height: 4.0 }, GREEN);
         for (x, y) in [(3, 4), (10, 4), (3, 9), (10, 9), (6, 4)] {
-            assert_eq!(overlay.0.at(x, y), GREEN, "{x},{y}");
+            assert_eq!(overlay.at(x, y), GREEN, "{x},{y}");
         }
-        assert_eq!((overlay.0.at(2, 3), overlay.0.at(11, 10)), (BLACK, BLACK));
+        assert_eq!((overlay.at(2, 3), overlay.at(11, 10)), (BLACK, BLACK));
         for (x, y) in [(4, 5), (9, 8), (12, 11)] {
-            assert_eq!(overlay.0.at(x, y), GROUND, "{x},{y}");
+            assert_eq!(overlay.at(x, y), GROUND, "{x},{y}");
         }
-        let green = overlay.0.pixels.iter().filter(|&&pixel| pixel == GREEN).count();
-        assert_eq!((green, overlay.0.at(0, 0)), (2 * 8 + 2 * 4, GROUND));
+        let green = overlay.pixels.iter().filter(|&&pixel| pixel == GREEN).count();
+        assert_eq!((green, overlay.at(0, 0)), (2 * 8 + 2 * 4, GROUND));
     }
 
     #[test]
     fn what_lies_outside_is_cut() {
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: -5.0, y: -5.0, width: 1000.0, height: 8.0 }, RED);
-        assert_eq!((overlay.0.at(0, 3), overlay.0.at(19, 3), overlay.0.at(0, 0)), (RED, RED, GROUND));
+        assert_eq!((overlay.at(0, 3), overlay.at(19, 3), overlay.at(0, 0)), (RED, RED, GROUND));
         let mut overlay = plain();
         overlay.outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
         overlay.outline(&BoundingBox { x: 2e9, y: -2e9, width: 65535.0, height: 65535.0 }, RED);
-        assert!(overlay.0.pixels.iter().all(|&pixel| pixel == GROUND));
+        assert!(overlay.pixels.iter().all(|&pixel| pixel == GROUND));
         overlay.label("WIDER THAN THE FRAME", WHITE);
-        assert_eq!(overlay.0.at(19, 0), BLACK);
+        assert_eq!(overlay.at(19, 0), BLACK);
+    }
+
+    #[test]
+    fn dashes_go_on_around_the_corner() {
+        let mut overlay = Overlay { width: 30, height: 30, pixels: vec![BLACK; 900] };
+        overlay.line(&[(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)], 1, WHITE, 8.0);
+        let drawn = |x: u32, y: u32| overlay.at(x, y) == WHITE;
+        assert_eq!([0, 7, 9, 15, 17, 19].map(|x| drawn(x, 0)), [true, true, false, false, true, true]);
+        assert_eq!([2, 5, 11, 13, 19].map(|y| drawn(20, y)), [true, false, false, true, true]);
     }
 
     #[test]
     fn dashes_leave_gaps_and_a_label_stays_in_the_frame() {
         let mut overlay = plain();
         overlay.dashed_outline(&BoundingBox { x: 4.0, y: 5.0, width: 12.0, height: 8.0 }, RED);
-        assert_eq!((overlay.0.at(5, 5), overlay.0.at(11, 5), overlay.0.at(8, 8)), (RED, BLACK, GROUND));
+        assert_eq!((overlay.at(5, 5), overlay.at(11, 5), overlay.at(8, 8)), (RED, BLACK, GROUND));
         overlay.dashed_outline(&BoundingBox { x: 1e300, y: f64::NAN, width: 5.0, height: 8.0 }, RED);
         overlay.label_box(&BoundingBox { x: 1e9, y: -1e9, width: 5.0, height: 5.0 }, "a", RED);
-        assert_eq!((overlay.0.at(19, 0), overlay.0.at(0, 0)), (BLACK, GROUND));
+        assert_eq!((overlay.at(19, 0), overlay.at(0, 0)), (BLACK, GROUND));
     }
 }

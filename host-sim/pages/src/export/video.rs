@@ -178,8 +178,7 @@ fn microseconds(seconds: f64) -> u64 {
 mod tests {
     use super::*;
     use crate::colors::GREEN;
-    use crate::report::canvas::Canvas;
-    use smr_recordings::{BoundingBox, GrayFrame};
+    use smr_recordings::{BoundingBox, GrayFrame, decode_colors};
     use std::fs;
 
     fn plan() -> Plan {
@@ -212,8 +211,11 @@ mod tests {
         filmed(&out);
         for (number, frame) in (1..).zip(frames()) {
             let png = fs::read(out.join(format!("{number:05}.png"))).unwrap();
-            let read = Canvas::decoded(&png);
-            assert_eq!(((read.width, read.height), read.pixels.as_flattened()), (frame.size(), frame.rgb()));
+            let read = decode_colors(&png).unwrap();
+            assert_eq!(
+                ((read.width.into(), read.height.into()), read.pixels.as_flattened()),
+                (frame.size(), frame.rgb())
+            );
         }
     }
 

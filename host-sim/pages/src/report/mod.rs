@@ -1,8 +1,5 @@
 //! Methods side by side on recordings, as one page or as figures.
 
-mod axes;
-pub(crate) mod canvas;
-mod diagram;
 mod difference;
 pub mod figures;
 mod film;

@@ -1,7 +1,7 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
 use super::difference::{BARS, Difference};
-use super::image::Pixels;
+use super::image::{differences, patch};
 use super::search::Sight;
 use crate::encode;
 use anyhow::Result;
@@ -110,8 +110,8 @@ fn comparison(sight: &Sight) -> Result<Option<Comparison>> {
     let Difference { size, pixels, template, .. } = &search.difference;
     let (template, levels, size) = (thinned(template, *size), thinned(pixels, *size), thin_size(*size));
     Ok(Some(Comparison {
-        template: Pixels::Patch { size, levels: template }.png()?,
-        map: Pixels::Differences { size, levels, alpha: search.alpha.unwrap_or(0) }.png()?,
+        template: patch(size, &template)?,
+        map: differences(size, &levels, search.alpha)?,
         histogram: search.difference.histogram(),
         counting: search.alpha.map(|alpha| search.difference.counting(alpha)),
     }))

@@ -2,27 +2,23 @@
 //!
 //! A recording is followed twice: first for what happens in it, then for the pictures of the frames that are shown.
 
-mod boxes;
-mod differences;
-mod drawing;
-mod drift;
-mod leaving;
-mod occlusion;
+mod choice;
+mod drawn;
+mod sheet;
 
 use super::film::{Film, Still};
-use anyhow::{Context, Result, bail, ensure};
+use super::search::Search;
+use anyhow::{Context, Result, ensure};
 use smr_evaluation::MethodKind;
 use smr_recordings::FrameRange;
 use std::fmt;
-
-pub use drawing::Sheet;
 
 /// Methods in the figures.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];
 const SMR: usize = 0;
 const SAD: usize = 1;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     Boxes,
     Differences,
@@ -34,34 +30,16 @@ pub enum Figure {
 impl Figure {
     pub const ALL: [Self; 5] = [Self::Boxes, Self::Differences, Self::Leaving, Self::Drift, Self::Occlusion];
 
-    pub const fn number(self) -> usize {
-        self as usize + 1
-    }
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Boxes => "boxes",
-            Self::Differences => "differences",
-            Self::Leaving => "leaving",
-            Self::Drift => "drift",
-            Self::Occlusion => "occlusion",
-        }
+    fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 }
 
+/// The name of its file.
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{}", self.number(), self.name())
+        write!(f, "{}-{}.svg", *self as u8 + 1, self.name())
     }
-}
-
-/// Frames that the user names. The command chooses the others by the states.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Wish {
-    /// Frame of the boxes and the differences; the first is 0.
-    pub frame: Option<usize>,
-    /// Frames in which the target is hidden.
-    pub hidden: Option<FrameRange>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,170 +48,99 @@ pub struct Plan {
     /// The frames whose pictures are in it, in order; the first is 0.
     pub frames: Vec<usize>,
     /// First and last frame in which the target is hidden.
-    hidden: Option<(usize, usize)>,
+    hidden: (usize, usize),
 }
 
 impl Plan {
-    /// Chosen by what happened.
+    /// Chosen by what happened, but for what the user names: the `frame` of boxes and differences, of which the first is 0, and those in which
+    /// the target is `hidden`.
     /// Errors: What the figure needs is not in the recording, or in its ground truth.
-    pub fn new(figure: Figure, film: &Film, wish: &Wish) -> Result<Self> {
-        let chosen = match figure {
-            Figure::Boxes => boxes::frame(film, wish.frame).map(|frame| (vec![frame], None)),
-            Figure::Differences => differences::frame(film, wish.frame).map(|frame| (vec![frame], None)),
-            Figure::Leaving => leaving::frames(film).map(|frames| (frames, None)),
-            Figure::Drift => drift::possible(film).map(|()| (Vec::new(), None)),
-            Figure::Occlusion => {
-                occlusion::span(film, wish.hidden).map(|span| (occlusion::frames(film, span), Some(span)))
-            }
+    pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
+        let plan = || {
+            let mut span = (0, 0);
+            let frames = match figure {
+                Figure::Boxes => vec![choice::boxes(film, frame)?],
+                Figure::Differences => vec![choice::differences(film, frame)?],
+                Figure::Leaving => choice::leaving(film)?,
+                Figure::Drift => {
+                    ensure!(film.truth.is_some(), "it needs ground truth, for the distance from it");
+                    Vec::new()
+                }
+                Figure::Occlusion => {
+                    span = choice::span(film, hidden)?;
+                    choice::occlusion(film, span)
+                }
+            };
+            Ok(Self { figure, frames, hidden: span })
         };
-        let (frames, hidden) =
-            chosen.with_context(|| format!("{}: no figure {} ({})", film.name, figure.number(), figure.name()))?;
-        Ok(Self { figure, frames, hidden })
+        plan().with_context(|| format!("{}: no figure {} ({})", film.name, figure as u8 + 1, figure.name()))
     }
 
-    /// Draws it. The film has the frames of the plan as its stills, and maybe others.
-    pub fn draw(&self, film: &Film) -> Result<Sheet> {
-        let stills = self.frames.iter().map(|&index| still(film, index)).collect::<Result<Vec<_>>>()?;
-        match (self.figure, &stills[..]) {
-            (Figure::Boxes, [still]) => boxes::draw(film, still),
-            (Figure::Differences, [still]) => differences::draw(film, still),
-            (Figure::Leaving, stills) => leaving::draw(film, stills),
-            (Figure::Drift, _) => Ok(drift::draw(film)),
-            (Figure::Occlusion, stills) => occlusion::draw(film, stills, self.hidden.context("a span")?),
-            (Figure::Boxes | Figure::Differences, _) => bail!("the figure is of one frame"),
+    /// Returns it as SVG. The film has the frames of the plan as its stills, and maybe others.
+    pub fn draw(&self, film: &Film) -> Result<String> {
+        let still = |&index: &usize| film.stills.iter().find(|still| still.index == index);
+        let stills: Option<Vec<&Still>> = self.frames.iter().map(still).collect();
+        let stills = stills.context("the frames of the plan are kept")?;
+        match self.figure {
+            Figure::Boxes => drawn::boxes(film, stills[0]),
+            Figure::Differences => drawn::differences(film, stills[0]),
+            Figure::Leaving => drawn::leaving(film, &stills),
+            Figure::Drift => Ok(drawn::drift(film)),
+            Figure::Occlusion => drawn::occlusion(film, &stills, self.hidden),
         }
     }
 }
 
-fn still(film: &Film, index: usize) -> Result<&Still> {
-    film.stills.iter().find(|still| still.index == index).context("the frames of the plan are kept")
+/// Returns the pixels that a method compared.
+fn compared(still: &Still, method: usize) -> Result<&Search> {
+    still.sights[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
-/// The frame that is asked for, if there is such a one with something to compare.
-fn asked(film: &Film, frame: usize) -> Result<usize> {
-    let length = film.moments.len();
-    ensure!((1..length).contains(&frame), "frame {} compares nothing: expected 2 to {length}", frame + 1);
-    Ok(frame)
-}
-
-/// Lead of SMR over SAD in a frame: the difference of their IoU with the ground truth, else 1 minus the IoU of both.
-fn lead(film: &Film, index: usize) -> Option<f64> {
-    let answer = |method: usize| film.moments[index].reports[method].target;
-    let smr = answer(SMR)?;
-    match (&film.truth, film.truth_at(index)) {
-        (Some(_), None) => None,
-        (_, Some(truth)) => Some(smr.iou(&truth) - answer(SAD).map_or(0.0, |sad| sad.iou(&truth))),
-        (None, None) => answer(SAD).map(|sad| 1.0 - smr.iou(&sad)),
-    }
-}
-
-/// The first frame in which they differ most to the advantage of SMR.
-fn clearest(film: &Film) -> Option<usize> {
-    let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
-    leads.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|best| best.0)
-}
-
+/// The files of the built-in recording are tested in `tests/host_sim/figures.rs`, and errors in `tests/cases`.
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::canvas::Canvas;
     use crate::report::{Refusal, watch};
     use smr_core::paper::Config;
     use smr_evaluation::{Configs, Variant};
-    use smr_recordings::{OpenOptions, Sequence, synthetic};
+    use smr_recordings::{OpenOptions, Sequence};
     use std::path::Path;
-    use std::sync::OnceLock;
 
-    fn open(name: &str) -> Sequence {
-        smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap()
-    }
-
-    fn watched(sequence: Sequence, frames: &[usize]) -> Film {
-        let configs = Configs::from(Config::paper());
-        let methods = METHODS.map(|kind| Variant::new(kind, &configs));
-        watch(sequence, &methods, Refusal::Fails, &frames.iter().copied().collect(), None, || ()).unwrap()
-    }
-
-    /// The film of the built-in recording, without pictures.
-    fn synthetic() -> &'static Film {
-        static FILM: OnceLock<Film> = OnceLock::new();
-        FILM.get_or_init(|| watched(open(synthetic::NAME), &[]))
-    }
-
-    /// Both files of a figure of `film`, which is of the recording `name`, read back.
-    fn drawn(name: &str, film: &Film, figure: Figure, wish: &Wish) -> (Plan, String, Canvas) {
-        let plan = Plan::new(figure, film, wish).unwrap();
-        let sheet = plan.draw(&watched(open(name), &plan.frames)).unwrap();
-        let svg = sheet.svg().unwrap();
-        let png = Canvas::decoded(&sheet.png().unwrap());
-        assert_eq!((png.width, png.height), sheet.size);
-        (plan, svg, png)
+    fn watched(name: &str, change: impl FnOnce(Sequence) -> Sequence) -> Film {
+        let sequence = change(smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap());
+        let methods = METHODS.map(|kind| Variant::new(kind, &Configs::from(Config::paper())));
+        watch(sequence, &methods, Refusal::Fails, &[].into(), None, || ()).unwrap()
     }
 
     #[test]
-    fn all_five_from_the_built_in_recordings() {
-        for figure in Figure::ALL {
-            let (plan, svg, png) = drawn(synthetic::NAME, synthetic(), figure, &Wish::default());
-            let colors = [crate::colors::SMR, crate::colors::SAD];
-            for color in colors.iter().skip(usize::from(figure == Figure::Leaving)) {
-                assert!(png.pixels.contains(color), "{figure}: {color:?}");
-            }
-            // Each tile is a frame, in JPEG; patches are PNG.
-            assert_eq!(
-                svg.matches("data:image/jpeg").count(),
-                if figure == Figure::Differences { 0 } else { plan.frames.len() },
-                "{figure}"
-            );
-            assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"), "{figure}");
-        }
-        let (plan, ..) = drawn("border", &watched(open("border"), &[]), Figure::Leaving, &Wish::default());
-        assert!(plan.frames.len() > 1, "{plan:?}");
-    }
-
-    #[test]
-    fn the_frame_can_be_chosen() {
+    fn frames_are_those_of_the_ground_truth_or_those_that_are_given() {
+        let film = watched("synthetic", |sequence| sequence);
+        let plan = |figure, frame, hidden: Option<&str>| {
+            Plan::new(figure, &film, frame, hidden.map(|span| span.parse().unwrap()))
+                .map_err(|error| format!("{error:#}"))
+        };
+        assert_eq!(plan(Figure::Occlusion, None, None).unwrap().hidden, (173, 199));
+        assert_eq!(plan(Figure::Occlusion, None, Some("82..130")).unwrap().hidden, (81, 129));
+        let late = plan(Figure::Occlusion, None, Some("200..300")).unwrap_err();
+        assert!(late.ends_with("--hidden 200..300: expected frames of 2..240"), "{late}");
         for figure in [Figure::Boxes, Figure::Differences] {
-            let (plan, svg, _) =
-                drawn(synthetic::NAME, synthetic(), figure, &Wish { frame: Some(59), ..Wish::default() });
-            assert_eq!(plan.frames, [59]);
-            assert!(svg.contains("frame 60"), "{figure}");
+            assert_eq!(plan(figure, Some(59), None).unwrap().frames, [59]);
             for frame in [0, 240] {
-                let error =
-                    Plan::new(figure, synthetic(), &Wish { frame: Some(frame), ..Wish::default() }).unwrap_err();
                 let expected = format!("frame {} compares nothing: expected 2 to 240", frame + 1);
-                assert!(format!("{error:#}").ends_with(&expected), "{error:#}");
+                assert!(plan(figure, Some(frame), None).unwrap_err().ends_with(&expected), "{figure}");
             }
         }
+        let hidden = plan(Figure::Differences, Some(185), None).unwrap_err();
+        assert!(hidden.contains("hidden in frame 186"), "{hidden}");
+        assert!(
+            Plan::new(Figure::Leaving, &watched("border", |sequence| sequence), None, None).unwrap().frames.len() > 1
+        );
     }
 
     #[test]
-    fn what_the_recording_does_not_have_is_said() {
-        let error = |film: &Film, figure, wish: &Wish| format!("{:#}", Plan::new(figure, film, wish).unwrap_err());
-        let blind = watched(Sequence { truth: None, ..open(synthetic::NAME) }, &[]);
-        for figure in [Figure::Differences, Figure::Drift, Figure::Occlusion] {
-            let said = error(&blind, figure, &Wish::default());
-            assert!(said.starts_with("synthetic: no figure ") && said.contains("needs ground truth"), "{said}");
-        }
-        // Boxes need none, nor does leaving.
-        for figure in [Figure::Boxes, Figure::Leaving] {
-            assert!(Plan::new(figure, &blind, &Wish::default()).is_ok(), "{figure}");
-        }
-        let still = error(&watched(open("noise"), &[]), Figure::Leaving, &Wish::default());
-        assert!(still.contains("never reaches over the border"), "{still}");
-        let hidden = error(synthetic(), Figure::Differences, &Wish { frame: Some(185), hidden: None });
-        assert!(hidden.contains("frame 186"), "{hidden}");
-        let mut visible = open(synthetic::NAME);
-        visible.truth = visible.truth.map(|truth| vec![truth[0]; 240]);
-        let said = error(&watched(visible, &[]), Figure::Occlusion, &Wish::default());
-        assert!(said.contains("--hidden A..B"), "{said}");
-        let late = Wish { hidden: Some("200..300".parse().unwrap()), frame: None };
-        assert!(error(synthetic(), Figure::Occlusion, &late).contains("expected frames of 2..240"));
-    }
-
-    #[test]
-    fn the_hidden_span_is_the_one_of_the_ground_truth_or_the_one_that_is_given() {
-        let plan = |wish: &Wish| Plan::new(Figure::Occlusion, synthetic(), wish).unwrap();
-        assert_eq!(plan(&Wish::default()).hidden, Some((173, 199)));
-        assert_eq!(plan(&Wish { hidden: Some("82..130".parse().unwrap()), frame: None }).hidden, Some((81, 129)));
+    fn boxes_and_leaving_need_no_ground_truth() {
+        let blind = watched("synthetic", |sequence| Sequence { truth: None, ..sequence });
+        let planned = Figure::ALL.into_iter().filter(|&figure| Plan::new(figure, &blind, None, None).is_ok());
+        assert_eq!(planned.collect::<Vec<_>>(), [Figure::Boxes, Figure::Leaving]);
     }
 }

@@ -1,0 +1,195 @@
+//! The figures, drawn.
+
+use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
+use super::{SAD, SMR, choice, compared};
+use crate::colors::{self, WHITE};
+use crate::report::difference::{BAR, BARS, Difference};
+use crate::report::film::{Film, Still};
+use crate::report::image::{differences as map, patch};
+use anyhow::{Context, Result};
+use smr_core::{Image, Rect};
+use smr_evaluation::{centre_errors, name_of};
+use smr_recordings::BoundingBox;
+
+/// The boxes of SMR and SAD in one frame, with what each compared.
+pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
+    const TILE: f64 = 400.0;
+    const PATCH: Pair = (140.0, 120.0);
+    const ROW: f64 = PATCH.1 + 3.0 * LINE;
+    let truth = film.truth_at(still.index);
+    let mut sheet = Sheet::new(&format!("{}, frame {}", film.name, still.index + 1));
+    sheet.legend(truth.is_some());
+    let size = tile(film, TILE, 0);
+    sheet.frame(film, still, (GAP, 2.0 * GAP), size, 0)?;
+    for row in [SMR, SAD] {
+        let at =
+            |column: f64, down: f64| (TILE + 2.0 * GAP + column * (PATCH.0 + GAP), 2.0 * GAP + row as f64 * ROW + down);
+        let target = film.moments[still.index].reports[row].target;
+        let overlap = truth.zip(target).map(|(truth, target)| format!(" IoU {:.2}", target.iou(&truth)));
+        let state = if target.is_none() { " lost" } else { "" };
+        let words = format!("{}{state}{}", name(film, row), overlap.unwrap_or_default());
+        sheet.words(at(0.0, 8.0), "start", &words, color_of(row));
+        let seen = &compared(still, row)?.difference;
+        sheet.patch(at(0.0, LINE), PATCH, &patch(seen.size, &seen.template)?);
+        let bbox = still.sights[row].bbox.to_rect().context("a box of pixels")?;
+        let rows = (bbox.y..).take(bbox.height.into());
+        let places = rows.flat_map(|y| (bbox.x..).take(bbox.width.into()).map(move |x| (x, y)));
+        let levels: Vec<u8> = places.map(|(x, y)| still.frame.level(x, y)).collect();
+        sheet.patch(at(1.0, LINE), PATCH, &patch((bbox.width, bbox.height), &levels)?);
+        sheet.words(at(0.0, LINE + PATCH.1 + 12.0), "start", "template", WHITE);
+        sheet.words(at(1.0, LINE + PATCH.1 + 12.0), "start", "in its box", WHITE);
+    }
+    Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
+}
+
+/// The difference of each method to its template, in the place that won and in the true one; and how often.
+pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
+    const PATCH: Pair = (160.0, 120.0);
+    const ROW: f64 = PATCH.1 + 2.0 * LINE;
+    const PLOT: f64 = 190.0;
+    /// Bars that are drawn: differences above are rare.
+    const SHOWN: usize = BARS / 2;
+    let mut sheet = Sheet::new(&format!("{}, frame {}: differences to the template", film.name, still.index + 1));
+    let columns = [0.0, 1.0, 2.0].map(|column| GAP + 60.0 + column * (PATCH.0 + GAP));
+    for (x, words) in columns.into_iter().zip(["template", "in its box", "in the true box"]) {
+        sheet.words((x, 2.0 * GAP + 8.0), "start", words, WHITE);
+    }
+    let mut curves = Vec::new();
+    for row in [SMR, SAD] {
+        let top = TOP + row as f64 * ROW;
+        sheet.words((GAP, top + 8.0), "start", &name(film, row), color_of(row));
+        let search = compared(still, row)?;
+        sheet.patch((columns[0], top), PATCH, &patch(search.difference.size, &search.difference.template)?);
+        let there = at_truth(film, still, &search.difference)?;
+        for (x, stroke, seen) in [(columns[1], SOLID, &search.difference), (columns[2], DASHED, &there)] {
+            sheet.patch((x, top), PATCH, &map(seen.size, &seen.pixels, search.alpha)?);
+            let sum: f64 = seen.pixels.iter().map(|&pixel| f64::from(pixel)).sum();
+            let figure = match search.alpha {
+                Some(alpha) => format!("{:.0}% count", 100.0 * seen.counting(alpha)),
+                None => format!("mean {:.1}", sum / seen.pixels.len().max(1) as f64),
+            };
+            sheet.words((x, top + PATCH.1 + 12.0), "start", &figure, WHITE);
+            curves.push((color_of(row), stroke, seen.histogram()));
+        }
+    }
+    let alpha = compared(still, SMR)?.alpha;
+    shades(&mut sheet, columns[2] + PATCH.0 + GAP, alpha)?;
+    let most = curves.iter().flat_map(|curve| &curve.2[..SHOWN]).fold(0.0, |most: f64, &part| most.max(part));
+    let (top, levels) = (TOP + 2.0 * ROW + GAP + 10.0, (SHOWN * BAR) as f64);
+    let names = ["difference in gray levels", "% of the pixels, line: its box, dashed: the true box"];
+    let plot = sheet.plot((top, PLOT), (0.0, levels), (most * 5.0).ceil().max(1.0) * 20.0, names, 0);
+    if let Some(alpha) = alpha {
+        let x = plot.x(f64::from(alpha));
+        sheet.line(&[(x, plot.top), (x, plot.bottom)], WHITE, DOTTED);
+        sheet.words((x + 6.0, plot.top + 8.0), "start", &format!("alpha {alpha}"), WHITE);
+    }
+    for (color, stroke, histogram) in curves {
+        let point = |bar: usize| (plot.x((bar * BAR) as f64 + BAR as f64 / 2.0), plot.y(100.0 * histogram[bar]));
+        sheet.line(&(0..SHOWN).map(point).collect::<Vec<_>>(), color, stroke);
+    }
+    Ok(sheet.svg(top + PLOT + 3.0 * LINE))
+}
+
+/// The difference to the template in the place where the target truly is: the box of the method, put where the ground truth is.
+///
+/// The method may have been started beside the annotator's box; it is put as far beside it here.
+fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
+    let start = BoundingBox::from(film.targets[0].start()).centre();
+    let first = film.truth_at(0).map_or(start, |first| first.centre());
+    let (x, y) = film.truth_at(still.index).context("the target is visible")?.centre();
+    let (width, height) = (f64::from(seen.size.0), f64::from(seen.size.1));
+    let (x, y) = (x + start.0 - first.0 - width / 2.0, y + start.1 - first.1 - height / 2.0);
+    let at: Rect = BoundingBox { x, y, width, height }.to_rect().context("the box of the ground truth is far away")?;
+    Ok(Difference::new(&still.frame, at, Image::new(&seen.template, seen.size.0, seen.size.1)?))
+}
+
+/// Draws the legend of the shades.
+fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
+    const SIZE: Pair = (120.0, 14.0);
+    const STRETCHED: (u16, u16) = (128, 15);
+    let levels: Vec<u8> = (0..STRETCHED.1).flat_map(|_| 0..128).collect();
+    sheet.words((left, TOP + 8.0), "start", "0", WHITE);
+    sheet.words((left + SIZE.0, TOP + 8.0), "end", "127+", WHITE);
+    sheet.patch((left, TOP + LINE), SIZE, &map(STRETCHED, &levels, None)?);
+    if alpha.is_some() {
+        sheet.patch((left, TOP + 3.0 * LINE), SIZE, &map(STRETCHED, &levels, alpha)?);
+        sheet.words((left, TOP + 3.0 * LINE + SIZE.1 + 12.0), "start", "that count", WHITE);
+    }
+    Ok(())
+}
+
+/// The target leaves the frame and its padding; the template is not updated meanwhile.
+pub(super) fn leaving(film: &Film, stills: &[&Still]) -> Result<String> {
+    let mut sheet = Sheet::new(&format!("{}: leaving the frame", film.name));
+    sheet.legend(film.truth.is_some());
+    let (lefts, bottom) = sheet.strip(film, stills, film.margin())?;
+    let mut before = None;
+    for (left, still) in lefts.into_iter().zip(stills) {
+        let state = film.moments[still.index].reports[SMR].state;
+        sheet.words((left + COLUMN, 2.0 * GAP + 8.0), "end", name_of(state), colors::color_of(state));
+        let template = &compared(still, SMR)?.difference.template;
+        let words = match before.replace(template) {
+            None => "template",
+            Some(before) if before == template => "unchanged",
+            Some(_) => "updated",
+        };
+        sheet.words((left, bottom + 14.0), "start", words, WHITE);
+    }
+    Ok(sheet.svg(bottom + 2.0 * LINE))
+}
+
+/// Drift, as the distance from the true centre over the frames.
+pub(super) fn drift(film: &Film) -> String {
+    const PLOT: f64 = 260.0;
+    let mut sheet = Sheet::new(&format!("{}: centre error over frames", film.name));
+    sheet.legend(false);
+    let truth = film.truth.as_deref().unwrap_or_default();
+    let errors = [SMR, SAD].map(|method| centre_errors(&film.trajectory(method), truth));
+    let most = nice(errors.iter().flatten().flatten().fold(4.0, |most: f64, &error| most.max(error)));
+    let across = (1.0, film.moments.len().max(2) as f64);
+    let plot = sheet.plot((4.0 * GAP, PLOT), across, most, ["frame", "pixels"], usize::from(most < 20.0));
+    let hidden = choice::spans(film);
+    sheet.hidden(&plot, &hidden);
+    for method in [SAD, SMR] {
+        sheet.curve(&plot, 1, &errors[method], method);
+        let measured: Vec<f64> = errors[method].iter().flatten().copied().collect();
+        let mean = measured.iter().sum::<f64>() / measured.len().max(1) as f64;
+        let words = format!("{}: mean {mean:.1} over {} frames", name(film, method), measured.len());
+        sheet.words((GAP, plot.bottom + 38.0 + LINE * method as f64), "start", &words, color_of(method));
+    }
+    if !hidden.is_empty() {
+        let y = plot.bottom + 40.0 + 2.0 * LINE;
+        sheet.shade((GAP, y - 4.0), (30.0, 12.0));
+        sheet.words((GAP + 40.0, y), "start", "target hidden", WHITE);
+    }
+    sheet.svg(4.0 * GAP + PLOT + 5.0 * LINE)
+}
+
+/// The target is hidden slowly. What hides it gets into the template, and is followed then.
+pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
+    const PLOT: f64 = 150.0;
+    let mut sheet = Sheet::new(&format!("{}: hidden {} to {}", film.name, hidden.0 + 1, hidden.1 + 1));
+    sheet.legend(true);
+    let (lefts, bottom) = sheet.strip(film, stills, 0)?;
+    let is_hidden = |still: &Still| (hidden.0..=hidden.1).contains(&still.index);
+    for (left, _) in lefts.into_iter().zip(stills).filter(|(_, still)| is_hidden(still)) {
+        sheet.words((left + COLUMN, 2.0 * GAP + 8.0), "end", "hidden", WHITE);
+    }
+    sheet.words((GAP, bottom + 14.0), "start", "below each frame the template of SMR", WHITE);
+    let (from, to) = choice::around(film, hidden);
+    let names = ["frame", "IoU, shaded: hidden, dotted: correct above 0.25"];
+    let top = bottom + 14.0 + 2.0 * LINE + 10.0;
+    let plot = sheet.plot((top, PLOT), (from as f64 + 1.0, to as f64 + 1.0), 1.0, names, 2);
+    sheet.hidden(&plot, &[hidden]);
+    let limit = plot.y(choice::CORRECT);
+    sheet.line(&[(Plot::LEFT, limit), (Plot::RIGHT, limit)], WHITE, DOTTED);
+    for method in [SAD, SMR] {
+        let values: Vec<Option<f64>> = (from..=to).map(|index| choice::overlap(film, method, index)).collect();
+        sheet.curve(&plot, from + 1, &values, method);
+    }
+    Ok(sheet.svg(plot.bottom + 3.0 * LINE))
+}
+
+fn name(film: &Film, method: usize) -> String {
+    film.methods[method].name.to_uppercase()
+}
