@@ -134,28 +134,6 @@ pub(super) mod tests {
         assert_eq!(slow.homeward(0.75, 0.5), 0.625);
     }
 
-    #[test]
-    fn what_cannot_be_used_is_refused() {
-        let refused = |change: fn(&mut Axis)| {
-            let mut axis = PAN;
-            change(&mut axis);
-            axis.check().err()
-        };
-        assert_eq!(refused(|_| ()), None);
-        assert_eq!(refused(|axis| axis.min_radians = f32::NAN), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.deadband_radians = f32::INFINITY), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.gain_per_second = f32::NAN), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.gain_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.slew_radians_per_second = -1.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.return_radians_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.deadband_radians = -0.01), Some(PursuitConfigError::Negative));
-        assert_eq!(refused(|axis| axis.max_radians = -1.0), Some(PursuitConfigError::LimitsReversed));
-        assert_eq!(refused(|axis| axis.max_radians = 90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
-        assert_eq!(refused(|axis| axis.min_radians = -90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
-        assert_eq!(refused(|axis| axis.home_radians = 1.5), Some(PursuitConfigError::HomeOutsideLimits));
-        assert_eq!(refused(|axis| axis.home_radians = -1.5), Some(PursuitConfigError::HomeOutsideLimits));
-    }
-
     /// Axes with ordinary and extreme numbers; some products overflow.
     pub(in crate::pursuit) fn any_axis() -> impl Strategy<Value = Axis> {
         let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];

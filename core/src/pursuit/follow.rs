@@ -1,14 +1,58 @@
-//! Follows frame by frame: from the answer of the tracker to the pulses of the servos.
+//! The configuration of the pursuit, and its way frame by frame: from the answer of the tracker to the pulses of the servos.
 
 use super::camera::Camera;
-use super::config::{PursuitConfig, TURNS};
+use super::controller::Axis;
 use super::error::{FollowError, PursuitConfigError, PursuitError};
-use super::head::Joint;
+use super::head::{Joint, Servo};
 use crate::image::Frame;
 use crate::track::{Answer, State, Target, Tracker};
 use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
+
+/// The number of turns of the head that are remembered: the last one, and one for each frame of the longest delay.
+const TURNS: usize = 4;
+
+/// The configuration of a [`Pursuit`], which checks it. See the [module's example](super).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PursuitConfig {
+    /// The camera model, which converts boxes to angles.
+    pub camera: Camera,
+    /// The axis that turns the head left and right.
+    pub pan: Axis,
+    /// The servo of the pan axis.
+    pub pan_servo: Servo,
+    /// The axis that turns the camera up and down.
+    pub tilt: Axis,
+    /// The servo of the tilt axis.
+    pub tilt_servo: Servo,
+    /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
+    pub hold_seconds: f32,
+    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3. 1 if the next frame is exposed
+    /// before the servos have turned. The tracker is told the motion of the picture with this delay.
+    pub delay_frames: u8,
+}
+
+impl PursuitConfig {
+    fn check(&self) -> Result<(), PursuitConfigError> {
+        self.camera.check()?;
+        self.pan.check()?;
+        self.tilt.check()?;
+        self.pan_servo.check()?;
+        self.tilt_servo.check()?;
+        if !self.hold_seconds.is_finite() {
+            return Err(PursuitConfigError::NotFinite);
+        }
+        if self.hold_seconds < 0.0 {
+            return Err(PursuitConfigError::Negative);
+        }
+        if usize::from(self.delay_frames) >= TURNS {
+            return Err(PursuitConfigError::DelayTooLong);
+        }
+        Ok(())
+    }
+}
 
 /// The angles that the head was last commanded to. Right and up are positive; 0 is the 0 of the servos.
 #[derive(Clone, Copy, Debug, PartialEq)]

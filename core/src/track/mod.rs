@@ -12,15 +12,6 @@
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
-//!
-//! # Inlining
-//!
-//! The crate has one rule for both attributes. Where there is another reason, a comment beside the attribute gives it.
-//! - `#[inline(never)]` keeps one copy of a function in flash, however many places call it. In generic code, the part
-//!   that is the same for all types is such a function. `cfg_attr(smr_small, inline(never))` does so only where every
-//!   byte counts: on microcontrollers and in WebAssembly.
-//! - `#[inline(always)]` on a constructor builds the value in place. As a call it would be built on the stack and
-//!   copied.
 
 #[macro_use]
 mod settings;
@@ -45,9 +36,8 @@ mod tests;
 
 pub use answer::{Answer, State};
 pub use bound::MostWork;
-pub use error::{ConfigError, LockError, UpdateError};
+pub use error::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
 pub use quality::Quality;
-pub use saved::{RestoreError, SaveError};
 pub use settings::{Setting, Settings, Shape};
 pub use target::Target;
 pub use tracker::Tracker;
