@@ -144,9 +144,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         frame: &Frame<'_>,
         elapsed_seconds: f32,
     ) -> Result<Followed<Commanded<P, T, L>>, FollowError> {
-        if !can_elapse(elapsed_seconds) {
-            return Err(FollowError::ElapsedTime);
-        }
+        check_elapsed(elapsed_seconds, FollowError::ElapsedTime)?;
         let answer = tracker.update(frame).map_err(FollowError::Update)?;
         let commanded = self.steer(&answer, elapsed_seconds);
         let (right, down) = self.picture_motion();
@@ -167,7 +165,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         if answer.state == State::Lost {
             return self.wait(elapsed_seconds);
         }
-        check_elapsed(elapsed_seconds)?;
+        check_elapsed(elapsed_seconds, PursuitError::ElapsedTime)?;
         self.lost_seconds = 0.0;
         let (right, up) = self.camera.error_radians(answer.fine);
         let pan = self.pan.axis.toward(self.pan.radians, right, elapsed_seconds);
@@ -200,7 +198,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// # Errors
     /// As [`Pursuit::steer`].
     pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
-        check_elapsed(elapsed_seconds)?;
+        check_elapsed(elapsed_seconds, PursuitError::ElapsedTime)?;
         self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
         // The time of this step after the end of the hold.
         let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
@@ -237,10 +235,6 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     }
 }
 
-fn can_elapse(elapsed_seconds: f32) -> bool {
-    elapsed_seconds.is_finite() && elapsed_seconds >= 0.0
-}
-
-fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
-    if can_elapse(elapsed_seconds) { Ok(()) } else { Err(PursuitError::ElapsedTime) }
+fn check_elapsed<E>(elapsed_seconds: f32, or: E) -> Result<(), E> {
+    if elapsed_seconds.is_finite() && elapsed_seconds >= 0.0 { Ok(()) } else { Err(or) }
 }

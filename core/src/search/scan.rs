@@ -8,9 +8,8 @@
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 
-use super::peak::Wanted;
 use super::progress::{Place, Scene, Search, Stage, axes};
-use super::window::Window;
+use super::window::{Wanted, Window};
 
 impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     /// Starts a search. Without pruning every offset is scored to its last pixel.

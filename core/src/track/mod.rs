@@ -2,13 +2,11 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `answer.rs`, `error.rs`, `quality.rs`, `bound.rs` | the results of the calls |
-//! | `update.rs` | updates and locks in steps |
-//! | `budget.rs` | the work of a step |
+//! | `answer.rs`, `error.rs`, `quality.rs` | the results of the calls |
+//! | `update.rs` | updates and locks in steps, and the work of a step |
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
-//! | `slot.rs` | a value that may be missing, all zeroes if it is |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
@@ -17,8 +15,6 @@
 mod settings;
 
 mod answer;
-mod bound;
-mod budget;
 mod checksum;
 mod error;
 pub mod paper;
@@ -26,7 +22,6 @@ mod quality;
 pub mod record;
 pub mod robust;
 mod saved;
-mod slot;
 mod target;
 mod tracker;
 mod update;
@@ -34,8 +29,7 @@ mod update;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{Answer, State};
-pub use bound::MostWork;
+pub use answer::{Answer, MostWork, State};
 pub use error::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
 pub use quality::Quality;
 pub use settings::{Setting, Settings, Shape};

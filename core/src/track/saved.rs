@@ -101,9 +101,9 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Reads a saved target, number by number. Each read gives `None` at the end of the bytes.
+/// Reads bytes number by number. Each read gives `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
-    bytes: &'a [u8],
+    pub(super) bytes: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
@@ -143,7 +143,7 @@ impl<'a> Reader<'a> {
         Ok(state)
     }
 
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+    pub(super) fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (first, rest) = self.bytes.split_first_chunk::<N>()?;
         self.bytes = rest;
         Some(*first)

@@ -2,8 +2,8 @@
 
 use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;
-use crate::track::update::{Steps, calls};
-use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker, UpdateError};
+use crate::track::tests::{cut, steps_keep_their_bound};
+use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker};
 use std::{println, vec, vec::Vec};
 
 type Small = Tracker<Paper<256, 41>>;
@@ -132,22 +132,13 @@ fn a_step_does_no_more_than_it_promises() {
         for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
             tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
             let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
-            for asked in [0, 1, 5000] {
-                let most = asked.max(1) + bound.beyond_a_step;
-                let frame = second.frame();
-                let (target, workspace) = tracker.parts();
-                let mut before = 0;
-                loop {
-                    let done = calls::step(target, workspace, &frame, asked).unwrap();
-                    let made = Paper::work(workspace) - before;
-                    assert!(made <= most, "{width}x{height} {radius:?} {asked}: {made} of {most}");
-                    before += made;
-                    if done {
-                        break;
-                    }
-                    assert!(made > 0, "every step makes progress");
-                }
-            }
+            steps_keep_their_bound(
+                &mut tracker,
+                &second.frame(),
+                [0, 1, 5000],
+                bound.beyond_a_step,
+                &(width, height, radius),
+            );
         }
     }
 }
@@ -353,94 +344,45 @@ fn the_part_of_the_frame_in_the_window_is_enough() {
             (at_x, at_y) = ((at_x + 3).min(60), (at_y - 4).max(-7));
             let scene = scene(seed, at_x, at_y);
             let window = part.window().unwrap();
-            let cut = scene.image().crop(window).unwrap();
-            let frame = Frame::part(cut, window.x as u16, window.y as u16, 64, 48).unwrap();
-            assert_eq!(part.update(&frame), whole.update(&scene.frame()));
+            assert_eq!(part.update(&cut(&scene.frame(), window)), whole.update(&scene.frame()));
         }
     }
 }
 
 #[test]
-fn one_pixel_less_than_the_window_is_refused_and_changes_nothing() {
-    let mut tracker = locked_at(20, 20);
-    let scene = scene(2, 22, 22);
-    let window = tracker.window().unwrap();
-    assert_eq!(window, Rect::new(10, 10, 32, 32));
-    for less in [
-        Rect { width: 31, ..window },
-        Rect { height: 31, ..window },
-        Rect { x: 11, width: 31, ..window },
-        Rect { y: 11, height: 31, ..window },
-    ] {
-        let cut = scene.image().crop(less).unwrap();
-        let frame = Frame::part(cut, less.x as u16, less.y as u16, 64, 48).unwrap();
-        assert_eq!(tracker.update(&frame), Err(UpdateError::WindowNotInMemory));
-    }
-    assert_eq!(tracker.update(&scene.frame()), locked_at(20, 20).update(&scene.frame()));
-}
-
-#[test]
-fn misuse_is_an_error_and_changes_nothing() {
-    let mut tracker = Small::with(small_config()).unwrap();
-    let scene = scene(1, 20, 20);
-    let frame = scene.frame();
-    assert_eq!(tracker.update(&frame), Err(UpdateError::NotLocked));
-    assert_eq!((tracker.window(), tracker.target().alpha()), (None, 0));
+fn what_only_this_tracker_refuses() {
+    let (mut tracker, scene) = (Small::with(small_config()).unwrap(), scene(1, 20, 20));
+    let (frame, target) = (scene.frame(), Rect::new(20, 20, 12, 12));
+    assert_eq!((tracker.target().alpha(), tracker.target().score_at(&frame, 0, 0)), (0, None));
     assert!(tracker.target().offsets().is_none() && tracker.target().template().is_none());
-    assert_eq!(tracker.target().score_at(&frame, 0, 0), None);
-
-    let mut lock = |x, y, width, height| tracker.lock(&frame, Rect::new(x, y, width, height));
-    assert_eq!(lock(5, 5, 0, 7), Err(LockError::BoxEmpty));
-    assert_eq!(lock(5, 5, 7, 0), Err(LockError::BoxEmpty));
-    assert_eq!(lock(-1, 5, 7, 7), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(58, 5, 7, 7), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(5, 5, 17, 16), Err(LockError::BoxTooLarge));
-    assert!(lock(5, 5, 16, 16).is_ok());
-
-    let other = Picture::noise(48, 64, 1);
-    assert_eq!(tracker.update(&other.frame()), Err(UpdateError::FrameSizeChanged));
-    assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 60, 3)), Err(LockError::BoxOutsideFrame));
-    assert!(tracker.update(&frame).is_ok(), "a refused lock leaves the former target");
-    assert!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)).is_ok());
-    assert!(tracker.update(&other.frame()).is_ok(), "locking again may change the frame's size");
-}
-
-#[test]
-fn locking_reads_only_the_box() {
-    let scene = scene(1, 20, 20);
-    let target = Rect::new(20, 20, 12, 12);
-    let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
-    let mut tracker = Small::with(small_config()).unwrap();
-    assert!(tracker.lock(&frame, target).is_ok());
-    assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
+    assert_eq!(tracker.lock(&frame, Rect::new(5, 5, 17, 16)), Err(LockError::BoxTooLarge));
+    assert!(tracker.lock(&frame, Rect::new(5, 5, 16, 16)).is_ok());
+    let box_alone = cut(&frame, target);
+    assert!(tracker.lock(&box_alone, target).is_ok());
+    assert_eq!(tracker.window(), Some(Rect::new(10, 10, 32, 32)));
+    assert_eq!(tracker.lock(&box_alone, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
+    for (limit, refused) in [(20, None), (21, Some(LockError::WindowTooLarge))] {
+        let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
+        assert_eq!(Small::with(config).unwrap().lock(&frame, target).err(), refused);
+    }
 }
 
 #[test]
 fn a_configuration_is_checked_when_the_tracker_is_built() {
-    let refused = |change: fn(&mut Config)| {
+    let out_of_range = |name, highest| Some(ConfigError::OutOfRange { name, lowest: 1, highest, found: 0 });
+    let cases: [(fn(&mut Config), _); 6] = [
+        (|_| (), None),
+        (|config| config.k.denominator = 0, out_of_range("k", 65535)),
+        (|config| config.gate_lost.denominator = 0, out_of_range("gate_lost", 65535)),
+        (|config| config.k.numerator = 0, out_of_range("k", 65535)),
+        (|config| config.first_threshold = 0, out_of_range("first_threshold", 255)),
+        (|config| config.window_limit.x = config.window.x - 1, Some(ConfigError::LimitBelowWindow)),
+    ];
+    for (change, refused) in cases {
         let mut config = small_config();
         change(&mut config);
-        Small::with(config).err()
-    };
-    let out_of_range = |name, highest| Some(ConfigError::OutOfRange { name, lowest: 1, highest, found: 0 });
-    assert_eq!(refused(|_| ()), None);
-    assert_eq!(refused(|config| config.k.denominator = 0), out_of_range("k", 65535));
-    assert_eq!(refused(|config| config.gate_lost.denominator = 0), out_of_range("gate_lost", 65535));
-    assert_eq!(refused(|config| config.k.numerator = 0), out_of_range("k", 65535));
-    assert_eq!(refused(|config| config.first_threshold = 0), out_of_range("first_threshold", 255));
-    assert_eq!(refused(|config| config.window_limit.x = config.window.x - 1), Some(ConfigError::LimitBelowWindow));
-}
-
-#[test]
-fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
-    let scene = scene(1, 20, 20);
-    let lock = |limit| {
-        let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
-        Small::with(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
-    };
-    assert!(lock(20).is_ok());
-    assert_eq!(lock(21), Err(LockError::WindowTooLarge));
+        assert_eq!(Small::with(config).err(), refused);
+    }
 }
 
 #[test]
