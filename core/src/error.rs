@@ -1,39 +1,53 @@
-//! One error for all calls.
+//! The errors: how one is defined, and one for all calls.
 
 use crate::image::readout::ReadoutError;
 use crate::image::{FrameError, ImageError};
 use crate::track::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
-use core::fmt;
 
+/// Defines errors: small enums, one for each operation. A variant has its text, in which its values stand by their names.
 macro_rules! errors {
-    ($($name:ident($error:ident): $of:literal,)+) => {
-        /// Any error of this crate, for functions that make several calls with `?`.
-        ///
-        /// ```
-        /// use smr_core::{Answer, Error, Frame, Image, Rect, Robust, Tracker};
-        ///
-        /// fn locked(tracker: &mut Tracker<Robust>, pixels: &[u8]) -> Result<Answer, Error> {
-        ///     let frame = Frame::whole(Image::new(pixels, 64, 48)?);
-        ///     tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
-        ///     Ok(tracker.update(&frame)?)
-        /// }
-        ///
-        /// let error = locked(&mut Tracker::<Robust>::new(), &[0; 100]).unwrap_err();
-        /// assert_eq!(error, Error::Image(smr_core::ImageError::SliceTooShort));
-        /// ```
+    ($($(#[$about:meta])* $name:ident $(<$($of:ident),+>)? {$(
+        $(#[$doc:meta])* $variant:ident $(($($value:ident: $type:ty),+))?
+            $({ $($(#[$field_doc:meta])* $field:ident: $field_type:ty,)+ })? => $text:literal,
+    )+})+) => {$(
+        $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[non_exhaustive]
-        pub enum Error {
-            $(#[doc = $of] $name($error),)+
+        pub enum $name $(<$($of),+>)? {
+            $($(#[$doc])* $variant $(($($type),+))? $({ $($(#[$field_doc])* $field: $field_type),+ })?,)+
         }
 
-        impl fmt::Display for Error {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        impl $(<$($of: core::fmt::Debug),+>)? core::fmt::Display for $name $(<$($of),+>)? {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
                 match self {
-                    $(Self::$name(error) => error.fmt(f),)+
+                    $(Self::$variant $(($($value),+))? $({ $($field),+ })? => write!(f, $text),)+
                 }
             }
+        }
+
+        impl $(<$($of: core::fmt::Debug),+>)? core::error::Error for $name $(<$($of),+>)? {}
+    )+};
+}
+
+macro_rules! any {
+    ($($name:ident($error:ident): $of:literal,)+) => {
+        errors! {
+            /// Any error of this crate, for functions that make several calls with `?`.
+            ///
+            /// ```
+            /// use smr_core::{Answer, Error, Frame, Image, Rect, Robust, Tracker};
+            ///
+            /// fn locked(tracker: &mut Tracker<Robust>, pixels: &[u8]) -> Result<Answer, Error> {
+            ///     let frame = Frame::whole(Image::new(pixels, 64, 48)?);
+            ///     tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
+            ///     Ok(tracker.update(&frame)?)
+            /// }
+            ///
+            /// let error = locked(&mut Tracker::<Robust>::new(), &[0; 100]).unwrap_err();
+            /// assert_eq!(error, Error::Image(smr_core::ImageError::SliceTooShort));
+            /// ```
+            Error { $(#[doc = $of] $name(error: $error) => "{error}",)+ }
         }
 
         $(impl From<$error> for Error {
@@ -44,7 +58,7 @@ macro_rules! errors {
     };
 }
 
-errors! {
+any! {
     Image(ImageError): "An image was refused.",
     Frame(FrameError): "A part of a frame was refused.",
     Readout(ReadoutError): "A line or a frame of the camera was refused.",
@@ -54,5 +68,3 @@ errors! {
     Save(SaveError): "A target was not saved.",
     Restore(RestoreError): "A saved target was refused.",
 }
-
-impl core::error::Error for Error {}

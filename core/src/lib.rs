@@ -98,8 +98,10 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
-mod correlation;
+#[macro_use]
 mod error;
+
+mod correlation;
 mod image;
 mod kernels;
 #[cfg(test)]

@@ -9,15 +9,14 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `version` | the version of the library |
 //! | `capacity` | how much a tracker holds, fixed at build time |
-//! | `status` | all statuses: number, name, text |
+//! | `status` | all statuses: number, name, text; the version of the library |
 //! | `pointer` | the checks of every pointer |
 //! | `frame`, `answer` | the inputs and the result of an update |
 //! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
 //! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
 //! | `method` | both trackers in the caller's memory |
-//! | `preset`, `setting`, `init`, `lock`, `update`, `inspect`, `saved`, `readout`, `record`, `entry` | the exported calls |
+//! | `setting`, `follow`, `target`, `readout`, `record`, `entry` | the exported calls |
 //! | `unstable` | calls for the browser's page, which the header does not declare (feature `unstable`) |
 //!
 //! # Linking
@@ -50,22 +49,13 @@ mod method;
 mod pointer;
 mod status;
 mod tracker;
-mod version;
 
 // The exported calls, in the order of the header.
-mod preset;
-
 mod setting;
 
-mod init;
+mod follow;
 
-mod lock;
-
-mod update;
-
-mod inspect;
-
-mod saved;
+mod target;
 
 mod readout;
 
@@ -83,19 +73,14 @@ pub use capacity::*;
 pub use config::*;
 #[cfg(not(target_family = "wasm"))]
 pub use entry::*;
+pub use follow::*;
 pub use frame::*;
-pub use init::*;
-pub use inspect::*;
-pub use lock::*;
-pub use preset::*;
 pub use readout::*;
 pub use record::*;
-pub use saved::*;
 pub use setting::*;
 pub use status::*;
+pub use target::*;
 pub use tracker::*;
-pub use update::*;
-pub use version::*;
 
 /// For the linker. No call reaches it: `.ci/c` fails if it is in a linked program.
 #[cfg(any(target_os = "none", target_family = "wasm"))]

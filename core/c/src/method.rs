@@ -19,8 +19,7 @@ use core::ffi::c_void;
 use core::mem::offset_of;
 use core::ops::Range;
 use core::ptr::{self, NonNull};
-use smr_core::calls;
-use smr_core::{Frame, Rect, Robust, Target};
+use smr_core::{Frame, Rect, Robust, Target, calls};
 
 /// A tracker of `smr-core` that C can use.
 pub(crate) trait Method: Target + 'static {

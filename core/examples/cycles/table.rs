@@ -2,7 +2,7 @@
 //! file is the same on all chips.
 
 use crate::scene;
-use smr_core::{Frame, Image, Paper, Rect, Robust, Target, paper, robust};
+use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
 /// Two windows of the robust tracker: where the target is expected, and one of the sweep.
 const PIXELS: usize = 48 * 1024;
@@ -57,22 +57,20 @@ fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn(
 /// A frame with only the pixels in `window` and `sweep` in memory.
 fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
     let (first, rest) = pixels.split_at_mut_checked(area(window)).ok_or(TOO_LARGE)?;
-    let (image, x, y) = part(number, window, first)?;
-    let frame = Frame::part(image, x, y, scene::WIDTH, scene::HEIGHT).map_err(|_| OUTSIDE)?;
+    paint(number, window, first);
+    let frame = Frame::of_window(first, window, (scene::WIDTH, scene::HEIGHT)).map_err(|_| OUTSIDE)?;
     let Some(sweep) = sweep else { return Ok(frame) };
-    let (image, x, y) = part(number, sweep, rest.get_mut(..area(sweep)).ok_or(TOO_LARGE)?)?;
-    frame.and_part(image, x, y).map_err(|_| OUTSIDE)
+    let second = rest.get_mut(..area(sweep)).ok_or(TOO_LARGE)?;
+    paint(number, sweep, second);
+    frame.and_window(second, sweep).map_err(|_| OUTSIDE)
 }
 
-/// Draws the pixels in `window`; tells its corner, too.
-fn part(number: u16, window: Rect, pixels: &mut [u8]) -> Result<(Image<'_>, u16, u16), &'static str> {
-    let corner = u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok());
-    let (left, top) = corner.ok_or(OUTSIDE)?;
-    for (row, y) in pixels.chunks_exact_mut(window.width.into()).zip(top..) {
+/// Draws the pixels in `window`, which is inside the frame.
+fn paint(number: u16, window: Rect, pixels: &mut [u8]) {
+    let [left, top] = [window.x, window.y].map(|place| u16::try_from(place).unwrap_or(0));
+    for (row, y) in pixels.chunks_exact_mut(window.width.max(1).into()).zip(top..) {
         row.iter_mut().zip(left..).for_each(|(pixel, x)| *pixel = scene::level(number, x, y));
     }
-    let image = Image::new(pixels, window.width, window.height).map_err(|_| "a window is empty")?;
-    Ok((image, left, top))
 }
 
 fn area(window: Rect) -> usize {

@@ -92,14 +92,8 @@ impl<'a> Pixels<'a> {
         self.gather(first, gray);
         let end = gray.len();
         second.inspect(|window| self.gather(*window, gray));
-        let image = |window: Rect, pixels| Image::new(pixels, window.width, window.height);
-        let at = |place: i32| u16::try_from(place).unwrap_or(u16::MAX); // inside the frame
-        let of_first = image(first, &gray[..end]).map_err(refused)?;
-        let frame = Frame::part(of_first, at(first.x), at(first.y), self.width, self.height);
-        let frame = frame.map_err(refused)?;
-        let Some(window) = second else { return Ok(frame) };
-        let of_second = image(window, &gray[end..]).map_err(refused)?;
-        frame.and_part(of_second, at(window.x), at(window.y)).map_err(refused)
+        let frame = Frame::of_window(&gray[..end], first, (self.width, self.height)).map_err(refused)?;
+        second.map_or(Ok(frame), |window| frame.and_window(&gray[end..], window)).map_err(refused)
     }
 
     /// Appends the gray pixels of `window`.

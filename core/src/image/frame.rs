@@ -2,24 +2,14 @@
 
 use super::{Image, Rect};
 use crate::Error;
-use core::fmt;
 
-/// The reason why an image was refused as a part of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum FrameError {
-    /// The image reaches beyond the right or lower edge of the frame.
-    OutsideFrame,
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the image reaches beyond the right or lower edge of the frame")
+errors! {
+    /// The reason why an image was refused as a part of a frame.
+    FrameError {
+        /// The image reaches beyond the right or lower edge of the frame.
+        OutsideFrame => "the image reaches beyond the right or lower edge of the frame",
     }
 }
-
-impl core::error::Error for FrameError {}
 
 /// One frame of the camera: its size, and the pixels in memory: all, one part, or two parts.
 ///

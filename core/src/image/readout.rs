@@ -57,7 +57,6 @@
 //! [`Tracker::window`]: crate::Tracker::window
 
 use super::{Frame, Rect};
-use core::fmt;
 
 /// How a camera sends its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,20 +139,13 @@ impl Format {
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
-            Self::Gray8 => gray.iter_mut().zip(from(x)).for_each(|(gray, &byte)| *gray = byte),
-            Self::Yuyv => gray.iter_mut().zip(from(2 * x).iter().step_by(2)).for_each(|(gray, &y)| *gray = y),
-            Self::Uyvy => gray.iter_mut().zip(from(2 * x + 1).iter().step_by(2)).for_each(|(gray, &y)| *gray = y),
-            Self::Rgb565Be => {
-                let pairs = from(2 * x).as_chunks().0;
-                gray.iter_mut().zip(pairs).for_each(|(gray, &pair)| *gray = luma(u16::from_be_bytes(pair)));
-            }
-            Self::Rgb565Le => {
-                let pairs = from(2 * x).as_chunks().0;
-                gray.iter_mut().zip(pairs).for_each(|(gray, &pair)| *gray = luma(u16::from_le_bytes(pair)));
-            }
+            Self::Gray8 => fill(gray, from(x).iter().copied()),
+            Self::Yuyv => fill(gray, from(2 * x).iter().step_by(2).copied()),
+            Self::Uyvy => fill(gray, from(2 * x + 1).iter().step_by(2).copied()),
+            Self::Rgb565Be => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_be_bytes(pair)))),
+            Self::Rgb565Le => fill(gray, from(2 * x).as_chunks().0.iter().map(|&pair| luma(u16::from_le_bytes(pair)))),
             Self::Bayer8 => {
-                let pairs = from(2 * x).as_chunks::<2>().0;
-                for (gray, &[left, right]) in gray.iter_mut().zip(pairs) {
+                for (gray, &[left, right]) in gray.iter_mut().zip(from(2 * x).as_chunks().0) {
                     let sum = u16::from(left) + u16::from(right);
                     let mean = if is_upper { sum / 2 } else { (u16::from(*gray) + sum.div_ceil(2)) / 2 };
                     *gray = mean.to_le_bytes()[0];
@@ -165,14 +157,17 @@ impl Format {
                 let lead = if within == 0 { 0 } else { gray.len().min(4 - within) };
                 let (start, rest) = gray.split_at_mut_checked(lead).unwrap_or_default();
                 let (first, others) = groups.split_at_checked(usize::from(within > 0)).unwrap_or_default();
-                let first = first.iter().flat_map(|[high @ .., _low]| high);
-                start.iter_mut().zip(first.skip(within)).for_each(|(gray, &byte)| *gray = byte);
-                for (gray, [high @ .., _low]) in rest.chunks_mut(4).zip(others) {
-                    gray.iter_mut().zip(high).for_each(|(gray, &byte)| *gray = byte);
-                }
+                fill(start, first.iter().flat_map(|[high @ .., _low]| high).skip(within).copied());
+                rest.chunks_mut(4).zip(others).for_each(|(gray, [high @ .., _low])| fill(gray, high.iter().copied()));
             }
         }
     }
+}
+
+/// Writes gray levels as long as there are any.
+#[inline(always)] // one loop for each format
+fn fill(gray: &mut [u8], levels: impl Iterator<Item = u8>) {
+    gray.iter_mut().zip(levels).for_each(|(gray, level)| *gray = level);
 }
 
 /// The gray level of five bits red, six green and five blue. The weights add up to 65536, so the sum fits 24 bits.
@@ -183,39 +178,23 @@ fn luma(rgb: u16) -> u8 {
     sum.to_le_bytes()[2]
 }
 
-/// The reason why a line or a frame was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ReadoutError {
-    /// The window has no pixels, or is partly outside the gray frame.
-    WindowOutsideFrame,
-    /// The buffer has fewer bytes than the windows have pixels.
-    BufferTooSmall,
-    /// The line came before, or a later one did.
-    LineOutOfOrder(u16),
-    /// The line has fewer bytes than the format needs.
-    LineTooShort(u16),
-    /// The sensor has no such line.
-    LineOutsideFrame(u16),
-    /// The line is in a window but did not come: a later line came, or the frame ended.
-    LineMissing(u16),
-}
-
-impl fmt::Display for ReadoutError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::WindowOutsideFrame => f.write_str("the window has no pixels, or is not wholly inside the frame"),
-            Self::BufferTooSmall => f.write_str("the buffer has fewer bytes than the windows have pixels"),
-            Self::LineOutOfOrder(line) => write!(f, "line {line} came twice, or after a later line"),
-            Self::LineTooShort(line) => write!(f, "line {line} has fewer bytes than its format needs"),
-            Self::LineOutsideFrame(line) => write!(f, "line {line} is below the last line of the frame"),
-            Self::LineMissing(line) => write!(f, "line {line} is in the window and did not come"),
-        }
+errors! {
+    /// The reason why a line or a frame was refused.
+    ReadoutError {
+        /// The window has no pixels, or is partly outside the gray frame.
+        WindowOutsideFrame => "the window has no pixels, or is not wholly inside the frame",
+        /// The buffer has fewer bytes than the windows have pixels.
+        BufferTooSmall => "the buffer has fewer bytes than the windows have pixels",
+        /// The line came before, or a later one did.
+        LineOutOfOrder(line: u16) => "line {line} came twice, or after a later line",
+        /// The line has fewer bytes than the format needs.
+        LineTooShort(line: u16) => "line {line} has fewer bytes than its format needs",
+        /// The sensor has no such line.
+        LineOutsideFrame(line: u16) => "line {line} is below the last line of the frame",
+        /// The line is in a window but did not come: a later line came, or the frame ended.
+        LineMissing(line: u16) => "line {line} is in the window and did not come",
     }
 }
-
-impl core::error::Error for ReadoutError {}
 
 /// A frame that a camera is sending: one or two windows, and the lines of them that have come.
 ///
@@ -421,39 +400,51 @@ mod tests {
 
     #[test]
     fn lines_must_come_once_and_in_order() {
+        use ReadoutError::{BufferTooSmall, LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         let (mut readout, mut pixels, line) = (readout(), [0; 12], [7; 8]);
-        assert_eq!(readout.frame(&pixels).err(), Some(ReadoutError::LineMissing(1)));
-        let mut push = |y, bytes: &[u8]| {
-            let result = readout.push_line(y, bytes, &mut pixels);
-            (result, readout.is_complete(), readout.frame(&pixels).err())
-        };
-        let missing = |line| Some(ReadoutError::LineMissing(line));
-        // Line 0 is in no window.
-        assert_eq!(push(2, &line), (Err(ReadoutError::LineMissing(1)), false, missing(1)));
-        assert_eq!(push(1, &line), (Ok(()), false, missing(2)));
-        assert_eq!(push(1, &line), (Err(ReadoutError::LineOutOfOrder(1)), false, missing(2)));
-        assert_eq!(push(0, &line), (Err(ReadoutError::LineOutOfOrder(0)), false, missing(2)));
-        assert_eq!(push(2, &line[..7]), (Err(ReadoutError::LineTooShort(2)), false, missing(2)));
-        assert_eq!(push(3, &line), (Err(ReadoutError::LineMissing(2)), false, missing(2)));
-        assert_eq!(push(2, &line), (Ok(()), false, missing(3)));
-        assert_eq!(push(3, &line), (Ok(()), true, None));
-        // Below the window lines may be left out, and need no buffer.
-        assert_eq!(readout.push_line(5, &line, &mut []), Ok(()));
-        assert_eq!(readout.push_line(6, &line, &mut pixels), Err(ReadoutError::LineOutsideFrame(6)));
-        assert_eq!(readout.and_window(Rect::new(0, 0, 1, 1)).err(), Some(ReadoutError::LineOutOfOrder(0)));
+        assert_eq!(readout.frame(&pixels).err(), Some(LineMissing(1)));
+        // Line 0 is in no window. Below the window lines may be left out, and need no buffer.
+        for (y, bytes, room, result, missing) in [
+            (2, 8, 12, Err(LineMissing(1)), Some(1)),
+            (1, 8, 11, Err(BufferTooSmall), Some(1)),
+            (1, 8, 12, Ok(()), Some(2)),
+            (1, 8, 12, Err(LineOutOfOrder(1)), Some(2)),
+            (0, 8, 12, Err(LineOutOfOrder(0)), Some(2)),
+            (2, 7, 12, Err(LineTooShort(2)), Some(2)),
+            (3, 8, 12, Err(LineMissing(2)), Some(2)),
+            (2, 8, 12, Ok(()), Some(3)),
+            (3, 8, 12, Ok(()), None),
+            (5, 8, 0, Ok(()), None),
+            (6, 8, 12, Err(LineOutsideFrame(6)), None),
+        ] {
+            assert_eq!(readout.push_line(y, &line[..bytes], &mut pixels[..room]), result, "line {y}");
+            assert_eq!(readout.is_complete(), missing.is_none(), "line {y}");
+            assert_eq!(readout.frame(&pixels).err(), missing.map(LineMissing), "line {y}");
+        }
+        assert_eq!(readout.and_window(Rect::new(0, 0, 1, 1)).err(), Some(LineOutOfOrder(0)));
+        let mut short = self::readout();
+        assert_eq!(short.push_frame(&[1; 2 * 8 + 7], 8, &mut pixels), Err(LineTooShort(2)));
+        assert_eq!(short.frame(&pixels).err(), Some(LineMissing(2)), "a frame that ends early");
     }
 
     #[test]
     fn windows_and_buffers_are_checked() {
-        let needs = |format, window| Readout::new(format, (8, 6), window).map(|readout| readout.pixels());
-        assert_eq!(needs(Format::Gray8, Rect::new(0, 0, 8, 6)), Ok(48));
-        for window in [Rect::new(0, 0, 0, 3), Rect::new(-1, 0, 3, 3), Rect::new(5, 0, 4, 3), Rect::new(0, 4, 3, 3)] {
-            assert_eq!(needs(Format::Gray8, window), Err(ReadoutError::WindowOutsideFrame), "{window:?}");
-            assert_eq!(readout().and_window(window).err(), Some(ReadoutError::WindowOutsideFrame), "{window:?}");
+        let outside = Err(ReadoutError::WindowOutsideFrame);
+        for (format, x, y, width, height, needs) in [
+            (Format::Gray8, 0, 0, 8, 6, Ok(48)),
+            (Format::Bayer8, 0, 0, 4, 3, Ok(12)),
+            (Format::Bayer8, 0, 0, 5, 3, outside),
+            (Format::Gray8, 0, 0, 0, 3, outside),
+            (Format::Gray8, -1, 0, 3, 3, outside),
+            (Format::Gray8, 5, 0, 4, 3, outside),
+            (Format::Gray8, 0, 4, 3, 3, outside),
+        ] {
+            let window = Rect::new(x, y, width, height);
+            assert_eq!(Readout::new(format, (8, 6), window).map(|readout| readout.pixels()), needs, "{window:?}");
+            if format == Format::Gray8 {
+                assert_eq!(readout().and_window(window).err(), needs.err(), "{window:?}");
+            }
         }
-        assert_eq!(needs(Format::Bayer8, Rect::new(0, 0, 4, 3)), Ok(12));
-        assert_eq!(needs(Format::Bayer8, Rect::new(0, 0, 5, 3)), Err(ReadoutError::WindowOutsideFrame));
-
         let mut both = readout().and_window(Rect::new(0, 3, 2, 1)).unwrap();
         assert_eq!(both.pixels(), 14);
         assert_eq!(both.push_line(1, &[7; 8], &mut [0; 13]), Err(ReadoutError::BufferTooSmall));
@@ -476,13 +467,6 @@ mod tests {
         assert!(frame.covers(near) && frame.covers(far) && !frame.covers(Rect::new(0, 0, 1, 1)));
         assert_eq!(frame.patch(near).unwrap().row(4)[5], gray(Format::Uyvy, &bytes, stride, 8, 6));
         assert_eq!(frame.patch(far).unwrap().row(6)[9], gray(Format::Uyvy, &bytes, stride, 19, 15));
-    }
-
-    #[test]
-    fn a_frame_that_ends_early_names_the_line() {
-        let (mut readout, mut pixels) = (readout(), [0; 12]);
-        assert_eq!(readout.push_frame(&[1; 2 * 8 + 7], 8, &mut pixels), Err(ReadoutError::LineTooShort(2)));
-        assert_eq!(readout.frame(&pixels).err(), Some(ReadoutError::LineMissing(2)));
     }
 
     #[test]

@@ -3,30 +3,17 @@
 use super::Rect;
 use core::fmt;
 
-/// The reason why an [`Image`] was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ImageError {
-    /// Width or height is 0.
-    Empty,
-    /// The stride is smaller than the width.
-    StrideTooSmall,
-    /// The slice ends before the last pixel of the last row.
-    SliceTooShort,
-}
-
-impl fmt::Display for ImageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Empty => "the image has no pixels: width and height must be at least 1",
-            Self::StrideTooSmall => "the stride is smaller than the width",
-            Self::SliceTooShort => "the slice is shorter than (height - 1) * stride + width bytes",
-        })
+errors! {
+    /// The reason why an [`Image`] was refused.
+    ImageError {
+        /// Width or height is 0.
+        Empty => "the image has no pixels: width and height must be at least 1",
+        /// The stride is smaller than the width.
+        StrideTooSmall => "the stride is smaller than the width",
+        /// The slice ends before the last pixel of the last row.
+        SliceTooShort => "the slice is shorter than (height - 1) * stride + width bytes",
     }
 }
-
-impl core::error::Error for ImageError {}
 
 /// A borrowed view of 8-bit gray pixels: width and height 1 to 65535, rows `stride` bytes apart.
 ///

@@ -62,8 +62,7 @@ macro_rules! by_backend {
 
 pub(crate) use by_backend;
 
-/// The instruction set that the program is compiled for. Kernels that no [`Backend`] chooses follow it: `bilinear`,
-/// `gradients`, `levels` and `weights`.
+/// The instruction set that the program is compiled for, which the kernels in `native.rs` follow.
 #[cfg(smr_dsp)]
 pub(super) use super::arm::dsp as native;
 #[cfg(smr_helium)]

@@ -8,23 +8,18 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of noise
 
 use super::backend::Backend;
-use super::bilinear::Interpolation;
-use super::blocks::{Blocks, RowsOfRanges};
-use super::cells::{CELL, CHANNELS, SIDE};
-use super::cut_table::CutTable;
+use super::cut_table::{CutTable, ONE};
 #[cfg(feature = "refiner")]
 use super::dense::{Dense, SPARE};
-use super::layout::{Layout, Packed};
-use super::one::ONE;
+use super::layout::{CELL, CHANNELS, Layout, Packed, SIDE};
+use super::native::{GradientStep, Interpolation, ScaledSums, deviation, gradients, replace, scale, scale_by};
 use super::plain;
 use super::plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 use super::plain::dense::Layer;
 use super::products::Products;
 use super::scorer::Scorer;
-use super::scores::ALL_FOUR;
-use super::weights::{GradientStep, ScaledSums, scale_by};
-use super::{gradients, levels, scale};
+use super::scores::{ALL_FOUR, Blocks, RowsOfRanges};
 use crate::image::{Image, Rect};
 use core::fmt::Debug;
 
@@ -730,9 +725,9 @@ fn gray_levels(areas: &mut Areas<'_>) {
         let (old, new) = (part_mut(areas.end, last, length), part(areas.other_end, last, length));
         let sum = old.iter().map(|&pixel| u32::from(pixel.abs_diff(level))).sum();
         let clipped = old.iter().filter(|&&pixel| pixel == 0 || pixel == 255).count() as u32;
-        assert_eq!(levels::deviation(old, level), [sum, clipped], "{length} pixels at {level}");
+        assert_eq!(deviation(old, level), [sum, clipped], "{length} pixels at {level}");
         let largest = old.iter().zip(new).map(|(old, &new)| old.abs_diff(new)).fold(level % 7, u8::max);
-        assert_eq!(levels::replace(old, new, level % 7), largest, "the largest difference of {length} pixels");
+        assert_eq!(replace(old, new, level % 7), largest, "the largest difference of {length} pixels");
         assert!(old == new, "{length} pixels are replaced");
         old.iter_mut().for_each(|pixel| *pixel = pixel.wrapping_mul(31).wrapping_add(level));
     }

@@ -2,9 +2,13 @@
 
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::points::Points;
-#[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))]
-use super::one::ONE;
 use super::unrolling::rolled;
+
+/// The similarity of equal pixels: 1.0, which tables store as 65535.
+pub(crate) const ONE: u16 = u16::MAX;
+
+/// The most pixels whose similarities a `u32` can sum: 65537.
+pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
 /// Without vectors the sign of a difference costs more than the difference, so the table has entries for both signs.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };

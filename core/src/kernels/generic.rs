@@ -50,9 +50,9 @@
 //! 10. **`#[inline(always)]` everywhere, and no closures.** An intrinsic becomes an instruction only inside a function
 //!     with `#[target_feature]`. A closure is a function of its own, without that attribute.
 
-use super::blocks::RowsOfRanges;
-use super::one::ONE;
+use super::cut_table::ONE;
 use super::rows::Rows;
+use super::scores::RowsOfRanges;
 use crate::image::Image;
 use core::slice;
 

@@ -1,8 +1,13 @@
-//! The layout of a filter's weights on the bytes of cells, and scratch memory for sums of products.
+//! The size of a cell of the robust tracker's features, the layout of a filter's weights on the bytes of cells, and scratch memory for sums of products.
 
-use super::cells::CHANNELS;
 use core::ops::Range;
 
+/// Side of a cell in pixels of the grid.
+pub const CELL: u16 = 4;
+/// Bytes of a cell, one for each channel.
+pub const CHANNELS: usize = 10;
+/// Side of a cell with its neighbours, in pixels.
+pub(crate) const SIDE: usize = CELL as usize + 2;
 /// Length of [`Packed`] in numbers: two for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
 

@@ -23,11 +23,11 @@
 //! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | Arm, RV32: `scores.rs` |
 //! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
-//! | cells of gradient orientations (HOG) | `gradients.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
+//! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
-//! | bilinear sampling of a row | `bilinear.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | `bilinear.rs` |
-//! | contrast of a patch, update of a template | `levels.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
-//! | weights of a filter: coding, steps | `weights.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
+//! | bilinear sampling of a row | `native.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | `bilinear.rs` |
+//! | contrast of a patch, update of a template | `native.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
+//! | weights of a filter: coding, steps | `native.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
 //!
@@ -61,9 +61,6 @@ mod aarch64;
 #[cfg(any(smr_dsp, smr_helium))]
 mod arm;
 mod backend;
-mod bilinear;
-mod blocks;
-mod cells;
 #[cfg(any(test, feature = "unstable"))]
 pub mod check;
 mod cut_table;
@@ -77,10 +74,8 @@ mod effort;
     all(target_arch = "wasm32", target_feature = "simd128")
 ))]
 mod generic;
-mod gradients;
 mod layout;
-mod levels;
-mod one;
+mod native;
 mod plain;
 mod products;
 mod rows;
@@ -94,32 +89,26 @@ mod three_sums;
 mod unrolling;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm32;
-mod weights;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 #[cfg(all(smr_helium, feature = "refiner"))]
 pub(crate) use arm::helium::dense::copy;
 pub use backend::Backend;
-pub(crate) use bilinear::Interpolation;
-pub(crate) use blocks::{Blocks, RowsOfRanges};
-pub(crate) use cells::SIDE;
-pub use cells::{CELL, CHANNELS};
 pub use cut_table::CutTable;
+pub(crate) use cut_table::{MAX_PIXELS, ONE};
 #[cfg(feature = "refiner")]
 pub(crate) use dense::{Dense, SPARE};
-pub(crate) use gradients::{gradients, scale};
-pub(crate) use layout::{Layout, PACKED, Packed};
-pub(crate) use levels::{deviation, replace};
-pub(crate) use one::{MAX_PIXELS, ONE};
+pub use layout::{CELL, CHANNELS};
+pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
+pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, gradients, replace, scale, scale_by};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
 pub(crate) use products::Products;
 pub use scorer::Scorer;
-pub(crate) use scores::ALL_FOUR;
+pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
 pub(crate) use unrolling::rolled;
-pub(crate) use weights::{GradientStep, ScaledSums, scale_by};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! The rows of two pictures, as addresses that are cheap to step through.
 
-use super::blocks::Blocks;
-use super::one::ONE;
+use super::cut_table::ONE;
+use super::scores::Blocks;
 use crate::image::Image;
 
 /// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.

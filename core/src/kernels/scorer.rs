@@ -9,11 +9,9 @@ use super::arm::helium::scores::Helium;
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::scores::Kernels;
 use super::backend::{Backend, by_backend};
-use super::blocks::{Blocks, RowsOfRanges};
-use super::cut_table::CutTable;
-use super::one::MAX_PIXELS;
+use super::cut_table::{CutTable, MAX_PIXELS};
 use super::plain::scores::{self as plain, Plain};
-use super::scores::Scores;
+use super::scores::{Blocks, RowsOfRanges, Scores};
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]

@@ -113,47 +113,17 @@ pub(super) mod tests {
     };
 
     #[test]
-    fn a_step_is_the_gain_times_the_error() {
-        assert!((PAN.toward(0.0, 0.1, 0.03125) - 0.03125).abs() < 1e-6);
-        assert!((PAN.toward(0.5, -0.1, 0.03125) - 0.46875).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_late_frame_does_not_overshoot() {
+    fn steps_are_exact() {
+        for (from, error, to) in [(0.0, 0.1, 0.03125), (0.5, -0.1, 0.46875)] {
+            assert!((PAN.toward(from, error, 0.03125) - to).abs() < 1e-6, "the gain times the error");
+        }
         let patient = Axis { slew_radians_per_second: 100.0, ..PAN };
-        assert_eq!(patient.toward(0.5, 0.125, 10.0), 0.625);
-    }
-
-    #[test]
-    fn the_way_home_ends_there() {
-        assert_eq!(PAN.homeward(0.75, 0.5), 0.5);
-        assert_eq!(PAN.homeward(0.5, 0.75), 0.25);
-        assert_eq!(PAN.homeward(-0.25, 0.5), 0.0);
-        assert_eq!(PAN.homeward(0.25, 5.0), 0.25);
+        assert_eq!(patient.toward(0.5, 0.125, 10.0), 0.625, "a late frame does not overshoot");
         let slow = Axis { slew_radians_per_second: 0.25, ..PAN };
-        assert_eq!(slow.homeward(0.75, 0.5), 0.625);
-    }
-
-    #[test]
-    fn what_cannot_be_used_is_refused() {
-        let refused = |change: fn(&mut Axis)| {
-            let mut axis = PAN;
-            change(&mut axis);
-            axis.check().err()
-        };
-        assert_eq!(refused(|_| ()), None);
-        assert_eq!(refused(|axis| axis.min_radians = f32::NAN), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.deadband_radians = f32::INFINITY), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.gain_per_second = f32::NAN), Some(PursuitConfigError::NotFinite));
-        assert_eq!(refused(|axis| axis.gain_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.slew_radians_per_second = -1.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.return_radians_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
-        assert_eq!(refused(|axis| axis.deadband_radians = -0.01), Some(PursuitConfigError::Negative));
-        assert_eq!(refused(|axis| axis.max_radians = -1.0), Some(PursuitConfigError::LimitsReversed));
-        assert_eq!(refused(|axis| axis.max_radians = 90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
-        assert_eq!(refused(|axis| axis.min_radians = -90.0), Some(PursuitConfigError::LimitsBeyondOneTurn));
-        assert_eq!(refused(|axis| axis.home_radians = 1.5), Some(PursuitConfigError::HomeOutsideLimits));
-        assert_eq!(refused(|axis| axis.home_radians = -1.5), Some(PursuitConfigError::HomeOutsideLimits));
+        let home = [(PAN, 0.75, 0.5, 0.5), (PAN, 0.5, 0.75, 0.25), (PAN, -0.25, 0.5, 0.0), (PAN, 0.25, 5.0, 0.25)];
+        for (axis, from, seconds, to) in home.into_iter().chain([(slow, 0.75, 0.5, 0.625)]) {
+            assert_eq!(axis.homeward(from, seconds), to, "the way home ends there");
+        }
     }
 
     /// Axes with ordinary and extreme numbers; some products overflow.

@@ -1,14 +1,58 @@
-//! Follows frame by frame: from the answer of the tracker to the pulses of the servos.
+//! The configuration of the pursuit, and its way frame by frame: from the answer of the tracker to the pulses of the servos.
 
 use super::camera::Camera;
-use super::config::{PursuitConfig, TURNS};
+use super::controller::Axis;
 use super::error::{FollowError, PursuitConfigError, PursuitError};
-use super::head::Joint;
+use super::head::{Joint, Servo};
 use crate::image::Frame;
 use crate::track::{Answer, State, Target, Tracker};
 use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
+
+/// The number of turns of the head that are remembered: the last one, and one for each frame of the longest delay.
+const TURNS: usize = 4;
+
+/// The configuration of a [`Pursuit`], which checks it. See the [module's example](super).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PursuitConfig {
+    /// The camera model, which converts boxes to angles.
+    pub camera: Camera,
+    /// The axis that turns the head left and right.
+    pub pan: Axis,
+    /// The servo of the pan axis.
+    pub pan_servo: Servo,
+    /// The axis that turns the camera up and down.
+    pub tilt: Axis,
+    /// The servo of the tilt axis.
+    pub tilt_servo: Servo,
+    /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
+    pub hold_seconds: f32,
+    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3. 1 if the next frame is exposed
+    /// before the servos have turned. The tracker is told the motion of the picture with this delay.
+    pub delay_frames: u8,
+}
+
+impl PursuitConfig {
+    fn check(&self) -> Result<(), PursuitConfigError> {
+        self.camera.check()?;
+        self.pan.check()?;
+        self.tilt.check()?;
+        self.pan_servo.check()?;
+        self.tilt_servo.check()?;
+        if !self.hold_seconds.is_finite() {
+            return Err(PursuitConfigError::NotFinite);
+        }
+        if self.hold_seconds < 0.0 {
+            return Err(PursuitConfigError::Negative);
+        }
+        if usize::from(self.delay_frames) >= TURNS {
+            return Err(PursuitConfigError::DelayTooLong);
+        }
+        Ok(())
+    }
+}
 
 /// The angles that the head was last commanded to. Right and up are positive; 0 is the 0 of the servos.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,9 +144,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         frame: &Frame<'_>,
         elapsed_seconds: f32,
     ) -> Result<Followed<Commanded<P, T, L>>, FollowError> {
-        if !can_elapse(elapsed_seconds) {
-            return Err(FollowError::ElapsedTime);
-        }
+        check_elapsed(elapsed_seconds, FollowError::ElapsedTime)?;
         let answer = tracker.update(frame).map_err(FollowError::Update)?;
         let commanded = self.steer(&answer, elapsed_seconds);
         let (right, down) = self.picture_motion();
@@ -123,7 +165,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         if answer.state == State::Lost {
             return self.wait(elapsed_seconds);
         }
-        check_elapsed(elapsed_seconds)?;
+        check_elapsed(elapsed_seconds, PursuitError::ElapsedTime)?;
         self.lost_seconds = 0.0;
         let (right, up) = self.camera.error_radians(answer.fine);
         let pan = self.pan.axis.toward(self.pan.radians, right, elapsed_seconds);
@@ -156,7 +198,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// # Errors
     /// As [`Pursuit::steer`].
     pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
-        check_elapsed(elapsed_seconds)?;
+        check_elapsed(elapsed_seconds, PursuitError::ElapsedTime)?;
         self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
         // The time of this step after the end of the hold.
         let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
@@ -193,10 +235,6 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     }
 }
 
-fn can_elapse(elapsed_seconds: f32) -> bool {
-    elapsed_seconds.is_finite() && elapsed_seconds >= 0.0
-}
-
-fn check_elapsed<P, T, L>(elapsed_seconds: f32) -> Result<(), PursuitError<P, T, L>> {
-    if can_elapse(elapsed_seconds) { Ok(()) } else { Err(PursuitError::ElapsedTime) }
+fn check_elapsed<E>(elapsed_seconds: f32, or: E) -> Result<(), E> {
+    if elapsed_seconds.is_finite() && elapsed_seconds >= 0.0 { Ok(()) } else { Err(or) }
 }

@@ -59,17 +59,15 @@
 //! ```
 
 mod camera;
-mod config;
 mod controller;
 mod error;
 mod follow;
 mod head;
 
 pub use camera::Camera;
-pub use config::PursuitConfig;
 pub use controller::Axis;
 pub use error::{FollowError, PursuitConfigError, PursuitError};
-pub use follow::{Command, Commanded, Followed, Pursuit};
+pub use follow::{Command, Commanded, Followed, Pursuit, PursuitConfig};
 pub use head::Servo;
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Tests the pursuit against mock pins that expect exact duties.
 
 use super::controller::tests::{PAN, any_axis};
+use super::head::tests::{SERVO, servo};
 use super::*;
 use crate::{Answer, FineRect, Frame, Image, Paper, Rect, Robust, State, Target, Tracker, UpdateError, paper, robust};
 use embedded_hal::digital::OutputPin;
@@ -12,9 +13,6 @@ use std::io::ErrorKind::{BrokenPipe, NotConnected, TimedOut};
 use std::string::ToString;
 use std::vec::Vec;
 
-const SERVO: Servo =
-    Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
-
 /// Two axes from -1 to 1 radians with home at 0; 160x120 pixels; focal length 160 pixels; hold of 1 second.
 fn config() -> PursuitConfig {
     let axis = Axis { home_radians: 0.0, ..PAN };
@@ -23,7 +21,7 @@ fn config() -> PursuitConfig {
         pan: axis,
         pan_servo: SERVO,
         tilt: axis,
-        tilt_servo: Servo { pulse_at_min_microseconds: 2000, pulse_at_max_microseconds: 1000, ..SERVO },
+        tilt_servo: servo(2000, 1000, 20_000),
         hold_seconds: 1.0,
         delay_frames: 1,
     }
@@ -55,15 +53,17 @@ fn lamp(states: &[bool]) -> pin_mock::Mock {
     pin_mock::Mock::new(&states.iter().map(set).collect::<Vec<_>>())
 }
 
+type Mocked = Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>;
+
 /// Runs `steps` on a new pursuit and checks that exactly these duties and lamp states are written.
-fn writes(
-    pan: &[u16],
-    tilt: &[u16],
-    indicator: &[bool],
-    steps: impl FnOnce(&mut Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>),
-) {
+fn writes(pan: &[u16], tilt: &[u16], indicator: &[bool], steps: impl FnOnce(&mut Mocked)) {
     let mut pursuit = Pursuit::new(config(), duties(pan), duties(tilt), lamp(indicator)).unwrap();
     steps(&mut pursuit);
+    done(pursuit);
+}
+
+/// Checks that every expected write was made.
+fn done(pursuit: Mocked) {
     let (mut pan, mut tilt, mut indicator) = pursuit.release();
     pan.done();
     tilt.done();
@@ -148,71 +148,79 @@ fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
         let on = || pin_mock::Transaction::set(pin_mock::State::High);
         pin_mock::Mock::new(&[on().with_error(MockError::Io(TimedOut)), on()])
     };
-    let follow = |pan: pwm_mock::Mock, tilt: pwm_mock::Mock, indicator: pin_mock::Mock| {
+    let good = || duties(&[1750, 2000]);
+    // Of several errors the first. An axis that was not written does not make up for it by a leap.
+    for ([pan, tilt, led], word, error, (pan_radians, tilt_radians)) in [
+        ([true, false, false], "pan", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 1.0)),
+        ([false, true, false], "tilt", PursuitError::Tilt(MockError::Io(BrokenPipe)), (1.0, 0.5)),
+        ([false, false, true], "indicator", PursuitError::Indicator(MockError::Io(TimedOut)), (1.0, 1.0)),
+        ([true; 3], "NotConnected", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 0.5)),
+    ] {
         let config = PursuitConfig { tilt_servo: SERVO, ..config() };
+        let pan = if pan { failing(NotConnected) } else { good() };
+        let tilt = if tilt { failing(BrokenPipe) } else { good() };
+        let indicator = if led { broken_lamp() } else { lamp(&[true; 2]) };
         let mut pursuit = Pursuit::new(config, pan, tilt, indicator).unwrap();
         let mut follow = || pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25);
-        let (first, second) = (follow().unwrap_err(), follow().unwrap());
-        let (mut pan, mut tilt, mut indicator) = pursuit.release();
-        pan.done();
-        tilt.done();
-        indicator.done();
-        (first, second)
-    };
-    let half_and = |pan_radians, tilt_radians| Command { pan_radians, tilt_radians };
-    let good = || duties(&[1750, 2000]);
-
-    let (error, next) = follow(failing(NotConnected), good(), lamp(&[true; 2]));
-    assert_eq!(error, PursuitError::Pan(MockError::Io(NotConnected)));
-    assert_eq!(next, half_and(0.5, 1.0), "the axis that was not written does not make up for it by a leap");
-    assert!(error.to_string().contains("pan") && error.to_string().contains("NotConnected"), "{error}");
-
-    let (error, next) = follow(good(), failing(BrokenPipe), lamp(&[true; 2]));
-    assert_eq!(error, PursuitError::Tilt(MockError::Io(BrokenPipe)));
-    assert_eq!(next, half_and(1.0, 0.5));
-
-    let (error, next) = follow(good(), good(), broken_lamp());
-    assert_eq!(error, PursuitError::Indicator(MockError::Io(TimedOut)));
-    assert_eq!(next, half_and(1.0, 1.0));
-
-    let (error, _) = follow(failing(NotConnected), failing(BrokenPipe), broken_lamp());
-    assert_eq!(error, PursuitError::Pan(MockError::Io(NotConnected)), "of several the first");
+        assert!(error.to_string().contains(word), "{error}");
+        assert_eq!((follow(), follow()), (Err(error), Ok(Command { pan_radians, tilt_radians })));
+        done(pursuit);
+    }
 }
 
 #[test]
 fn a_configuration_is_checked_when_the_pursuit_is_built() {
-    let refused = |change: fn(&mut PursuitConfig)| {
-        let mut config = config();
-        change(&mut config);
-        let pins = (Pin::default(), Pin::default(), Pin::default());
-        Pursuit::new(config, pins.0, pins.1, pins.2).err()
-    };
-    assert_eq!(refused(|_| ()), None);
-    let not_finite = Some(PursuitConfigError::NotFinite);
-    assert_eq!(refused(|config| config.camera.focal_length_pixels = f32::NAN), not_finite);
-    assert_eq!(refused(|config| config.camera.principal_x_pixels = f32::INFINITY), not_finite);
-    assert_eq!(refused(|config| config.hold_seconds = f32::INFINITY), not_finite);
-    assert_eq!(refused(|config| config.hold_seconds = -1.0), Some(PursuitConfigError::Negative));
-    let too_short = Some(PursuitConfigError::FocalLengthTooShort);
-    assert_eq!(refused(|config| config.camera.focal_length_pixels = 0.0), too_short);
-    assert_eq!(refused(|config| config.camera.focal_length_pixels = -160.0), too_short);
-    assert_eq!(refused(|config| config.pan.max_radians = -2.0), Some(PursuitConfigError::LimitsReversed));
-    assert_eq!(refused(|config| config.tilt.gain_per_second = 0.0), Some(PursuitConfigError::RateNotPositive));
-    let not_in_period = Some(PursuitConfigError::PulseNotInPeriod);
-    assert_eq!(refused(|config| config.pan_servo.period_microseconds = 0), not_in_period);
-    assert_eq!(refused(|config| config.tilt_servo.period_microseconds = 0), not_in_period);
-    assert_eq!(refused(|config| config.delay_frames = 3), None);
-    assert_eq!(refused(|config| config.delay_frames = 4), Some(PursuitConfigError::DelayTooLong));
+    use PursuitConfigError::*;
+    macro_rules! refused {
+        ($($error:ident: $($($field:ident).+ = $value:expr),+;)+) => {$($({
+            let mut config = config();
+            config.$($field).+ = $value;
+            assert_eq!(pursuit(config, [false; 3]).err(), Some($error), stringify!($($field).+ = $value));
+        })+)+};
+    }
+    refused! {
+        NotFinite: camera.focal_length_pixels = f32::NAN, camera.principal_x_pixels = f32::INFINITY;
+        NotFinite: hold_seconds = f32::INFINITY, pan.min_radians = f32::NAN, tilt.deadband_radians = f32::INFINITY, pan.gain_per_second = f32::NAN;
+        Negative: hold_seconds = -1.0, pan.deadband_radians = -0.01;
+        FocalLengthTooShort: camera.focal_length_pixels = 0.0, camera.focal_length_pixels = -160.0;
+        RateNotPositive: pan.gain_per_second = 0.0, tilt.gain_per_second = 0.0, pan.slew_radians_per_second = -1.0, pan.return_radians_per_second = 0.0;
+        LimitsReversed: pan.max_radians = -1.0, pan.max_radians = -2.0;
+        LimitsBeyondOneTurn: pan.max_radians = 90.0, pan.min_radians = -90.0;
+        HomeOutsideLimits: pan.home_radians = 1.5, pan.home_radians = -1.5;
+        PulseNotInPeriod: pan_servo.period_microseconds = 0, tilt_servo.period_microseconds = 0;
+        PulseNotInPeriod: pan_servo = servo(1000, 20_000, 20_000), pan_servo = servo(20_000, 1000, 20_000), tilt_servo = servo(0, 0, 0);
+        PulsesEqual: pan_servo = servo(1500, 1500, 20_000);
+        DelayTooLong: delay_frames = 4;
+    }
+    for delay_frames in [1, 3] {
+        assert!(pursuit(PursuitConfig { delay_frames, ..config() }, [false; 3]).is_ok());
+    }
 }
 
-/// A pin that accepts everything and remembers the last duty.
-#[derive(Default)]
+/// A pin that remembers the last duty, or fails.
 struct Pin {
     duty: u16,
+    fails: bool,
+}
+
+impl Pin {
+    fn written(&self) -> Result<(), MockError> {
+        if self.fails { Err(MockError::Io(NotConnected)) } else { Ok(()) }
+    }
+}
+
+/// A pursuit with pins for pan, tilt and the indicator, some of which fail.
+fn pursuit(config: PursuitConfig, fail: [bool; 3]) -> Result<Pursuit<Pin, Pin, Pin>, PursuitConfigError> {
+    let [pan, tilt, indicator] = fail.map(|fails| Pin { fails, duty: 0 });
+    Pursuit::new(config, pan, tilt, indicator)
 }
 
 impl pwm::ErrorType for Pin {
-    type Error = core::convert::Infallible;
+    type Error = MockError;
+}
+
+impl digital::ErrorType for Pin {
+    type Error = MockError;
 }
 
 impl SetDutyCycle for Pin {
@@ -220,23 +228,18 @@ impl SetDutyCycle for Pin {
         20_000
     }
 
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Self::Error> {
-        self.duty = duty;
-        Ok(())
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), MockError> {
+        self.written().map(|()| self.duty = duty)
     }
-}
-
-impl digital::ErrorType for Pin {
-    type Error = core::convert::Infallible;
 }
 
 impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        Ok(())
+    fn set_low(&mut self) -> Result<(), MockError> {
+        self.written()
     }
 
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        Ok(())
+    fn set_high(&mut self) -> Result<(), MockError> {
+        self.written()
     }
 }
 
@@ -250,12 +253,14 @@ fn seen(x: usize, y: usize) -> Vec<u8> {
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
+fn small() -> paper::Config {
+    paper::Config { window: paper::Radius { x: 8, y: 8 }, ..paper::Config::camera() }
+}
+
 /// The head turns to the target, and the search window moves with the picture.
 fn follows<T: Target>(target: T::Config, delay_frames: u8) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
-    let mut pursuit =
-        Pursuit::new(PursuitConfig { delay_frames, ..config() }, Pin::default(), Pin::default(), Pin::default())
-            .unwrap();
+    let mut pursuit = pursuit(PursuitConfig { delay_frames, ..config() }, [false; 3]).unwrap();
     let first = seen(100, 30);
     let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
     let error = pursuit.follow(&mut tracker, &frame, 0.03).unwrap_err();
@@ -281,12 +286,10 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8) {
 
 #[test]
 fn the_tracker_is_told_how_far_the_picture_moves() {
-    let mut small = paper::Config::camera();
-    small.window = paper::Radius { x: 8, y: 8 };
     // Without the refiner, whose larger window the frame's edge would cut.
     let robust = robust::Config::robust();
     for delay_frames in [0, 1, 3] {
-        follows::<Paper<1024, 161>>(small, delay_frames);
+        follows::<Paper<1024, 161>>(small(), delay_frames);
         follows::<Robust>(robust, delay_frames);
     }
 }
@@ -294,76 +297,22 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
 /// If a pin fails, the other axis still turns: the tracker is told, and the answer is returned.
 #[test]
 fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
-    let config = PursuitConfig { delay_frames: 0, ..config() };
     let first = seen(100, 30);
     let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
-    let follow = |pan: Option<Pin>, led: Option<Pin>| {
-        let pins = (Fallible(pan), Pin::default(), Fallible(led));
-        let mut pursuit = Pursuit::new(config, pins.0, pins.1, pins.2).unwrap();
-        let mut small = paper::Config::camera();
-        small.window = paper::Radius { x: 8, y: 8 };
-        let mut tracker = Tracker::<Paper<1024, 161>>::with(small).unwrap();
+    let follow = |fail: [bool; 3]| {
+        let mut pursuit = pursuit(PursuitConfig { delay_frames: 0, ..config() }, fail).unwrap();
+        let mut tracker = Tracker::<Paper<1024, 161>>::with(small()).unwrap();
         tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
         let followed = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
         assert_eq!(followed.answer.bbox, Rect::new(100, 30, 24, 24));
         (followed.commanded.is_ok(), pursuit.command(), tracker.window().unwrap())
     };
-    let (good, command, window) = follow(Some(Pin::default()), Some(Pin::default()));
-    assert!(good);
-    assert_eq!(follow(Some(Pin::default()), None), (false, command, window), "the LED");
+    let (good, command, window) = follow([false; 3]);
+    assert!(good && window.x < 92 && window.y > 22, "{window:?}");
+    assert_eq!(follow([false, false, true]), (false, command, window), "the LED");
     // Without pan the picture only moves down.
-    let (good, tilted, moved) = follow(None, Some(Pin::default()));
-    assert_eq!((good, tilted), (false, Command { pan_radians: 0.0, ..command }));
-    assert_eq!(moved, Rect { x: 92, ..window });
-    assert!(window.x < 92 && window.y > 22, "{window:?}");
-}
-
-/// A pin that may be missing.
-struct Fallible(Option<Pin>);
-
-#[derive(Debug)]
-struct Missing;
-
-impl pwm::Error for Missing {
-    fn kind(&self) -> pwm::ErrorKind {
-        pwm::ErrorKind::Other
-    }
-}
-
-impl digital::Error for Missing {
-    fn kind(&self) -> digital::ErrorKind {
-        digital::ErrorKind::Other
-    }
-}
-
-impl pwm::ErrorType for Fallible {
-    type Error = Missing;
-}
-
-impl digital::ErrorType for Fallible {
-    type Error = Missing;
-}
-
-impl SetDutyCycle for Fallible {
-    fn max_duty_cycle(&self) -> u16 {
-        20_000
-    }
-
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Missing> {
-        let pin = self.0.as_mut().ok_or(Missing)?;
-        let Ok(()) = pin.set_duty_cycle(duty);
-        Ok(())
-    }
-}
-
-impl OutputPin for Fallible {
-    fn set_low(&mut self) -> Result<(), Missing> {
-        self.0.as_ref().map(|_| ()).ok_or(Missing)
-    }
-
-    fn set_high(&mut self) -> Result<(), Missing> {
-        self.set_low()
-    }
+    let (tilted, moved) = (Command { pan_radians: 0.0, ..command }, Rect { x: 92, ..window });
+    assert_eq!(follow([true, false, false]), (false, tilted, moved));
 }
 
 proptest! {
@@ -378,7 +327,7 @@ proptest! {
         let camera = Camera { focal_length_pixels, principal_x_pixels, principal_y_pixels: 60.0 };
         let camera = if camera.check().is_ok() { camera } else { config().camera };
         let config = PursuitConfig { camera, pan, tilt, hold_seconds, ..config() };
-        let mut pursuit = Pursuit::new(config, Pin::default(), Pin::default(), Pin::default()).unwrap();
+        let mut pursuit = pursuit(config, [false; 3]).unwrap();
         for ((x, y), state, elapsed) in frames {
             let state = [State::Tracking, State::Leaving, State::Lost][usize::from(state)];
             let answer = Answer { fine: FineRect { x, y, width: 5120, height: 5120 }, ..answer(state, 0, 0) };

@@ -8,9 +8,8 @@
 //!    floor.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
-use super::peak::{Found, Peak, Wanted};
 use super::runner_up::Maxima;
-use super::window::Window;
+use super::window::{Found, Peak, Wanted, Window};
 use core::cmp::Ordering;
 
 pub(super) struct Leaders<const SPAN: usize> {

@@ -6,21 +6,17 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `window.rs` | which offsets there are |
-//! | `peak.rs` | what a search returns, and the tie rule |
+//! | `window.rs` | which offsets there are, what a search returns, and the tie rule |
 //! | `runner_up.rs` | the runner-up, from the maximum of each row and column of scores |
 //! | `floor.rs` | the peak so far, and the floor: the least score that can change the result |
 //! | `ranges.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
 //! | `progress.rs` | the progress of a search and its budget; scores an offset |
-//! | `descent.rs` | a good score early: moves from the last position to a small SAD |
 //! | `tiles.rs` | excludes or scores the groups of a window |
-//! | `scan.rs` | the order of these, in steps; the scouts |
+//! | `scan.rs` | the order of these, in steps; the descent from the last position to a small SAD; the scouts |
 //! | `bound.rs` | the most comparisons of a search |
 
 mod bound;
-mod descent;
 mod floor;
-mod peak;
 mod progress;
 mod ranges;
 mod runner_up;
@@ -29,10 +25,9 @@ mod tiles;
 mod window;
 
 pub(crate) use bound::Extent;
-pub(crate) use peak::Wanted;
-pub use peak::{Found, Peak};
 pub(crate) use progress::{Scene, Search};
-pub use window::{Radius, Window};
+pub(crate) use window::Wanted;
+pub use window::{Found, Peak, Radius, Window};
 
 #[cfg(test)]
 mod tests;

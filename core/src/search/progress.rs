@@ -1,9 +1,8 @@
 //! The progress of a search, its budget, and what all of its stages do: score an offset and raise the floor.
 
 use super::floor::Leaders;
-use super::peak::{Found, Peak};
 use super::ranges::{Ranges, Tile};
-use super::window::Window;
+use super::window::{Found, Peak, Window};
 use crate::image::{Frame, Image};
 use crate::similarity::{self, Scorer};
 

@@ -5,8 +5,7 @@
 //! 2. So the largest score outside is exactly the largest of the maxima of those rows and columns.
 //! 3. The maxima can be collected before the peak is known. They take width + height words instead of width * height.
 
-use super::peak::Peak;
-use super::window::Window;
+use super::window::{Peak, Window};
 use crate::kernels::rolled;
 
 /// The largest score of each row and each column of a window of up to `SPAN` x `SPAN` offsets.

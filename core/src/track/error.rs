@@ -1,114 +1,89 @@
 //! Errors: one small enum per operation, the same for both trackers.
 
-use core::fmt;
+errors! {
+    /// Why a configuration was refused.
+    ConfigError {
+        /// A number of a setting is outside its range.
+        OutOfRange {
+            /// The name of the setting.
+            name: &'static str,
+            /// The lowest value.
+            lowest: u16,
+            /// The highest value.
+            highest: u16,
+            /// The number.
+            found: u16,
+        } => "{name} is {lowest} to {highest}, not {found}",
+        /// `window_limit` is smaller than `window`.
+        LimitBelowWindow => "window_limit is smaller than window",
+        /// `uncertain_below` is smaller than `lost_below`.
+        UncertainBelowLost => "uncertain_below is smaller than lost_below",
+        /// `window` has more offsets on an axis than the tracker's `SPAN`. Only from [`Paper`](crate::Paper).
+        WindowTooLarge => "the window has more offsets on an axis than this tracker has room for",
+        /// The configuration has the refiner on, in a build without the feature `refiner`.
+        RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
+        /// No setting has this name: see [`Settings::SETTINGS`](crate::Settings::SETTINGS).
+        UnknownSetting => "no setting of this tracker has this name",
+        /// A setting has another count of numbers.
+        WrongCount {
+            /// The name of the setting.
+            name: &'static str,
+            /// Its count of numbers.
+            count: usize,
+        } => "{name} takes {count} numbers",
+    }
 
-/// Why a configuration was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ConfigError {
-    /// A number of a setting is outside its range.
-    OutOfRange {
-        /// The name of the setting.
-        name: &'static str,
-        /// The lowest value.
-        lowest: u16,
-        /// The highest value.
-        highest: u16,
-        /// The number.
-        found: u16,
-    },
-    /// `window_limit` is smaller than `window`.
-    LimitBelowWindow,
-    /// `uncertain_below` is smaller than `lost_below`.
-    UncertainBelowLost,
-    /// `window` has more offsets on an axis than the tracker's `SPAN`. Only from [`Paper`](crate::Paper).
-    WindowTooLarge,
-    /// The configuration has the refiner on, in a build without the feature `refiner`.
-    RefinerNotBuiltIn,
-    /// No setting has this name: see [`Settings::SETTINGS`](crate::Settings::SETTINGS).
-    UnknownSetting,
-    /// A setting has another count of numbers.
-    WrongCount {
-        /// The name of the setting.
-        name: &'static str,
-        /// Its count of numbers.
-        count: usize,
-    },
-}
+    /// Why a box was not locked.
+    LockError {
+        /// The box has no pixels.
+        BoxEmpty => "the box has no pixels: width and height must be at least 1",
+        /// The box is partly outside the frame.
+        BoxOutsideFrame => "the box is not wholly inside the frame",
+        /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
+        BoxTooLarge => "the box has more pixels than this tracker's template has room for",
+        /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only
+        /// from [`Paper`](crate::Paper).
+        WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
+        /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
+        LockWindowNotInMemory => "the lock window is not wholly in memory",
+    }
 
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OutOfRange { name, lowest, highest, found } => {
-                return write!(f, "{name} is {lowest} to {highest}, not {found}");
-            }
-            Self::LimitBelowWindow => "window_limit is smaller than window",
-            Self::UncertainBelowLost => "uncertain_below is smaller than lost_below",
-            Self::WindowTooLarge => "the window has more offsets on an axis than this tracker has room for",
-            Self::RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
-            Self::UnknownSetting => "no setting of this tracker has this name",
-            Self::WrongCount { name, count } => return write!(f, "{name} takes {count} numbers"),
-        })
+    /// Why a frame was not searched.
+    UpdateError {
+        /// There is no target yet: call `lock` first.
+        NotLocked => "there is no target yet: lock first",
+        /// The frame has another size than the one that was locked on.
+        FrameSizeChanged => "the frame has another size than the one that was locked on",
+        /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly
+        /// in memory.
+        WindowNotInMemory => "the search window is not wholly in memory",
+    }
+
+    /// Why a target was not saved.
+    SaveError {
+        /// There is no target yet: lock first.
+        NotLocked => "there is no target yet: lock first",
+        /// The buffer is smaller than [`Target::saved_size`](crate::Target::saved_size).
+        /// [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) bytes are always enough.
+        BufferTooSmall => "the buffer is too small for the target",
+    }
+
+    /// Why a target was not restored.
+    RestoreError {
+        /// The bytes are not those of a saved target.
+        NotSaved => "these are not the bytes of a saved target",
+        /// Another version of the crate wrote the bytes.
+        OtherVersion => "the target was saved by another version",
+        /// The bytes end too early.
+        Truncated => "the saved target ends too early",
+        /// The bytes have changed since they were written.
+        Damaged => "the saved target is damaged: its checksum is wrong",
+        /// The other tracker saved the target.
+        OtherTracker => "the target was saved by the other tracker",
+        /// The target was saved with another configuration, so answers would differ. The name of the first setting that
+        /// differs.
+        OtherConfig(name: &'static str) => "the target was saved with another configuration: {name} differs",
+        /// The template has more pixels, or the window more offsets, than this tracker has room for.
+        TooLarge => "the saved target is too large for this tracker",
     }
 }
-
-impl core::error::Error for ConfigError {}
-
-/// Why a box was not locked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum LockError {
-    /// The box has no pixels.
-    BoxEmpty,
-    /// The box is partly outside the frame.
-    BoxOutsideFrame,
-    /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
-    BoxTooLarge,
-    /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only
-    /// from [`Paper`](crate::Paper).
-    WindowTooLarge,
-    /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
-    LockWindowNotInMemory,
-}
-
-impl fmt::Display for LockError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::BoxEmpty => "the box has no pixels: width and height must be at least 1",
-            Self::BoxOutsideFrame => "the box is not wholly inside the frame",
-            Self::BoxTooLarge => "the box has more pixels than this tracker's template has room for",
-            Self::WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
-            Self::LockWindowNotInMemory => "the lock window is not wholly in memory",
-        })
-    }
-}
-
-impl core::error::Error for LockError {}
-
-/// Why a frame was not searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum UpdateError {
-    /// There is no target yet: call `lock` first.
-    NotLocked,
-    /// The frame has another size than the one that was locked on.
-    FrameSizeChanged,
-    /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly
-    /// in memory.
-    WindowNotInMemory,
-}
-
-impl fmt::Display for UpdateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NotLocked => "there is no target yet: lock first",
-            Self::FrameSizeChanged => "the frame has another size than the one that was locked on",
-            Self::WindowNotInMemory => "the search window is not wholly in memory",
-        })
-    }
-}
-
-impl core::error::Error for UpdateError {}

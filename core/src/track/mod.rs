@@ -2,32 +2,19 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `answer.rs`, `error.rs`, `quality.rs`, `bound.rs` | the results of the calls |
-//! | `update.rs` | updates and locks in steps |
-//! | `budget.rs` | the work of a step |
+//! | `answer.rs`, `error.rs`, `quality.rs` | the results of the calls |
+//! | `update.rs` | updates and locks in steps, and the work of a step |
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
 //! | `saved.rs` | a target as bytes |
-//! | `slot.rs` | a value that may be missing, all zeroes if it is |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
 //! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
-//!
-//! # Inlining
-//!
-//! The crate has one rule for both attributes. Where there is another reason, a comment beside the attribute gives it.
-//! - `#[inline(never)]` keeps one copy of a function in flash, however many places call it. In generic code, the part
-//!   that is the same for all types is such a function. `cfg_attr(smr_small, inline(never))` does so only where every
-//!   byte counts: on microcontrollers and in WebAssembly.
-//! - `#[inline(always)]` on a constructor builds the value in place. As a call it would be built on the stack and
-//!   copied.
 
 #[macro_use]
 mod settings;
 
 mod answer;
-mod bound;
-mod budget;
 mod checksum;
 mod error;
 pub mod paper;
@@ -35,7 +22,6 @@ mod quality;
 pub mod record;
 pub mod robust;
 mod saved;
-mod slot;
 mod target;
 mod tracker;
 mod update;
@@ -43,11 +29,9 @@ mod update;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{Answer, State};
-pub use bound::MostWork;
-pub use error::{ConfigError, LockError, UpdateError};
+pub use answer::{Answer, MostWork, State};
+pub use error::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
 pub use quality::Quality;
-pub use saved::{RestoreError, SaveError};
 pub use settings::{Setting, Settings, Shape};
 pub use target::Target;
 pub use tracker::Tracker;

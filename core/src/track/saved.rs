@@ -16,9 +16,9 @@
 //! table has 512 bytes, so only its checksum is saved.
 
 use super::checksum::Crc;
+use super::error::{RestoreError, SaveError};
 use super::settings::{Kind, Settings};
 use crate::similarity::Table;
-use core::fmt;
 
 const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 4;
@@ -101,9 +101,9 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Reads a saved target, number by number. Each read gives `None` at the end of the bytes.
+/// Reads bytes number by number. Each read gives `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
-    bytes: &'a [u8],
+    pub(super) bytes: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
@@ -143,7 +143,7 @@ impl<'a> Reader<'a> {
         Ok(state)
     }
 
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+    pub(super) fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (first, rest) = self.bytes.split_first_chunk::<N>()?;
         self.bytes = rest;
         Some(*first)
@@ -184,29 +184,6 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Why a target was not saved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum SaveError {
-    /// There is no target yet: lock first.
-    NotLocked,
-    /// The buffer is smaller than [`Target::saved_size`](crate::Target::saved_size).
-    /// [`Target::SAVED_SIZE`](crate::Target::SAVED_SIZE) bytes are always enough.
-    BufferTooSmall,
-}
-
-impl fmt::Display for SaveError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NotLocked => "there is no target yet: lock first",
-            Self::BufferTooSmall => "the buffer is too small for the target",
-        })
-    }
-}
-
-impl core::error::Error for SaveError {}
-
 /// Why a target was not restored, without the names of settings: a program that does not ask for them does not link them.
 pub(super) enum Refusal {
     Error(RestoreError),
@@ -229,43 +206,3 @@ impl Refusal {
         }
     }
 }
-
-/// Why a target was not restored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum RestoreError {
-    /// The bytes are not those of a saved target.
-    NotSaved,
-    /// Another version of the crate wrote the bytes.
-    OtherVersion,
-    /// The bytes end too early.
-    Truncated,
-    /// The bytes have changed since they were written.
-    Damaged,
-    /// The other tracker saved the target.
-    OtherTracker,
-    /// The target was saved with another configuration, so answers would differ. The name of the first setting that
-    /// differs.
-    OtherConfig(&'static str),
-    /// The template has more pixels, or the window more offsets, than this tracker has room for.
-    TooLarge,
-}
-
-impl fmt::Display for RestoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OtherConfig(name) => {
-                return write!(f, "the target was saved with another configuration: {name} differs");
-            }
-            Self::NotSaved => "these are not the bytes of a saved target",
-            Self::OtherVersion => "the target was saved by another version",
-            Self::Truncated => "the saved target ends too early",
-            Self::Damaged => "the saved target is damaged: its checksum is wrong",
-            Self::OtherTracker => "the target was saved by the other tracker",
-            Self::TooLarge => "the saved target is too large for this tracker",
-        })
-    }
-}
-
-impl core::error::Error for RestoreError {}

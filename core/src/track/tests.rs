@@ -4,7 +4,7 @@
 use super::checksum::Crc;
 use super::record::Recorder;
 use super::settings::recorded;
-use super::update::Steps;
+use super::update::{Steps, calls};
 use super::{
     Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
     paper, robust,
@@ -51,17 +51,17 @@ fn whole(pixels: &[u8]) -> Frame<'_> {
     Frame::whole(Image::new(pixels, SIZE.0, SIZE.1).unwrap())
 }
 
+/// The frame with only one window in memory.
+pub(super) fn cut<'a>(frame: &Frame<'a>, window: Rect) -> Frame<'a> {
+    let Rect { width, height, .. } = frame.bounds();
+    Frame::part(frame.patch(window).unwrap(), window.x as u16, window.y as u16, width, height).unwrap()
+}
+
 /// The frame with only the windows of the next update in memory.
-fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'a> {
-    let cut = |rect: Rect| frame.patch(rect).unwrap();
-    let at = |rect: Rect| (rect.x as u16, rect.y as u16);
-    let window = target.window().unwrap();
-    let (x, y) = at(window);
-    let part = Frame::part(cut(window), x, y, SIZE.0, SIZE.1).unwrap();
-    match target.sweep_window() {
-        None => part,
-        Some(sweep) => part.and_part(cut(sweep), at(sweep).0, at(sweep).1).unwrap(),
-    }
+pub(super) fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'a> {
+    let part = cut(frame, target.window().unwrap());
+    let Some(sweep) = target.sweep_window() else { return part };
+    part.and_part(frame.patch(sweep).unwrap(), sweep.x as u16, sweep.y as u16).unwrap()
 }
 
 /// The target is visible, hidden, elsewhere, half outside, and back.
@@ -89,6 +89,27 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     let length = target.save(&mut bytes).unwrap();
     bytes.truncate(length);
     bytes
+}
+
+/// Updates in steps of these grants. No step exceeds its grant by more than `most`, and each makes progress.
+pub(super) fn steps_keep_their_bound<T: Target>(
+    tracker: &mut Tracker<T>,
+    frame: &Frame<'_>,
+    grants: [u32; 3],
+    most: u32,
+    case: &dyn Debug,
+) {
+    for asked in grants {
+        let (target, workspace) = tracker.parts();
+        let (mut before, mut done) = (0, false);
+        while !done {
+            done = calls::step(target, workspace, frame, asked).unwrap();
+            let made = T::work(workspace) - before;
+            assert!(made <= asked.max(1) + most, "{case:?} {asked}: {made} of {most}");
+            assert!(done || made > 0, "every step makes progress");
+            before += made;
+        }
+    }
 }
 
 /// Runs every test for both trackers, and for the robust one with its refiner where it is built in.
@@ -145,8 +166,7 @@ fn what_is_asked_for_is_enough<T: Target>(config: T::Config) {
     let bounds = whole(&first).bounds();
     let window = tracker.lock_window(bounds, TARGET);
     assert!(bounds.contains(window) && window.contains(TARGET));
-    let part = Frame::part(whole(&first).patch(window).unwrap(), window.x as u16, window.y as u16, SIZE.0, SIZE.1);
-    tracker.lock(&part.unwrap(), TARGET).unwrap();
+    tracker.lock(&cut(&whole(&first), window), TARGET).unwrap();
     for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
         let frame = asked_for(&whole(pixels), tracker.target());
         assert_eq!(tracker.update(&frame).unwrap(), expected);
@@ -158,26 +178,22 @@ fn what_is_asked_for_is_enough<T: Target>(config: T::Config) {
 
 fn a_pixel_less_is_refused<T: Target>(config: T::Config) {
     let mut tracker = locked::<T>(config);
-    for pixels in &frames()[..20] {
+    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
         let frame = whole(pixels);
         let window = tracker.window().unwrap();
         let Rect { x, y, width, height } = window;
-        let less = [
+        for less in [
             Rect { x: x + 1, width: width - 1, ..window },
             Rect { y: y + 1, height: height - 1, ..window },
             Rect { width: width - 1, ..window },
             Rect { height: height - 1, ..window },
-        ];
-        for less in less {
-            let part = Frame::part(frame.patch(less).unwrap(), less.x as u16, less.y as u16, SIZE.0, SIZE.1).unwrap();
-            assert_eq!(tracker.update(&part).unwrap_err(), UpdateError::WindowNotInMemory);
+        ] {
+            assert_eq!(tracker.update(&cut(&frame, less)), Err(UpdateError::WindowNotInMemory));
         }
-        if let Some(sweep) = tracker.sweep_window() {
-            let only = Frame::part(frame.patch(window).unwrap(), x as u16, y as u16, SIZE.0, SIZE.1).unwrap();
-            assert_eq!(tracker.update(&only).is_ok(), window.contains(sweep));
-        } else {
-            tracker.update(&frame).unwrap();
+        if tracker.sweep_window().is_some_and(|sweep| !window.contains(sweep)) {
+            assert_eq!(tracker.update(&cut(&frame, window)), Err(UpdateError::WindowNotInMemory));
         }
+        assert_eq!(tracker.update(&frame), Ok(expected), "what is refused changes nothing");
     }
 }
 
@@ -278,7 +294,7 @@ fn a_step_that_is_refused_leaves_what_is_under_way<T: Target>(config: T::Config)
     let mut tracker = locked::<T>(config);
     let pixels = picture(62, 42);
     let frame = whole(&pixels);
-    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    let part = cut(&frame, Rect::new(61, 46, 5, 5));
     assert_eq!(tracker.update_step(&frame, 3000).unwrap(), None);
     let work = tracker.work();
     for (frame, rect) in [(&frame, Rect::new(5, 5, 0, 7)), (&frame, Rect::new(-1, 5, 7, 7)), (&part, TARGET)] {
@@ -315,7 +331,7 @@ fn there_is_no_target_until_a_lock_in_steps_is_finished<T: Target>(config: T::Co
     let mut tracker = locked::<T>(config);
     let pixels = picture(62, 42);
     let (frame, turned) = (whole(&pixels), Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap()));
-    let part = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
+    let part = cut(&frame, Rect::new(61, 46, 5, 5));
     if tracker.lock_step(&frame, TARGET, 100).unwrap().is_some() {
         return; // the paper's lock is one step
     }
@@ -447,8 +463,7 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     let turned = Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap());
     assert_eq!(tracker.update(&turned).err(), Some(UpdateError::FrameSizeChanged));
     assert_eq!(tracker.lock(&turned, Rect::new(100, 1, 30, 30)), Err(LockError::BoxOutsideFrame));
-    let inside = Frame::part(frame.patch(Rect::new(61, 46, 5, 5)).unwrap(), 61, 46, SIZE.0, SIZE.1).unwrap();
-    assert_eq!(tracker.lock(&inside, TARGET), Err(LockError::LockWindowNotInMemory));
+    assert_eq!(tracker.lock(&cut(&frame, Rect::new(61, 46, 5, 5)), TARGET), Err(LockError::LockWindowNotInMemory));
     let (size, mut bytes) = (tracker.saved_size().unwrap(), vec![0xA5; T::SAVED_SIZE]);
     assert_eq!(tracker.save(&mut bytes[..size - 1]), Err(SaveError::BufferTooSmall));
     assert!(bytes.iter().all(|&byte| byte == 0xA5), "a save that is refused writes nothing");

@@ -2,7 +2,6 @@
 
 mod errors;
 mod header;
+mod init;
 #[path = "../../../../tests/missing.rs"]
 mod missing;
-mod refined;
-mod stack;

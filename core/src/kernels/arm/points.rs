@@ -4,7 +4,7 @@
 //! almost as similarities do. So a score is at most the number of points divided by a fixed rate. An offset with too
 //! few points is excluded without a lookup in a table.
 
-use crate::kernels::one::ONE;
+use crate::kernels::cut_table::ONE;
 use crate::kernels::rows::Rows;
 use crate::kernels::unrolling::rolled;
 

@@ -12,13 +12,11 @@
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
-use crate::kernels::blocks::Blocks;
-use crate::kernels::cut_table::CutTable;
+use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::effort::Effort;
-use crate::kernels::one::ONE;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, Scores};
 use core::marker::PhantomData;
 
 /// The loops of an instruction set over the pixels of two pictures, which have at least `NARROWEST` columns.

@@ -5,7 +5,7 @@
 //! components of the gradient along the two directions: g = a u + b v. That is linear, so it needs no root, no angle
 //! and no division.
 
-use super::super::cells::{CELL, CHANNELS, SIDE};
+use super::super::layout::{CELL, CHANNELS, SIDE};
 use super::super::unrolling::rolled;
 
 /// The number of directions of gradients.

@@ -1,10 +1,8 @@
 //! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds
 //! by which the search excludes offsets. Every backend gives the same scores and distances.
 
-use super::super::blocks::Blocks;
-use super::super::cut_table::CutTable;
-use super::super::one::ONE;
-use super::super::scores::Scores;
+use super::super::cut_table::{CutTable, ONE};
+use super::super::scores::{Blocks, Scores};
 #[cfg(smr_swar)]
 use super::super::unrolling::rolled;
 use super::super::unrolling::rolled_if_spare;
@@ -51,7 +49,7 @@ impl Scores for Plain<'_> {
 /// remaining pixels cannot reach that.
 ///
 /// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
-/// [`MAX_PIXELS`](super::super::one::MAX_PIXELS) pixels.
+/// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
@@ -81,7 +79,7 @@ pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
 }
 
-/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::one::MAX_PIXELS) of them.
+/// The score of `pixels` equal pixels, exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) of them.
 pub(crate) fn full(pixels: usize) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX).saturating_mul(u32::from(ONE))
 }

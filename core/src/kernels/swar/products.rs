@@ -8,8 +8,7 @@
 //! Armv6-M cannot load a signed number from a place relative to an address. So there each number is stored with 256
 //! added, and 256 times the sum of its factors is subtracted. Sums may wrap before the subtraction.
 
-use crate::kernels::cells::CHANNELS;
-use crate::kernels::layout::{Layout, PACKED, Packed};
+use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
 use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS};
 #[cfg(not(all(smr_swar, target_arch = "arm")))]

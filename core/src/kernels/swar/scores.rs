@@ -14,14 +14,12 @@
 //! and templates are put together from two aligned words.
 
 use crate::image::Image;
-use crate::kernels::blocks::Blocks;
-use crate::kernels::cut_table::CutTable;
+use crate::kernels::cut_table::{CutTable, ONE};
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 use crate::kernels::effort::Effort;
-use crate::kernels::one::ONE;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, Scores};
 use crate::kernels::unrolling::rolled;
 use core::{mem, slice};
 

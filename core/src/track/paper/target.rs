@@ -1,21 +1,16 @@
 //! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
 
 use super::config::Config;
-use super::gate::{ratio, searches};
 use super::saved;
 use super::template::Template;
-use super::track::Track;
-use super::workspace::Workspace;
+use super::track::{Track, ratio, searches};
 use crate::image::{FineRect, Frame, Image, Rect};
+use crate::search::{Extent, Found, Peak, Scene, Search, Window};
 #[cfg(any(test, feature = "unstable"))]
-use crate::search::Window;
-use crate::search::{Extent, Found, Peak, Scene};
-use crate::similarity::{Backend, Contrast, Scorer};
-#[cfg(any(test, feature = "unstable"))]
-use crate::similarity::{CutTable, score_at};
+use crate::similarity::score_at;
+use crate::similarity::{Backend, Contrast, CutTable, Scorer};
 use crate::track::saved::Refusal;
-use crate::track::slot::Slot;
-use crate::track::target::lockable;
+use crate::track::target::{Slot, lockable};
 use crate::track::update::{Seal, Steps, UnderWay};
 use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
@@ -308,3 +303,53 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
 /// Stands for the result of an empty window. No search has one.
 const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
+
+/// Scratch memory for an update of any number of targets, one at a time: `PIXELS` bytes of ranges, `20 * SPAN` bytes of maxima and bounds, and a table.
+///
+/// ```
+/// // Firmware often keeps it in a static.
+/// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
+/// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
+/// ```
+// Fields with padding come before the vectors in `search`. In the other order the compiler builds the value on the
+// stack and copies it instead of zeroing it in place.
+#[repr(C)]
+pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
+    pub(super) under_way: UnderWay,
+    pub(super) window: Window,
+    pub(super) table: CutTable,
+    pub(super) search: Search<PIXELS, SPAN>,
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
+    /// An empty workspace. All its bytes are 0, so a `static` takes no flash.
+    #[must_use]
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Self {
+            search: Search::new(),
+            table: const { CutTable::EMPTY },
+            under_way: const { UnderWay::NOTHING },
+            window: const { Window::NONE },
+        }
+    }
+
+    /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
+    /// search is under way. The result of an update is its [`Answer`](crate::Answer).
+    pub(crate) fn found(&self) -> Option<Found> {
+        self.search.found(&self.window)
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> fmt::Debug for Workspace<PIXELS, SPAN> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").field("found", &self.found()).finish_non_exhaustive()
+    }
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Default for Workspace<PIXELS, SPAN> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::new()
+    }
+}

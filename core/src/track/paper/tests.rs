@@ -2,17 +2,14 @@
 
 use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;
-use crate::track::update::{Steps, calls};
-use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker, UpdateError};
+use crate::track::tests::{cut, steps_keep_their_bound};
+use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker};
 use std::{println, vec, vec::Vec};
 
 type Small = Tracker<Paper<256, 41>>;
 
 fn small_config() -> Config {
-    let mut config = Config::camera();
-    config.window = Radius { x: 10, y: 10 };
-    config.window_limit = Radius { x: 20, y: 20 };
-    config
+    Config { window: Radius { x: 10, y: 10 }, window_limit: Radius { x: 20, y: 20 }, ..Config::camera() }
 }
 
 /// A frame of noise, unique for each seed, with or without a textured target.
@@ -62,7 +59,11 @@ fn scene(seed: u32, x: i32, y: i32) -> Picture {
 }
 
 fn locked_at(x: i32, y: i32) -> Small {
-    let mut tracker = Small::with(small_config()).unwrap();
+    locked_with(small_config(), x, y)
+}
+
+fn locked_with(config: Config, x: i32, y: i32) -> Small {
+    let mut tracker = Small::with(config).unwrap();
     tracker.lock(&scene(1, x, y).frame(), Rect::new(x, y, 12, 12)).unwrap();
     tracker
 }
@@ -96,10 +97,7 @@ fn a_target_is_followed_exactly() {
 
 #[test]
 fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
-    let mut config = small_config();
-    config.runner_up_always = true;
-    let mut tracker = Small::with(config).unwrap();
-    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let mut tracker = locked_with(Config { runner_up_always: true, ..small_config() }, 20, 20);
     let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
     assert!(answer.runner_up_ratio.is_some_and(|ratio| 0 < ratio && ratio < 20000));
 
@@ -132,22 +130,13 @@ fn a_step_does_no_more_than_it_promises() {
         for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
             tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
             let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
-            for asked in [0, 1, 5000] {
-                let most = asked.max(1) + bound.beyond_a_step;
-                let frame = second.frame();
-                let (target, workspace) = tracker.parts();
-                let mut before = 0;
-                loop {
-                    let done = calls::step(target, workspace, &frame, asked).unwrap();
-                    let made = Paper::work(workspace) - before;
-                    assert!(made <= most, "{width}x{height} {radius:?} {asked}: {made} of {most}");
-                    before += made;
-                    if done {
-                        break;
-                    }
-                    assert!(made > 0, "every step makes progress");
-                }
-            }
+            steps_keep_their_bound(
+                &mut tracker,
+                &second.frame(),
+                [0, 1, 5000],
+                bound.beyond_a_step,
+                &(width, height, radius),
+            );
         }
     }
 }
@@ -218,10 +207,7 @@ fn a_leaving_target_keeps_its_template() {
 
 #[test]
 fn a_lost_target_is_found_again_by_a_growing_window() {
-    let mut config = small_config();
-    config.gate_tracking = Fraction::new(2, 1);
-    let mut tracker = Small::with(config).unwrap();
-    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let mut tracker = locked_with(Config { gate_tracking: Fraction::new(2, 1), ..small_config() }, 20, 20);
     for frames in 1..=4u16 {
         let answer = tracker.update(&Picture::noise(64, 48, u32::from(frames) + 40).frame()).unwrap();
         assert_eq!((answer.state, answer.bbox), (State::Lost, Rect::new(20, 20, 12, 12)));
@@ -245,9 +231,7 @@ fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
 /// Locks on the first frame and returns the state in the second. alpha is 255, so all pixels count.
 fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
-    let mut config = Config { first_threshold: 255, window, ..small_config() };
-    config.least_ratio = least_ratio;
-    let mut tracker = Small::with(config).unwrap();
+    let mut tracker = Small::with(Config { first_threshold: 255, window, least_ratio, ..small_config() }).unwrap();
     tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
     tracker.update(&second.frame()).unwrap().state
 }
@@ -298,8 +282,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
 /// The part in the padding has no contrast.
 #[test]
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
-    let mut config = Config { first_threshold: 255, ..small_config() };
-    config.gate_leaving = Fraction::new(0, 1);
+    let config = Config { first_threshold: 255, gate_leaving: Fraction::new(0, 1), ..small_config() };
     let mut tracker = Small::with(config).unwrap();
     let board = Picture {
         pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
@@ -353,109 +336,56 @@ fn the_part_of_the_frame_in_the_window_is_enough() {
             (at_x, at_y) = ((at_x + 3).min(60), (at_y - 4).max(-7));
             let scene = scene(seed, at_x, at_y);
             let window = part.window().unwrap();
-            let cut = scene.image().crop(window).unwrap();
-            let frame = Frame::part(cut, window.x as u16, window.y as u16, 64, 48).unwrap();
-            assert_eq!(part.update(&frame), whole.update(&scene.frame()));
+            assert_eq!(part.update(&cut(&scene.frame(), window)), whole.update(&scene.frame()));
         }
     }
 }
 
 #[test]
-fn one_pixel_less_than_the_window_is_refused_and_changes_nothing() {
-    let mut tracker = locked_at(20, 20);
-    let scene = scene(2, 22, 22);
-    let window = tracker.window().unwrap();
-    assert_eq!(window, Rect::new(10, 10, 32, 32));
-    for less in [
-        Rect { width: 31, ..window },
-        Rect { height: 31, ..window },
-        Rect { x: 11, width: 31, ..window },
-        Rect { y: 11, height: 31, ..window },
-    ] {
-        let cut = scene.image().crop(less).unwrap();
-        let frame = Frame::part(cut, less.x as u16, less.y as u16, 64, 48).unwrap();
-        assert_eq!(tracker.update(&frame), Err(UpdateError::WindowNotInMemory));
-    }
-    assert_eq!(tracker.update(&scene.frame()), locked_at(20, 20).update(&scene.frame()));
-}
-
-#[test]
-fn misuse_is_an_error_and_changes_nothing() {
-    let mut tracker = Small::with(small_config()).unwrap();
-    let scene = scene(1, 20, 20);
-    let frame = scene.frame();
-    assert_eq!(tracker.update(&frame), Err(UpdateError::NotLocked));
-    assert_eq!((tracker.window(), tracker.target().alpha()), (None, 0));
+fn what_only_this_tracker_refuses() {
+    let (mut tracker, scene) = (Small::with(small_config()).unwrap(), scene(1, 20, 20));
+    let (frame, target) = (scene.frame(), Rect::new(20, 20, 12, 12));
+    assert_eq!((tracker.target().alpha(), tracker.target().score_at(&frame, 0, 0)), (0, None));
     assert!(tracker.target().offsets().is_none() && tracker.target().template().is_none());
-    assert_eq!(tracker.target().score_at(&frame, 0, 0), None);
-
-    let mut lock = |x, y, width, height| tracker.lock(&frame, Rect::new(x, y, width, height));
-    assert_eq!(lock(5, 5, 0, 7), Err(LockError::BoxEmpty));
-    assert_eq!(lock(5, 5, 7, 0), Err(LockError::BoxEmpty));
-    assert_eq!(lock(-1, 5, 7, 7), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(58, 5, 7, 7), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(i32::MAX, i32::MIN, u16::MAX, u16::MAX), Err(LockError::BoxOutsideFrame));
-    assert_eq!(lock(5, 5, 17, 16), Err(LockError::BoxTooLarge));
-    assert!(lock(5, 5, 16, 16).is_ok());
-
-    let other = Picture::noise(48, 64, 1);
-    assert_eq!(tracker.update(&other.frame()), Err(UpdateError::FrameSizeChanged));
-    assert_eq!(tracker.lock(&other.frame(), Rect::new(1, 1, 60, 3)), Err(LockError::BoxOutsideFrame));
-    assert!(tracker.update(&frame).is_ok(), "a refused lock leaves the former target");
-    assert!(tracker.lock(&other.frame(), Rect::new(1, 1, 6, 3)).is_ok());
-    assert!(tracker.update(&other.frame()).is_ok(), "locking again may change the frame's size");
-}
-
-#[test]
-fn locking_reads_only_the_box() {
-    let scene = scene(1, 20, 20);
-    let target = Rect::new(20, 20, 12, 12);
-    let frame = Frame::part(scene.image().crop(target).unwrap(), 20, 20, 64, 48).unwrap();
-    let mut tracker = Small::with(small_config()).unwrap();
-    assert!(tracker.lock(&frame, target).is_ok());
-    assert_eq!(tracker.lock(&frame, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
+    assert_eq!(tracker.lock(&frame, Rect::new(5, 5, 17, 16)), Err(LockError::BoxTooLarge));
+    assert!(tracker.lock(&frame, Rect::new(5, 5, 16, 16)).is_ok());
+    let box_alone = cut(&frame, target);
+    assert!(tracker.lock(&box_alone, target).is_ok());
+    assert_eq!(tracker.window(), Some(Rect::new(10, 10, 32, 32)));
+    assert_eq!(tracker.lock(&box_alone, Rect::new(19, 20, 12, 12)), Err(LockError::LockWindowNotInMemory));
+    for (limit, refused) in [(20, None), (21, Some(LockError::WindowTooLarge))] {
+        let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
+        assert_eq!(Small::with(config).unwrap().lock(&frame, target).err(), refused);
+    }
 }
 
 #[test]
 fn a_configuration_is_checked_when_the_tracker_is_built() {
-    let refused = |change: fn(&mut Config)| {
+    let out_of_range = |name, highest| Some(ConfigError::OutOfRange { name, lowest: 1, highest, found: 0 });
+    let cases: [(fn(&mut Config), _); 6] = [
+        (|_| (), None),
+        (|config| config.k.denominator = 0, out_of_range("k", 65535)),
+        (|config| config.gate_lost.denominator = 0, out_of_range("gate_lost", 65535)),
+        (|config| config.k.numerator = 0, out_of_range("k", 65535)),
+        (|config| config.first_threshold = 0, out_of_range("first_threshold", 255)),
+        (|config| config.window_limit.x = config.window.x - 1, Some(ConfigError::LimitBelowWindow)),
+    ];
+    for (change, refused) in cases {
         let mut config = small_config();
         change(&mut config);
-        Small::with(config).err()
-    };
-    let out_of_range = |name, highest| Some(ConfigError::OutOfRange { name, lowest: 1, highest, found: 0 });
-    assert_eq!(refused(|_| ()), None);
-    assert_eq!(refused(|config| config.k.denominator = 0), out_of_range("k", 65535));
-    assert_eq!(refused(|config| config.gate_lost.denominator = 0), out_of_range("gate_lost", 65535));
-    assert_eq!(refused(|config| config.k.numerator = 0), out_of_range("k", 65535));
-    assert_eq!(refused(|config| config.first_threshold = 0), out_of_range("first_threshold", 255));
-    assert_eq!(refused(|config| config.window_limit.x = config.window.x - 1), Some(ConfigError::LimitBelowWindow));
-}
-
-#[test]
-fn a_window_that_could_outgrow_its_memory_is_refused_when_locking() {
-    let scene = scene(1, 20, 20);
-    let lock = |limit| {
-        let config = Config { window_limit: Radius { x: limit, y: 10 }, ..small_config() };
-        Small::with(config).unwrap().lock(&scene.frame(), Rect::new(20, 20, 12, 12))
-    };
-    assert!(lock(20).is_ok());
-    assert_eq!(lock(21), Err(LockError::WindowTooLarge));
+        assert_eq!(Small::with(config).err(), refused);
+    }
 }
 
 #[test]
 fn the_smallest_and_the_largest_frames_work() {
-    let mut config = small_config();
-    config.padding = 0;
-    let mut tracker = Small::with(config).unwrap();
+    let mut tracker = Small::with(Config { padding: 0, ..small_config() }).unwrap();
     let one = Image::new(&[7], 1, 1).unwrap();
     tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
     let answer = tracker.update(&one.into()).unwrap();
     assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, None));
 
-    config.padding = u16::MAX;
-    config.neighbourhood = u16::MAX;
-    config.growth = u16::MAX;
+    let config = Config { padding: u16::MAX, neighbourhood: u16::MAX, growth: u16::MAX, ..small_config() };
     let pixels: Vec<u8> = (0..65535u32).map(|i| ((i * i) >> 7) as u8).collect();
     for (width, height) in [(65535, 1), (1, 65535)] {
         let line = Image::new(&pixels, width, height).unwrap();

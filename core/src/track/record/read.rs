@@ -1,11 +1,12 @@
 //! The entries of a record, checked.
 
 use super::{AROUND, HEAD, Tag, VERSION};
-use crate::image::{FineRect, Frame, Image, Rect};
+use crate::image::{FineRect, Frame, Rect};
 use crate::similarity::Table;
 use crate::track::checksum::Crc;
+use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
-use core::fmt;
+use core::{fmt, mem};
 
 /// Numbers of a table of similarities, and more than the other numbers of a configuration.
 const TABLE: usize = 256;
@@ -235,11 +236,11 @@ impl<'a> Iterator for Entries<'a> {
 /// Tag, number and content of the entry that begins here; `None` if no whole one does.
 #[inline(never)]
 fn whole(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
-    let mut head = Fields(bytes);
+    let mut head = Reader { bytes };
     let tag = head.take()?;
     let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag)?;
     let (number, length) = (head.u32()?, usize::try_from(head.u32()?).ok()?);
-    let content = head.bytes(length)?;
+    let content = head.slice(length)?;
     let sum = head.u32()?;
     let summed = bytes.get(..HEAD + content.len())?;
     (Crc::of(summed) == sum).then_some((tag, number, content))
@@ -247,21 +248,21 @@ fn whole(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
 
 #[inline(never)]
 fn read(tag: Tag, content: &[u8]) -> Result<Entry<'_>, Flaw> {
-    let mut from = Fields(content);
+    let mut from = Reader { bytes: content };
     if tag == Tag::Begin {
         let version = from.u16().ok_or(Flaw::Content)?;
         if version != VERSION {
             return Err(Flaw::OtherVersion(version));
         }
     }
-    entry(tag, &mut from).filter(|_| from.0.is_empty()).ok_or(Flaw::Content)
+    entry(tag, &mut from).filter(|_| from.is_empty()).ok_or(Flaw::Content)
 }
 
-fn entry<'a>(tag: Tag, from: &mut Fields<'a>) -> Option<Entry<'a>> {
+fn entry<'a>(tag: Tag, from: &mut Reader<'a>) -> Option<Entry<'a>> {
     Some(match tag {
         Tag::Begin => {
             let [tracker, _] = from.take()?;
-            Entry::Begin(Begin { tracker, numbers: from.rest() })
+            Entry::Begin(Begin { tracker, numbers: mem::take(&mut from.bytes) })
         }
         Tag::Lock => {
             let (size, bbox, window) = (from.size()?, from.rect()?, from.rect()?);
@@ -273,48 +274,17 @@ fn entry<'a>(tag: Tag, from: &mut Fields<'a>) -> Option<Entry<'a>> {
             let sweep = Some(sweep).filter(|sweep| !sweep.is_empty());
             let mut frame = from.frame(size, window)?;
             if let Some(sweep) = sweep {
-                let (image, x, y) = from.part(sweep)?;
-                frame = frame.and_part(image, x, y).ok()?;
+                frame = frame.and_window(from.pixels(sweep)?, sweep).ok()?;
             }
             Entry::Window { frame, window, sweep }
         }
         Tag::Answer => Entry::Answer(from.answer()?),
-        Tag::Restored => Entry::Restored(from.rest()),
+        Tag::Restored => Entry::Restored(mem::take(&mut from.bytes)),
     })
 }
 
-/// The numbers of an entry, one after the other; `None` at the end.
-struct Fields<'a>(&'a [u8]);
-
-impl<'a> Fields<'a> {
-    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (first, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(first)
-    }
-
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*first)
-    }
-
-    fn rest(&mut self) -> &'a [u8] {
-        core::mem::take(&mut self.0)
-    }
-
-    fn u16(&mut self) -> Option<u16> {
-        self.take().map(u16::from_le_bytes)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn i32(&mut self) -> Option<i32> {
-        self.take().map(i32::from_le_bytes)
-    }
-
+/// The content of an entry, number by number; `None` at the end.
+impl<'a> Reader<'a> {
     fn size(&mut self) -> Option<(u16, u16)> {
         Some((self.u16()?, self.u16()?))
     }
@@ -325,16 +295,12 @@ impl<'a> Fields<'a> {
         Some(Rect::new(x.into(), y.into(), width, height))
     }
 
-    /// The next pixels, as the part of a frame in this rectangle.
-    fn part(&mut self, rect: Rect) -> Option<(Image<'a>, u16, u16)> {
-        let pixels = self.bytes(usize::try_from(rect.area()).ok()?)?;
-        let image = Image::new(pixels, rect.width, rect.height).ok()?;
-        Some((image, u16::try_from(rect.x).ok()?, u16::try_from(rect.y).ok()?))
+    fn pixels(&mut self, window: Rect) -> Option<&'a [u8]> {
+        self.slice(usize::try_from(window.area()).ok()?)
     }
 
-    fn frame(&mut self, (width, height): (u16, u16), part: Rect) -> Option<Frame<'a>> {
-        let (image, x, y) = self.part(part)?;
-        Frame::part(image, x, y, width, height).ok()
+    fn frame(&mut self, size: (u16, u16), window: Rect) -> Option<Frame<'a>> {
+        Frame::of_window(self.pixels(window)?, window, size).ok()
     }
 
     fn answer(&mut self) -> Option<Answer> {

@@ -35,57 +35,31 @@ pub enum Stop {
     },
 }
 
-/// A difference between the record and the replay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Difference {
-    /// The configuration is not one of this tracker and version, or has another table.
-    Numbers,
-    /// The configuration is refused.
-    Config(ConfigError),
-    /// A lock reads other pixels: recorded, replayed.
-    LockWindow(Rect, Rect),
-    /// A lock fails.
-    Lock(LockError),
-    /// An update reads other pixels: recorded, replayed.
-    Window(Option<Rect>, Option<Rect>),
-    /// An update has another second window: recorded, replayed.
-    SweepWindow(Option<Rect>, Option<Rect>),
-    /// An update fails.
-    Update(UpdateError),
-    /// Another answer: recorded, replayed.
-    Answer(Answer, Answer),
-    /// An answer without a window before it.
-    NoWindow,
-    /// A saved target is refused.
-    Restored(RestoreError),
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Numbers => {
-                f.write_str("the configuration is not one of this tracker and version, or its table is another")
-            }
-            Self::Config(error) => write!(f, "configuration: {error}"),
-            Self::LockWindow(recorded, replayed) => {
-                write!(f, "lock window: recorded {recorded:?}, replayed {replayed:?}")
-            }
-            Self::Lock(error) => write!(f, "lock: {error}"),
-            Self::Window(recorded, replayed) => write!(f, "window: recorded {recorded:?}, replayed {replayed:?}"),
-            Self::SweepWindow(recorded, replayed) => {
-                write!(f, "sweep window: recorded {recorded:?}, replayed {replayed:?}")
-            }
-            Self::Update(error) => write!(f, "update: {error}"),
-            Self::Answer(recorded, replayed) => write!(f, "answer: recorded {recorded:?}, replayed {replayed:?}"),
-            Self::NoWindow => f.write_str("an answer without a window before it"),
-            Self::Restored(error) => write!(f, "saved target: {error}"),
-        }
+errors! {
+    /// A difference between the record and the replay.
+    Difference {
+        /// The configuration is not one of this tracker and version, or has another table.
+        Numbers => "the configuration is not one of this tracker and version, or its table is another",
+        /// The configuration is refused.
+        Config(error: ConfigError) => "configuration: {error}",
+        /// A lock reads other pixels: recorded, replayed.
+        LockWindow(recorded: Rect, replayed: Rect) => "lock window: recorded {recorded:?}, replayed {replayed:?}",
+        /// A lock fails.
+        Lock(error: LockError) => "lock: {error}",
+        /// An update reads other pixels: recorded, replayed.
+        Window(recorded: Option<Rect>, replayed: Option<Rect>) => "window: recorded {recorded:?}, replayed {replayed:?}",
+        /// An update has another second window: recorded, replayed.
+        SweepWindow(recorded: Option<Rect>, replayed: Option<Rect>) => "sweep window: recorded {recorded:?}, replayed {replayed:?}",
+        /// An update fails.
+        Update(error: UpdateError) => "update: {error}",
+        /// Another answer: recorded, replayed.
+        Answer(recorded: Answer, replayed: Answer) => "answer: recorded {recorded:?}, replayed {replayed:?}",
+        /// An answer without a window before it.
+        NoWindow => "an answer without a window before it",
+        /// A saved target is refused.
+        Restored(error: RestoreError) => "saved target: {error}",
     }
 }
-
-impl core::error::Error for Difference {}
 
 impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

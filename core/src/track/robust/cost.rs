@@ -11,7 +11,7 @@ use super::response::CODED;
 use super::verification::COPIED;
 use super::{gradients, learning, lighting, refiner, response, scale, verification};
 use crate::track::MostWork;
-use crate::track::budget::largest;
+use crate::track::update::largest;
 
 /// The most work of an update.
 const fn update(config: &Config, extent: Extent) -> u32 {

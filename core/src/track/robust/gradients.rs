@@ -23,7 +23,7 @@ use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 use core::cell::Cell;
 use heapless::Vec;
 

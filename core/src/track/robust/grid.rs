@@ -9,7 +9,7 @@
 use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS};
 use crate::image::Rect;
 use crate::kernels::rolled;
-use crate::track::budget::units;
+use crate::track::update::units;
 
 /// The shapes of the template and of the filter, and the grid's step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

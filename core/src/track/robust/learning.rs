@@ -29,7 +29,7 @@ use super::grid::{Extent, Grid};
 use super::response::{self, CODED, Responses};
 use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
-use crate::track::budget::{Budget, largest, units};
+use crate::track::update::{Budget, largest, units};
 
 /// Units of work for each weight when the direction is computed.
 const SLOPED: u32 = 64;

@@ -13,14 +13,14 @@ use super::config::Config;
 use super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
 use super::learning::Learning;
 use super::lighting::{Light, measuring, window_contrast};
-use super::memory::Memory;
 use super::model::Model;
 use super::refiner::FirstCrop;
 use super::response::CODED;
+use super::saved::Memory;
 use super::track::Track;
 use crate::image::Frame;
 use crate::track::Quality;
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 
 /// The next stage, with its inputs.
 #[derive(Clone, Copy)]

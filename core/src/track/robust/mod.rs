@@ -41,10 +41,10 @@
 //! | `pipeline.rs` | runs these stages for an update and cuts them into pieces; `lock.rs` does so for a lock |
 //! | `model.rs` | the inputs of the stages, and those that both pipelines share |
 //! | `windows.rs` | where an update looks, and the pixels that it may read |
-//! | `memory.rs`, `track.rs`, `saved.rs` | what the tracker remembers, and the same as bytes |
+//! | `track.rs`, `saved.rs` | what the tracker remembers, and the same as bytes |
 //! | `buffers.rs` | which stage uses which memory |
 //! | `cost.rs` | the most work of an update, a lock and a step |
-//! | `target.rs`, `workspace.rs` | the calls |
+//! | `target.rs` | the calls, and the workspace |
 //! | `division.rs` | divides wide numbers |
 //! | `constants.rs` | most constants of the method that are not in [`Config`] |
 
@@ -62,7 +62,6 @@ mod grid;
 mod learning;
 mod lighting;
 mod lock;
-mod memory;
 mod model;
 mod motion;
 mod pipeline;
@@ -85,7 +84,6 @@ mod tests;
 mod track;
 mod verification;
 mod windows;
-mod workspace;
 
 pub use config::Config;
 #[cfg(feature = "unstable")]
@@ -96,4 +94,4 @@ pub use grid::Grid;
 pub(crate) use refiner::REFINER_WEIGHTS;
 #[cfg(any(test, feature = "unstable"))]
 pub(crate) use target::Robust;
-pub use workspace::Workspace;
+pub use target::Workspace;

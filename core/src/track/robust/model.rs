@@ -4,15 +4,15 @@ use super::buffers::Buffers;
 use super::config::Config;
 use super::learning::{Learning, Training};
 use super::lighting::{measuring, window_contrast};
-use super::memory::Memory;
 use super::motion::Place;
 use super::response::layout;
 use super::sampling::Lattice;
+use super::saved::Memory;
 use super::track::Track;
 use super::verification::Reference;
 use crate::correlation::Window;
 use crate::kernels::Products;
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 
 /// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
 /// `memory` at each step of learning.

@@ -22,7 +22,6 @@ use super::constants::SPAN;
 use super::division::quotient;
 use super::grid::Grid;
 use super::learning::Learning;
-use super::memory::Memory;
 use super::model::Model;
 use super::motion::{Motion, Place};
 use super::refinement::{REFINED, Refined, refine};
@@ -30,13 +29,14 @@ use super::refiner::Refiner;
 use super::response::CODED;
 #[cfg(feature = "unstable")]
 use super::sampling::Lattice;
+use super::saved::Memory;
 use super::scale::{self, Borrowed, ScaleSearch, Tools};
 use super::track::Track;
 use super::verification::{COPIED, Candidate, Verification, Verified};
 use super::windows::{expected, swept};
 use crate::image::Frame;
 use crate::track::State;
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 
 /// The next stage, with its inputs.
 #[derive(Clone, Copy)]

@@ -23,7 +23,7 @@ use super::division::quotient;
 use super::grid::{Extent, Grid};
 use crate::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};
-use crate::track::budget::{Budget, units};
+use crate::track::update::{Budget, units};
 
 /// Responses, row by row.
 pub(super) struct Responses {

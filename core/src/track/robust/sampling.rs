@@ -437,35 +437,35 @@ mod tests {
         (sampled, columns * rows.len() * read.len() * read.len())
     }
 
-    fn samples_as_plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) {
+    fn samples_as_plainly(
+        pixels: &[u8],
+        (width, height): (u16, u16),
+        (x, y): (i64, i64),
+        step: i64,
+        columns: u16,
+        rows: u16,
+    ) {
+        let lattice = Lattice { x, y, step, step_down: step, columns, rows };
         let frame = Frame::whole(Image::new(pixels, width, height).unwrap());
         let (mut sampling, mut sampled) = (Sampling::new(), Vec::<u8, 40_000>::new());
         assert!(lattice.sample(&frame, &mut sampling, &mut sampled));
         let read = usize::try_from(sampling.work(0)).unwrap();
-        let (wanted, of) = plainly(lattice, pixels, width, height);
+        let (wanted, of) = plainly(&lattice, pixels, width, height);
         assert!(sampled[..] == wanted[..], "{lattice:?} on {width}x{height}");
         assert_eq!(read, of, "{lattice:?} on {width}x{height}");
     }
 
     #[test]
     fn blocks_of_all_sides_are_mixed_as_by_plain_arithmetic() {
+        let small = [PIXEL / 2, PIXEL + 1, 2 * PIXEL - 1, 2 * PIXEL, 3 * PIXEL + 7, 4 * PIXEL - 1];
+        let large = (2..8).map(|places| PIXEL << places).flat_map(|step| [step, 3 * step / 2 + 5, 2 * step - 1]);
         for (width, height) in [(83, 50), (64, 64), (16, 200), (7, 3), (1, 1)] {
             let pixels = noise(width, height);
-            for step in
-                [PIXEL / 2, PIXEL + 1, 2 * PIXEL - 1, 2 * PIXEL, 3 * PIXEL + 7, 4 * PIXEL - 1].into_iter().chain(
-                    (2..8)
-                        .flat_map(|places| [PIXEL << places, 3 * (PIXEL << places) / 2 + 5, 2 * (PIXEL << places) - 1]),
-                )
-            {
-                for (x, y) in [(0, 0), (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3), (12_345, 543_210)]
-                {
-                    let (x, y) = (x.min(i64::from(width - 1) * PIXEL), y.min(i64::from(height - 1) * PIXEL));
-                    samples_as_plainly(
-                        &Lattice { x, y, step, step_down: step, columns: 14, rows: 9 },
-                        &pixels,
-                        width,
-                        height,
-                    );
+            let end = |size: u16| i64::from(size - 1) * PIXEL;
+            let middle = (i64::from(width) * PIXEL / 2, i64::from(height) * PIXEL / 3);
+            for step in small.into_iter().chain(large.clone()) {
+                for (x, y) in [(0, 0), middle, (12_345, 543_210)] {
+                    samples_as_plainly(&pixels, (width, height), (x.min(end(width)), y.min(end(height))), step, 14, 9);
                 }
             }
         }
@@ -473,31 +473,22 @@ mod tests {
 
     #[test]
     fn blocks_of_1024x1024_pixels() {
-        let (width, height) = (5000, 3100);
-        let pixels = noise(width, height);
+        let pixels = noise(5000, 3100);
         for step in [1024 * PIXEL, 1777 * PIXEL + 99, 2048 * PIXEL - 1] {
-            samples_as_plainly(
-                &Lattice { x: 2400 * PIXEL, y: 1500 * PIXEL, step, step_down: step, columns: 6, rows: 5 },
-                &pixels,
-                width,
-                height,
-            );
+            samples_as_plainly(&pixels, (5000, 3100), (2400 * PIXEL, 1500 * PIXEL), step, 6, 5);
         }
     }
 
     /// Steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows.
     #[test]
     fn the_farthest_positions() {
-        let pixels = noise(65_535, 1);
+        let (pixels, most) = (noise(65_535, 1), u16::try_from(COLUMNS).unwrap());
         for step in
             [PIXEL / 2, PIXEL, 2 * PIXEL - 1, 3 * PIXEL, 511 * PIXEL, 1024 * PIXEL, 8192 * PIXEL - 1, 8192 * PIXEL]
         {
             for middle in [0, 32_767 * PIXEL, 65_534 * PIXEL] {
-                let columns = u16::try_from(COLUMNS).unwrap();
-                let lattice = Lattice { x: middle, y: 0, step, step_down: step, columns, rows: 6 };
-                samples_as_plainly(&lattice, &pixels, 65_535, 1);
-                let lattice = Lattice { x: 0, y: middle, step, step_down: step, columns: 6, rows: columns };
-                samples_as_plainly(&lattice, &pixels, 1, 65_535);
+                samples_as_plainly(&pixels, (65_535, 1), (middle, 0), step, most, 6);
+                samples_as_plainly(&pixels, (1, 65_535), (0, middle), step, 6, most);
             }
         }
     }

@@ -1,16 +1,17 @@
-//! A target of the robust tracker as bytes: track, filter, early template, and the refiner's memory.
+//! The memory of a target from frame to frame, and the same as bytes: track, filter, early template, and the refiner's memory.
 
 use super::confidence::Confidence;
 use super::config::Config;
-use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS};
+use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
 use super::grid::Grid;
 use super::lighting::Light;
-use super::memory::Memory;
 use super::motion::{Motion, Place};
 use super::redetection::Sweep;
 use super::refiner::{self, Correction, First, Opinion};
 use super::scale;
+use super::template::Template;
 use super::track::Track;
+use crate::correlation::Filter;
 use crate::image::Rect;
 use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
@@ -22,7 +23,22 @@ const TRACK: usize = 62;
 pub(super) const SAVED_SIZE: usize =
     around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
+/// Everything that the tracker remembers of a target.
+pub(super) struct Memory {
+    /// `None` before the first lock.
+    pub(super) track: Option<Track>,
+    pub(super) filter: Filter<WEIGHTS>,
+    pub(super) template: Template,
+    /// The first frame's target, as the refiner sees it.
+    pub(super) first: First,
+}
+
 impl Memory {
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { track: None, filter: Filter::new(), template: Template::new(), first: First::new() }
+    }
+
     /// Bytes of the saved form.
     pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refines() { refiner::SAVED } else { 0 };

@@ -10,8 +10,9 @@
 //! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
-use super::constants::{CHANNELS, WEIGHTS};
-use super::constants::{LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP};
+use super::constants::{
+    CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
+};
 use super::division::quotient;
 use super::gradients::{self, Extractor};
 use super::grid::{Extent, Grid};
@@ -22,7 +23,7 @@ use super::sampling::Lattice;
 use crate::correlation::{Coded, Window};
 use crate::image::{Frame, Rect};
 use crate::kernels::Products;
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 use heapless::Vec;
 
 /// Bytes of the largest window. The longest filter has the longest margin.

@@ -4,7 +4,7 @@
 use super::constants::PIXEL;
 use super::sampling::{Lattice, Sampling};
 use super::{Config, Robust};
-use crate::track::update::{Steps, calls};
+use crate::track::tests::{asked_for, cut, steps_keep_their_bound};
 use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};
 use heapless::Vec as Fixed;
 use std::{boxed::Box, vec, vec::Vec};
@@ -47,21 +47,12 @@ impl Both {
         let frame = whole(pixels, self.width, self.height);
         let window = self.part.window().unwrap();
         assert!(frame.bounds().contains(window), "{window:?}");
-        let mut seen = cut(&frame, window);
-        if let Some(sweep) = self.part.sweep_window() {
-            seen = seen.and_part(frame.patch(sweep).unwrap(), sweep.x as u16, sweep.y as u16).unwrap();
-        }
-        let answer = self.part.update(&seen).unwrap();
+        let answer = self.part.update(&asked_for(&frame, self.part.target())).unwrap();
         assert_eq!(answer, self.whole.update(&frame).unwrap(), "only {window:?} was in memory");
         assert_eq!(self.part.target().weights(), self.whole.target().weights());
         assert!(self.part.target().early_template().unwrap().eq(self.whole.target().early_template().unwrap()));
         answer
     }
-}
-
-fn cut<'a>(frame: &Frame<'a>, window: Rect) -> Frame<'a> {
-    let Rect { width, height, .. } = frame.bounds();
-    Frame::part(frame.patch(window).unwrap(), window.x as u16, window.y as u16, width, height).unwrap()
 }
 
 /// Locks on `target` and searches for it in frames of all kinds.
@@ -120,22 +111,8 @@ fn a_step_does_no_more_than_it_promises() {
         tracker.lock(&whole(&first, width, height), target).unwrap();
         for (number, pixels) in [&first, &other, &other, &other, &other, &other, &other, &first].into_iter().enumerate()
         {
-            let most = most_parts().most_work().beyond_a_step;
-            for asked in [0, 1, 20_000] {
-                let frame = whole(pixels, width, height);
-                let (target, workspace) = tracker.parts();
-                let mut before = 0;
-                loop {
-                    let done = calls::step(target, workspace, &frame, asked).unwrap();
-                    let made = Robust::work(workspace) - before;
-                    assert!(made <= asked.max(1) + most, "{target:?} {number} {asked}: {made} of {most}");
-                    before += made;
-                    if done {
-                        break;
-                    }
-                    assert!(made > 0, "it goes on");
-                }
-            }
+            let (frame, most) = (whole(pixels, width, height), most_parts().most_work().beyond_a_step);
+            steps_keep_their_bound(&mut tracker, &frame, [0, 1, 20_000], most, &(target, number));
             tracker.update(&whole(pixels, width, height)).unwrap();
         }
     }

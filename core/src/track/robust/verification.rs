@@ -24,7 +24,7 @@ use super::sampling::{Lattice, SAMPLED, Sampling, most_read};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 use heapless::Vec;
 
 /// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of

@@ -5,8 +5,8 @@ use super::sampling::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::Backend;
 use crate::track::State;
-use crate::track::budget::Budget;
 use crate::track::saved::{Reader, Writer};
+use crate::track::update::Budget;
 use heapless::Vec;
 
 pub(super) const SAVED: usize = 0;

@@ -6,13 +6,12 @@
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::image::Image;
-use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::aarch64::*;
 
 impl Vector for uint8x16_t {

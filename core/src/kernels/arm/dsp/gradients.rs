@@ -1,7 +1,7 @@
 //! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
 //! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
-use crate::kernels::cells::{CELL, CHANNELS, SIDE};
+use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
 use core::arch::asm;
 use core::mem::MaybeUninit;

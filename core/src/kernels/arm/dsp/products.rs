@@ -9,8 +9,7 @@
 //! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two
 //!   rows of cells.
 
-use crate::kernels::cells::CHANNELS;
-use crate::kernels::layout::{Layout, PACKED, Packed};
+use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
 use crate::kernels::three_sums::{Pairs, Rows};
 use crate::kernels::unrolling::rolled;

@@ -13,7 +13,7 @@ use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Limit, Loops, blocks};
 use super::words::{LANES, Row, entry, in_lanes, words};
 use super::{candidates, groups};
-use crate::kernels::one::ONE;
+use crate::kernels::cut_table::ONE;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;

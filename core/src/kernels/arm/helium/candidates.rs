@@ -1,7 +1,7 @@
 //! Excludes offsets that cannot reach a score, by Helium: counts the points of four neighbouring offsets at a time.
 
 use super::super::points::{OFFSETS, Points};
-use super::vectors::{LANES, strides};
+use super::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 

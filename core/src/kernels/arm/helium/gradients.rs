@@ -1,6 +1,6 @@
 //! Cells of gradient orientations by Helium: eight cells at a time. The plain loops are in `plain/gradients.rs`.
 
-use crate::kernels::cells::{CELL, CHANNELS, SIDE};
+use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
 use core::arch::asm;
 use core::mem::MaybeUninit;

@@ -3,7 +3,7 @@
 //! A pixel counts only if it lies within the range of its block, widened by threshold - 1 on both sides. The ranges are
 //! stored as that test needs them: the lower end, and the length.
 
-use super::vectors::{LANES, strides};
+use super::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 

@@ -9,10 +9,22 @@ mod groups;
 pub(crate) mod levels;
 pub(crate) mod products;
 pub(crate) mod scores;
-mod vectors;
 pub(crate) mod weights;
+
+use crate::kernels::rows::Rows;
 
 /// True: it is compiled only for processors that have it.
 pub(crate) const fn is_available() -> bool {
     true
+}
+
+/// Pixels in a vector.
+const LANES: usize = 16;
+
+/// Bytes from the end of the last vector of a row to the next row, in the patch and in the template. A vector has
+/// `lanes` pixels.
+#[inline(always)]
+fn strides(pair: &Rows, lanes: usize) -> [usize; 2] {
+    let read = pair.width.next_multiple_of(lanes);
+    [pair.patch_stride, pair.template_stride].map(|stride| stride.wrapping_sub(read))
 }

@@ -6,8 +6,7 @@
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
 //!   filter of errors, at the offset of each weight.
 
-use crate::kernels::cells::CHANNELS;
-use crate::kernels::layout::{Layout, Packed};
+use crate::kernels::layout::{CHANNELS, Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::arch::asm;
 use core::ops::Range;

@@ -11,7 +11,7 @@
 
 use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Limit, Loops, blocks};
-use super::vectors::{LANES, strides};
+use super::{LANES, strides};
 use super::{candidates, groups};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;

@@ -9,13 +9,12 @@
 //!    byte outside of a row is read, whatever its width.
 
 use crate::image::Image;
-use crate::kernels::blocks::{Blocks, RowsOfRanges};
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 use core::slice;
 

@@ -15,14 +15,12 @@
 //! instructions.
 
 use crate::image::Image;
-use crate::kernels::blocks::{Blocks, RowsOfRanges};
-use crate::kernels::cut_table::CutTable;
+use crate::kernels::cut_table::{CutTable, ONE};
 use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, outside, ranges};
-use crate::kernels::one::ONE;
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::Scores;
+use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
 use core::arch::x86_64::*;
 
 impl Vector for __m128i {

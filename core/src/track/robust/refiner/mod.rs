@@ -18,13 +18,11 @@
 
 mod correction;
 mod crop;
-mod first;
 mod network;
 mod opinion;
 
 pub(super) use correction::Correction;
-pub(super) use crop::reachable;
-pub(super) use first::{First, FirstCrop};
+pub(super) use crop::{First, FirstCrop, reachable};
 #[cfg(feature = "unstable")]
 pub(crate) use network::REFINER_WEIGHTS;
 pub(super) use opinion::Opinion;
@@ -32,7 +30,7 @@ pub(super) use opinion::Opinion;
 use super::sampling::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::{Backend, Dense};
-use crate::track::budget::Budget;
+use crate::track::update::Budget;
 use crop::Crop;
 use heapless::Vec;
 use network::{Layers, Outputs, ROOM};

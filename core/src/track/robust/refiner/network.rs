@@ -22,7 +22,7 @@ use super::crop::{MEAN, SAMPLES, SIDE};
 #[cfg(smr_helium)]
 use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
-use crate::track::budget::{Budget, units};
+use crate::track::update::{Budget, units};
 
 /// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height, of
 /// the spread of the place and of the size. Unit: 1/4096.

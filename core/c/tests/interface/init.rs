@@ -1,10 +1,11 @@
 //! `smr_init` takes little stack, even in debug builds: it makes the tracker in the storage and does not move it there.
+//! The presets `robust` and `refined`: in a library with the refiner and in one without it. Both builds run these tests.
 
 #![allow(unsafe_code)] // calls the C interface, and reads the stack
 
 use smr::{
     PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE, ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE, smr_config, smr_config_camera,
-    smr_config_robust, smr_init, smr_status,
+    smr_config_refined, smr_config_robust, smr_init, smr_status,
 };
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -37,18 +38,17 @@ fn below(paint: bool) -> usize {
     (0..DEPTH / LINE).position(used).map_or(0, |first| DEPTH - first * LINE)
 }
 
-/// The bytes of stack that `work` takes.
-fn stack_of(work: impl FnOnce() + Send + 'static) -> usize {
+/// The result of `work`, and the bytes of stack that it takes.
+fn stack_of<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> (R, usize) {
     let measure = || {
         below(true);
-        work();
-        below(false)
+        (work(), below(false))
     };
     std::thread::Builder::new().stack_size(2 * DEPTH).spawn(measure).unwrap().join().unwrap()
 }
 
 #[repr(align(16))]
-pub(crate) struct Storage<const SIZE: usize>(pub(crate) [u8; SIZE]);
+struct Storage<const SIZE: usize>([u8; SIZE]);
 
 #[test]
 fn the_measurement_is_right() {
@@ -56,31 +56,54 @@ fn the_measurement_is_right() {
     fn takes<const BYTES: usize>() {
         black_box(&mut [7u8; BYTES]);
     }
-    let (little, much) = (stack_of(takes::<64>), stack_of(takes::<100_000>));
+    let [little, much] = [takes::<64>, takes::<100_000>].map(|takes| stack_of(takes).1);
     assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
 }
 
-/// The bytes of stack that `smr_init` takes.
-fn stack_of_init<const TARGET: usize, const WORKSPACE: usize>(
+/// A filled configuration.
+fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_config {
+    let mut config = MaybeUninit::uninit();
+    // SAFETY: there is memory for the configuration, and it is written before it is read.
+    unsafe {
+        assert_eq!(fill(config.as_mut_ptr()), smr_status::SMR_OK);
+        config.assume_init()
+    }
+}
+
+/// The status of `smr_init`, and the bytes of stack that it takes with the call before it.
+fn init<const TARGET: usize, const WORKSPACE: usize>(
     fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
-) -> usize {
+) -> (smr_status, usize) {
     let (mut storage, mut workspace) = (Box::new(Storage([0; TARGET])), Box::new(Storage([0; WORKSPACE])));
     stack_of(move || {
-        let (mut config, mut tracker) = (MaybeUninit::uninit(), ptr::null_mut());
-        // SAFETY: only this call uses the memory; the configuration is written before it is read.
-        let status = unsafe {
-            fill(config.as_mut_ptr());
-            let (storage, workspace) = (storage.0.as_mut_ptr().cast(), workspace.0.as_mut_ptr().cast());
-            smr_init(storage, TARGET, workspace, WORKSPACE, config.as_ptr(), &raw mut tracker)
-        };
-        assert_eq!(status, smr_status::SMR_OK);
+        let (config, mut tracker) = (filled(fill), ptr::null_mut());
+        let (storage, workspace) = (storage.0.as_mut_ptr().cast(), workspace.0.as_mut_ptr().cast());
+        // SAFETY: only this call uses the memory.
+        unsafe { smr_init(storage, TARGET, workspace, WORKSPACE, &raw const config, &raw mut tracker) }
     })
 }
 
 #[test]
 fn trackers_are_made_in_their_memory() {
-    let paper = stack_of_init::<PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE>(smr_config_camera);
-    let robust = stack_of_init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust);
+    let (made, paper) = init::<PAPER_TARGET_SIZE, PAPER_WORKSPACE_SIZE>(smr_config_camera);
+    let (also_made, robust) = init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_robust);
     println!("smr_init: {paper}, robust {robust}");
     assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
+    assert_eq!([made, also_made], [smr_status::SMR_OK; 2]);
+    // Another package in the same build may have switched the refiner of smr-core on.
+    let mut config = smr_core::robust::Config::robust();
+    config.refiner = true;
+    let expected = match config.check() {
+        Ok(()) => smr_status::SMR_OK,
+        Err(_) => smr_status::SMR_ERROR_REFINER_NOT_BUILT_IN,
+    };
+    assert_eq!(init::<ROBUST_TARGET_SIZE, ROBUST_WORKSPACE_SIZE>(smr_config_refined).0, expected);
+}
+
+#[test]
+fn the_presets_differ_in_the_refiner_alone() {
+    let (robust, mut refined) = (filled(smr_config_robust), filled(smr_config_refined));
+    assert_eq!((robust.robust.refiner, refined.robust.refiner), (0, 1));
+    refined.robust.refiner = 0;
+    assert_eq!(format!("{robust:?}"), format!("{refined:?}"));
 }

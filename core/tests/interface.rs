@@ -1,7 +1,8 @@
-//! Tests rules of the paper's tracker that recordings rarely exercise: the update zone, the gate, the unbounded window.
+//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise (the update zone, the gate,
+//! the unbounded window, changes of light), and the README's table of memory.
 
-use smr_core::paper::{Config, Margins};
-use smr_core::{Answer, Frame, Image, Paper, Rect, State, Tracker};
+use smr_core::paper::{Config, Margins, Workspace};
+use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Tracker, robust};
 
 const WIDTH: u16 = 90;
 const HEIGHT: u16 = 70;
@@ -186,4 +187,70 @@ fn margins_are_kept_inside_the_picture() {
     }
     assert!(!Margins::NONE.kept_by(Rect::new(-1, 0, 5, 5), picture));
     assert!(!Margins::NONE.kept_by(Rect::new(i32::MAX, i32::MIN, u16::MAX, u16::MAX), picture));
+}
+
+const TARGET: Rect = Rect::new(60, 40, 24, 24);
+
+/// Noise of middle gray levels, `light` levels brighter; if `uneven`, every seventh pixel one level more.
+fn lit(light: u8, uneven: bool) -> Vec<u8> {
+    let mut state = 3_u32;
+    let noise = std::iter::repeat_with(move || {
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
+        state.to_be_bytes()[0]
+    });
+    let uneven = |index: usize| u8::from(uneven && index.is_multiple_of(7));
+    noise.take(160 * 120).enumerate().map(|(index, level)| level / 2 + 40 + light + uneven(index)).collect()
+}
+
+fn states(config: Config) -> Vec<(Rect, State)> {
+    let pictures = [lit(0, false), lit(1, true), lit(3, false)];
+    let frame = |pixels| Frame::whole(Image::new(pixels, 160, 120).expect("160x120 pixels"));
+    let mut tracker = Tracker::<Paper<576, 200>>::with(config).expect("a configuration that can be used");
+    tracker.lock(&frame(&pictures[0]), TARGET).expect("a box in the picture");
+    let answers = pictures[1..].iter().map(|pixels| tracker.update(&frame(pixels)).expect("a frame of the same size"));
+    answers.map(|answer| (answer.bbox, answer.state)).collect()
+}
+
+#[test]
+fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
+    assert_eq!(states(Config::camera()), [(TARGET, State::Tracking); 2]);
+    // With the paper's rule alpha falls to one gray level, and no pixel of the target counts.
+    let paper = states(Config::paper());
+    assert_eq!(paper[0], (TARGET, State::Tracking));
+    assert_ne!(paper[1], (TARGET, State::Tracking));
+}
+
+/// Without a least alpha hardly any pixel matches. A peak by chance is not accepted.
+#[test]
+fn a_peak_of_a_few_pixels_is_not_accepted() {
+    let mut config = Config::camera();
+    config.least_threshold = 0;
+    assert_eq!(states(config)[1], (TARGET, State::Lost));
+    config.least_ratio = 0;
+    assert_ne!(states(config)[1].0, TARGET);
+}
+
+/// The bytes of target and workspace in the row of the README that begins with `beginning`.
+fn row(beginning: &str) -> (usize, usize) {
+    let readme = include_str!("../README.md");
+    let row = readme.lines().find(|line| line.starts_with(beginning)).unwrap_or_else(|| panic!("no row {beginning}"));
+    let mut cells = row.split('|').skip(2).map(|cell| cell.trim().replace(',', "").parse().expect("a number"));
+    (cells.next().expect("the target"), cells.next().expect("the workspace"))
+}
+
+fn states_the_memory_of<const PIXELS: usize, const SPAN: usize>() {
+    let sizes = (size_of::<Paper<PIXELS, SPAN>>(), size_of::<Workspace<PIXELS, SPAN>>());
+    assert_eq!(sizes, row(&format!("| `Paper<{PIXELS}, {SPAN}>`")));
+}
+
+#[cfg(target_pointer_width = "64")]
+#[test]
+fn the_readme_states_the_memory() {
+    states_the_memory_of::<1024, 33>();
+    states_the_memory_of::<4096, 33>();
+    states_the_memory_of::<4096, 161>();
+    let robust = if cfg!(feature = "refiner") { "| `Robust` with the feature `refiner` |" } else { "| `Robust` |" };
+    assert_eq!((size_of::<Robust>(), size_of::<robust::Workspace>()), row(robust));
 }

@@ -1,0 +1,289 @@
+//! Makes a tracker in the caller's memory, and follows the target from frame to frame: locks and updates, at once and in steps.
+
+use crate::answer::smr_answer;
+use crate::capacity::ALIGNMENT;
+use crate::config::smr_config;
+use crate::frame::{smr_frame, smr_rect};
+use crate::pointer::{self, Out};
+use crate::setting::given;
+use crate::status::{
+    SMR_ERROR_BOX_EMPTY, SMR_ERROR_BOX_OUTSIDE_FRAME, SMR_ERROR_MISALIGNED, SMR_ERROR_NOT_LOCKED,
+    SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, SMR_ERROR_STORAGE_TOO_SMALL, SMR_ERROR_WORKSPACE_TOO_SMALL, smr_status,
+    status_of,
+};
+use crate::tracker::{Event, Known, ask, borrow, each, smr_tracker, whole, with_frame};
+use core::ffi::c_void;
+use core::ptr;
+use smr_core::{Rect, Target};
+
+/// The size of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE of the library as it was built.
+///
+/// @param config  Filled by one of the calls smr_config_...
+/// @return        Bytes; 0 if `config` is NULL or was not filled. Differs from the macro if this program defines other capacities
+///                than those that the library was built with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
+    // SAFETY: as the header demands of the caller.
+    unsafe { given(config) }.map_or(0, |(_, method)| method.target_size)
+}
+
+/// The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was
+/// built.
+///
+/// @param config  Filled by one of the calls smr_config_...
+/// @return        As #smr_target_size.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize {
+    // SAFETY: as the header demands of the caller.
+    unsafe { given(config) }.map_or(0, |(_, method)| method.workspace_size)
+}
+
+/// Makes a tracker without a target.
+///
+/// @param storage         Memory for all that the tracker remembers, such as an #smr_paper_target or an #smr_robust_target; aligned to
+///                        #SMR_ALIGNMENT. It must stay where it is, untouched, as long as the tracker is used. After that you may use
+///                        it for anything.
+/// @param storage_size    Bytes at `storage`; at least #smr_target_size.
+/// @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace; aligned to
+///                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
+///                        cancels an update that another tracker has begun in it.
+/// @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
+/// @param config          Which tracker, and its numbers. It is copied.
+/// @param tracker         Is set to the tracker, or to NULL after an error.
+/// @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
+///                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
+///                        configuration) or an error of the configuration (#SMR_ERROR_CONFIG_OUT_OF_RANGE,
+///                        #SMR_ERROR_LIMIT_BELOW_WINDOW, #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_init(
+    storage: *mut c_void,
+    storage_size: usize,
+    workspace: *mut c_void,
+    workspace_size: usize,
+    config: *const smr_config,
+    tracker: *mut *mut smr_tracker,
+) -> smr_status {
+    // SAFETY: the caller gives memory for a pointer.
+    let out = match unsafe { Out::new(tracker) } {
+        Ok(out) => out,
+        Err(status) => return status,
+    };
+    // SAFETY: as the header demands of the caller.
+    let made = unsafe { init(storage, storage_size, workspace, workspace_size, config) };
+    out.write(if made.is_ok() { storage.cast() } else { ptr::null_mut() });
+    status_of(made)
+}
+
+/// # Safety
+/// As `smr_init` demands.
+unsafe fn init(
+    storage: *mut c_void,
+    storage_size: usize,
+    workspace: *mut c_void,
+    workspace_size: usize,
+    config: *const smr_config,
+) -> Result<(), smr_status> {
+    pointer::check(storage)?;
+    pointer::check(workspace)?;
+    if !storage.addr().is_multiple_of(ALIGNMENT) || !workspace.addr().is_multiple_of(ALIGNMENT) {
+        return Err(SMR_ERROR_MISALIGNED);
+    }
+    // SAFETY: as the caller ensures.
+    let (config, method) = unsafe { given(config)? };
+    if storage_size < method.target_size {
+        return Err(SMR_ERROR_STORAGE_TOO_SMALL);
+    }
+    if workspace_size < method.workspace_size {
+        return Err(SMR_ERROR_WORKSPACE_TOO_SMALL);
+    }
+    let [storage_range, workspace_range] =
+        [pointer::range(storage, method.target_size), pointer::range(workspace, method.workspace_size)];
+    if pointer::overlap(&storage_range, &workspace_range) {
+        return Err(SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE);
+    }
+    // SAFETY: sizes and alignment are checked; the caller ensures the rest.
+    unsafe { (method.make)(storage, workspace, config) }
+}
+
+/// The pixels of a frame that #smr_lock reads for a target. Firmware need not read out more.
+///
+/// @param tracker  Made by #smr_init.
+/// @param width    Width of the frame.
+/// @param height   Height of the frame.
+/// @param bbox     The box, completely inside the frame.
+/// @param window   Is set to a rectangle, always inside the frame. The paper's tracker: the box. The robust tracker: the box and its
+///                 surroundings. Unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
+///                 #SMR_ERROR_BOX_OUTSIDE_FRAME.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_lock_window(
+    tracker: *const smr_tracker,
+    width: u16,
+    height: u16,
+    bbox: *const smr_rect,
+    window: *mut smr_rect,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, window, |tracker| {
+            let bbox = Rect::from(pointer::read(bbox)?);
+            let window = tracker.lock_window(Rect::new(0, 0, width, height), bbox);
+            match (bbox.is_empty(), window.is_empty()) {
+                (true, _) => Err(SMR_ERROR_BOX_EMPTY),
+                (_, true) => Err(SMR_ERROR_BOX_OUTSIDE_FRAME),
+                _ => Ok(window.into()),
+            }
+        })
+    })
+}
+
+/// Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the
+/// pixels in #smr_lock_window.
+///
+/// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
+/// as much as 11 to 16 updates. #smr_lock_step does the same in steps.
+///
+/// @param tracker  Made by #smr_init.
+/// @param frame    The frame. Its parts in memory cover #smr_lock_window.
+/// @param bbox     The box, completely inside the frame; for the paper's tracker at most #SMR_PIXELS pixels.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
+///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME) or of the box (#SMR_ERROR_BOX_EMPTY to
+///                 #SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY). After an error the tracker keeps its previous target.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_lock(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    bbox: *const smr_rect,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let bbox = pointer::read(bbox)?.into();
+            tracker.cancel();
+            whole(|| tracker.lock_step(frame, &bbox, u32::MAX))
+        })
+    })
+}
+
+/// Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
+/// size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
+/// no target until then. Units of work: see #smr_update_step; a lock takes at most 50.6 million. The paper's tracker does
+/// all work in one step.
+///
+/// @param tracker  Made by #smr_init.
+/// @param frame    As for #smr_lock. Its pixels are the same in every step.
+/// @param bbox     As for #smr_lock.
+/// @param work     Units of work to do; 0 means 1.
+/// @return         #SMR_UNDER_WAY, or as #smr_lock.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_lock_step(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    bbox: *const smr_rect,
+    work: u32,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| tracker.lock_step(frame, &pointer::read(bbox)?.into(), work))
+    })
+}
+
+/// Finds the target in the next frame.
+///
+/// It reads only the pixels in #smr_windows; the rest of the frame need not be in memory.
+///
+/// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
+/// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
+/// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
+/// the same in every frame, at most 894 products for each of at most 2000 weights. #smr_update_step
+/// does the same in steps.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    The frame. Its parts in memory cover #smr_windows.
+/// @param answer   Is set to the answer; unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, an error of the frame
+///                 (#SMR_ERROR_FRAME_EMPTY to #SMR_ERROR_OUTSIDE_FRAME), #SMR_ERROR_NOT_LOCKED, #SMR_ERROR_FRAME_SIZE_CHANGED or
+///                 #SMR_ERROR_WINDOW_NOT_IN_MEMORY. After an error the tracker is unchanged.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_update(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    answer: *mut smr_answer,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| {
+            let out = Out::new(answer)?;
+            tracker.cancel();
+            whole(|| tracker.update_step(frame, u32::MAX, &out))
+        })
+    })
+}
+
+/// Updates in steps of bounded work, for programs with a deadline: begins an update, or goes on with the one under way.
+/// Call it until it returns another status than #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the size of
+/// the steps. Every other call that may change the tracker ends the update, and so does another tracker that uses the
+/// workspace; the next step then begins a new one.
+///
+/// The unit of work depends on the tracker:
+/// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
+///   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
+/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
+///   `work` by at most 128,000.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param frame    As for #smr_update. Its pixels are the same in every step.
+/// @param work     Units of work to do; 0 means 1.
+/// @param answer   Is set to the answer; unchanged unless the status is #SMR_OK.
+/// @return         #SMR_UNDER_WAY, or as #smr_update.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_update_step(
+    tracker: *mut smr_tracker,
+    frame: *const smr_frame,
+    work: u32,
+    answer: *mut smr_answer,
+) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        with_frame(tracker, frame, |tracker, frame| tracker.update_step(frame, work, &Out::new(answer)?))
+    })
+}
+
+/// The pixels of the frame that the next #smr_update may read. Firmware need not read out more.
+///
+/// @param tracker  Made by #smr_init, locked by #smr_lock.
+/// @param windows  Are set to two rectangles, both inside the frame. The first is never empty. In the second the robust tracker searches
+///                 for a lost target: in most frames, and always for the paper's tracker, its width and height are 0. Unchanged after an
+///                 error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
+/// cbindgen:ptrs-as-arrays=[[windows; 2]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut smr_rect) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe {
+        ask(tracker, windows.cast::<[smr_rect; 2]>(), |tracker| {
+            let window = tracker.window().ok_or(SMR_ERROR_NOT_LOCKED)?;
+            Ok([window, tracker.sweep_window().unwrap_or_default()].map(Into::into))
+        })
+    })
+}
+
+/// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
+/// expected at (x + right, y + down). It cancels an update under way.
+///
+/// The search window moves along. The box stays within reach of the frame. The
+/// paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
+///
+/// @param tracker  Made by #smr_init.
+/// @param right    In units of 1/256 pixel.
+/// @param down     In units of 1/256 pixel.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {
+    // SAFETY: as the header demands of the caller.
+    status_of(unsafe { borrow(tracker) }.map(|tracker| {
+        tracker.cancel();
+        each!(tracker.known(), target => target.moved(right, down));
+        tracker.tell(&Event::Moved(right, down));
+    }))
+}

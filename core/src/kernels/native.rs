@@ -1,0 +1,150 @@
+//! Kernels that no [`Backend`](super::Backend) chooses. They follow the instruction set that the program is compiled for: bilinear
+//! sampling of rows, cells of gradient orientations (HOG, Dalal and Triggs), gray levels, and the weights of a filter.
+
+use super::backend::native;
+use super::cut_table::MAX_PIXELS;
+use super::layout::{CELL, CHANNELS, SIDE};
+use super::plain::bilinear::{MixedRow, PLACES};
+use heapless::Vec;
+
+/// The places of up to `N` columns in a row.
+pub(crate) struct Interpolation<const N: usize> {
+    /// The byte in the row where a column's first number begins.
+    from: Vec<u16, N>,
+    /// The weights of the first and of the second number, 256 together.
+    parts: Vec<[u16; 2], N>,
+}
+
+impl<const N: usize> Interpolation<N> {
+    /// The number of places: a column's first number is at a place below this.
+    pub(crate) const PLACES: usize = PLACES as usize;
+
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { from: Vec::new(), parts: Vec::new() }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.from.clear();
+        self.parts.clear();
+    }
+
+    /// The number of columns.
+    pub(crate) fn count(&self) -> usize {
+        self.from.len()
+    }
+
+    /// Adds a column at `place + part / 256`. Does nothing if there is no room.
+    pub(crate) fn push(&mut self, place: u16, part: u8) {
+        let _ = self.from.push(2 * (place % PLACES));
+        let _ = self.parts.push([256 - u16::from(part), part.into()]);
+    }
+
+    /// Computes the rounded gray levels of the columns in `row`, up to the length of `out`.
+    #[inline(always)]
+    pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
+        let Self { from, parts } = self;
+        // SAFETY: `push` keeps each place below PLACES.
+        #[allow(unused_unsafe)] // the plain loop is safe
+        unsafe {
+            native::bilinear::mix(from, parts, row, out);
+        }
+    }
+}
+
+/// Computes the sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
+/// Rows and lines have room for a multiple of eight cells.
+#[inline(always)]
+pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
+    lines: &[[u8; COLUMNS]; SIDE],
+    sums: &mut [[u16; ROW]],
+    energies: &mut [u32; ROW],
+    across: usize,
+) {
+    debug_assert!(sums.len() == CHANNELS && across <= ROW && across * usize::from(CELL) + 2 <= COLUMNS);
+    native::gradients::gradients(lines, sums, energies, across);
+}
+
+/// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
+/// level less 128.
+#[inline(always)]
+pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+    debug_assert!(sums.len() == CHANNELS && out.len() <= ROW);
+    native::gradients::scale(sums, inverses, out);
+}
+
+/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
+/// 65537 pixels.
+#[inline(never)]
+pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
+    debug_assert!(pixels.len() <= MAX_PIXELS);
+    native::levels::deviation(pixels, level)
+}
+
+/// Replaces `old` by `new`, which has the same length. Returns the largest of `largest` and the differences of the
+/// pixels.
+#[inline(never)] // keeps its registers out of its caller
+pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
+    debug_assert_eq!(old.len(), new.len());
+    native::levels::replace(old, new, largest)
+}
+
+/// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
+/// down.
+///
+/// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
+#[derive(Clone, Copy)]
+pub(crate) struct ScaledSums<'a> {
+    pub(crate) weights: &'a [i32],
+    pub(crate) factor: i64,
+    pub(crate) sums: &'a [i32],
+    pub(crate) left: u32,
+}
+
+impl<'a> ScaledSums<'a> {
+    /// The sums alone, without weights. They may be -2^31.
+    pub(crate) fn of(sums: &'a [i32]) -> Self {
+        Self { weights: sums, factor: 0, sums, left: 0 }
+    }
+
+    /// The largest absolute value.
+    #[inline(never)]
+    pub(crate) fn largest(self) -> u32 {
+        let Self { weights, factor, sums, left } = self;
+        native::weights::largest(weights, factor, sums, left)
+    }
+
+    /// Codes all numbers: divides them by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
+    #[inline(never)]
+    pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
+        let Self { weights, factor, sums, left } = self;
+        native::weights::code(weights, factor, sums, left, shift, out);
+    }
+}
+
+/// A step against a gradient: subtracts `slope * length / 2^back`, rounded, from each weight. `back` is 0 to 62, and no
+/// product reaches 2^62.
+#[derive(Clone, Copy)]
+pub(crate) struct GradientStep {
+    pub(crate) length: i64,
+    pub(crate) back: u32,
+}
+
+impl GradientStep {
+    /// Takes the step. A weight that would overflow an `i32` stays.
+    #[inline(never)]
+    pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
+        let Self { length, back } = self;
+        debug_assert!(back <= 62);
+        native::weights::step(weights, slopes, length, back);
+    }
+}
+
+/// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum
+/// of the products of old and new numbers, which is below 2^31.
+#[inline(always)]
+pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
+    debug_assert!(numbers.len() <= 16 && numbers.iter().all(|number| number.unsigned_abs() <= 8191));
+    debug_assert!((0..=1 << 14).contains(&part));
+    native::weights::scale_by(numbers, part)
+}
