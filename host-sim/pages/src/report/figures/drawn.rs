@@ -106,13 +106,13 @@ fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference>
 /// Draws the legend of the shades.
 fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
     const SIZE: Pair = (120.0, 14.0);
-    const STRETCHED: (u16, u16) = (128, 15);
-    let levels: Vec<u8> = (0..STRETCHED.1).flat_map(|_| 0..128).collect();
+    const PIXELS: (u16, u16) = (128, 15);
+    let levels: Vec<u8> = (0..PIXELS.1).flat_map(|_| 0..128).collect();
     sheet.words((left, TOP + 8.0), "start", "0", WHITE);
     sheet.words((left + SIZE.0, TOP + 8.0), "end", "127+", WHITE);
-    sheet.patch((left, TOP + LINE), SIZE, &map(STRETCHED, &levels, None)?);
+    sheet.patch((left, TOP + LINE), SIZE, &map(PIXELS, &levels, None)?);
     if alpha.is_some() {
-        sheet.patch((left, TOP + 3.0 * LINE), SIZE, &map(STRETCHED, &levels, alpha)?);
+        sheet.patch((left, TOP + 3.0 * LINE), SIZE, &map(PIXELS, &levels, alpha)?);
         sheet.words((left, TOP + 3.0 * LINE + SIZE.1 + 12.0), "start", "that count", WHITE);
     }
     Ok(())

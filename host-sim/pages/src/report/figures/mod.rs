@@ -47,7 +47,7 @@ pub struct Plan {
     pub figure: Figure,
     /// The frames whose pictures are in it, in order; the first is 0.
     pub frames: Vec<usize>,
-    /// First and last frame in which the target is hidden.
+    /// First and last frame in which the target is hidden, for the last figure.
     hidden: (usize, usize),
 }
 

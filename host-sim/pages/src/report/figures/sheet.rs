@@ -1,7 +1,7 @@
 //! Parts of a figure, as SVG: words, lines, frames with boxes, patches and plots.
 
-use super::{METHODS, SMR, compared};
-use crate::colors::{Color, GRID, PAPER, SAD, TRUTH, WHITE, color_of_method};
+use super::{METHODS, SAD, SMR, compared};
+use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE, color_of_method};
 use crate::encode::{GOOD, data_uri, jpeg};
 use crate::report::film::{Film, Still};
 use crate::report::image;
@@ -81,27 +81,24 @@ impl Sheet {
         self.0.push(format!(r#"<polyline points="{points}" fill="none" stroke="{}" {stroke}/>"#, rgb(color)));
     }
 
-    pub fn area(&mut self, (x, y): Pair, (width, height): Pair, look: &str) {
-        self.0.push(format!(r#"<rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" {look}/>"#));
+    pub fn area(&mut self, at: Pair, size: Pair, look: &str) {
+        self.0.push(format!("<rect {} {look}/>", place(at, size)));
     }
 
     /// A picture, as large as there is room for it `within`.
-    fn picture(&mut self, (x, y): Pair, (width, height): Pair, kind: &str, bytes: &[u8]) {
-        let href = data_uri(kind, bytes);
-        // Pixels of patches stay to be seen.
-        let look = if kind == "image/png" { r#" style="image-rendering:pixelated""# } else { "" };
-        self.0.push(format!(
-            r#"<image x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" preserveAspectRatio="xMinYMin"{look} href="{href}"/>"#
-        ));
+    fn picture(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
+        let place = place(at, within);
+        self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));
     }
 
+    /// A picture of which each pixel stays to be seen.
     pub fn patch(&mut self, at: Pair, within: Pair, png: &[u8]) {
-        self.picture(at, within, "image/png", png);
+        self.picture(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
     }
 
     /// A line of words that tells who has which color.
     pub fn legend(&mut self, truth: bool) {
-        let all = [("SMR", color_of(SMR), SOLID), ("SAD", SAD, DASHED), ("truth", TRUTH, DOTTED)];
+        let all = [("SMR", color_of(SMR), SOLID), ("SAD", color_of(SAD), DASHED), ("truth", TRUTH, DOTTED)];
         for (place, (name, color, stroke)) in all[..2 + usize::from(truth)].iter().rev().enumerate() {
             let right = Plot::RIGHT - 88.0 * place as f64;
             self.words((right, GAP), "end", name, *color);
@@ -116,7 +113,7 @@ impl Sheet {
         let scale = size.0 / (width + 2.0 * margin);
         self.area(at, size, r##"fill="#000""##);
         let corner = (at.0 + margin * scale, at.1 + margin * scale);
-        self.picture(corner, (width * scale, height * scale), "image/jpeg", &jpeg(&still.frame, GOOD)?);
+        self.picture(corner, (width * scale, height * scale), "", &data_uri("image/jpeg", &jpeg(&still.frame, GOOD)?));
         let answers = &film.moments[still.index].reports;
         let boxes = (0..).zip(&still.sights).map(|(method, sight)| {
             let stroke = if answers[method].target.is_none() { DOTTED } else { STROKES[method] };
@@ -207,6 +204,10 @@ pub(super) fn tile(film: &Film, longest: f64, margin: u16) -> Pair {
 
 pub(super) fn color_of(method: usize) -> Color {
     color_of_method(METHODS[method])
+}
+
+fn place((x, y): Pair, (width, height): Pair) -> String {
+    format!(r#"x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}""#)
 }
 
 fn rgb([red, green, blue]: Color) -> String {
