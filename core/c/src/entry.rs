@@ -153,11 +153,7 @@ impl smr_frame {
     fn of(frame: &Frame<'_>, windows: [Option<Rect>; 2]) -> Self {
         let part = |window: Option<Rect>| {
             let image = window.and_then(|window| frame.patch(window));
-            let Rect { x, y, width, height } = window.unwrap_or_default();
-            let [x, y] = [x, y].map(|place| u16::try_from(place).unwrap_or(0));
-            let pixels = image.map_or(ptr::null(), |image| image.row(0).as_ptr());
-            let stride = usize::from(width);
-            smr_part { pixels, size: stride * usize::from(height), stride, width, height, x, y }
+            smr_part::of(image.map_or(ptr::null(), |image| image.row(0).as_ptr()), window.unwrap_or_default())
         };
         let Rect { width, height, .. } = frame.bounds();
         Self { width, height, parts: windows.map(part) }

@@ -82,6 +82,13 @@ pub struct smr_image {
 }
 
 impl smr_part {
+    /// The part with these pixels, row by row without gaps, in the place of a window inside the frame.
+    pub(crate) fn of(pixels: *const u8, Rect { x, y, width, height }: Rect) -> Self {
+        let [x, y] = [x, y].map(|place| u16::try_from(place).unwrap_or(0));
+        let stride = usize::from(width);
+        Self { pixels, size: stride * usize::from(height), stride, width, height, x, y }
+    }
+
     /// The pixels. They must not lie in the `taken` memory of the tracker, which changes while they are read.
     ///
     /// # Safety

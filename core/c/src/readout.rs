@@ -129,15 +129,10 @@ impl smr_readout {
 
     /// Windows that were checked, in a frame.
     fn parts(&self) -> [smr_part; 2] {
-        let area = |window: smr_rect| usize::from(window.width) * usize::from(window.height);
-        let place = |at: i32| u16::try_from(at).unwrap_or(0);
-        let part = |pixels: *mut u8, window: smr_rect| {
-            let smr_rect { x, y, width, height } = window;
-            smr_part { pixels, size: area(window), stride: width.into(), width, height, x: place(x), y: place(y) }
-        };
-        let [first, second] = self.windows;
-        let rest = if area(second) == 0 { ptr::null_mut() } else { self.pixels.wrapping_add(area(first)) };
-        [part(self.pixels, first), part(rest, second)]
+        let [first, second] = self.windows.map(Rect::from);
+        let first = smr_part::of(self.pixels, first);
+        let rest = if second.is_empty() { ptr::null_mut() } else { self.pixels.wrapping_add(first.size) };
+        [first, smr_part::of(rest, second)]
     }
 }
 

@@ -27,43 +27,34 @@ type Smr = Paper<{ 64 * 64 }, 33>;
 trait Replayed: Recorded {
     /// Memory for the largest entry.
     type Buffer: AsMut<[u8]>;
+    const BUFFER: Self::Buffer;
 
     /// The plain loops with the feature `plain`, else the fastest backend.
     fn rest() -> Self::Config;
-
-    fn buffer() -> Self::Buffer;
 }
 
 const BACKEND: Option<Backend> = if cfg!(feature = "plain") { Some(Backend::Scalar) } else { None };
 
 impl Replayed for Smr {
     type Buffer = [u8; 96 * 96 + AROUND + 20];
+    const BUFFER: Self::Buffer = [0; 96 * 96 + AROUND + 20];
 
     fn rest() -> paper::Config {
         let mut config = paper::Config::paper();
         config.backend = BACKEND;
         config
     }
-
-    #[inline(always)]
-    fn buffer() -> Self::Buffer {
-        [0; 96 * 96 + AROUND + 20]
-    }
 }
 
 impl Replayed for Robust {
     /// Two windows of a target that has up to 48x48 pixels at the lock.
     type Buffer = [u8; 48 * 1024];
+    const BUFFER: Self::Buffer = [0; 48 * 1024];
 
     fn rest() -> robust::Config {
         let mut config = robust::Config::robust();
         config.backend = BACKEND;
         config
-    }
-
-    #[inline(always)]
-    fn buffer() -> Self::Buffer {
-        [0; 48 * 1024]
     }
 }
 
@@ -156,7 +147,7 @@ impl Run {
 
     #[inline(never)] // so that the measured stack contains only the tracker that runs
     fn replay<T: Replayed>(&mut self) -> Result<(), End> {
-        let mut buffer = T::buffer();
+        let mut buffer = T::BUFFER;
         let buffer = buffer.as_mut();
         let mut tracker = Tracker::<T>::default();
         let ticks = self.timer.measure(|| spin(CALIBRATION)).1;

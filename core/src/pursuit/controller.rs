@@ -113,25 +113,17 @@ pub(super) mod tests {
     };
 
     #[test]
-    fn a_step_is_the_gain_times_the_error() {
-        assert!((PAN.toward(0.0, 0.1, 0.03125) - 0.03125).abs() < 1e-6);
-        assert!((PAN.toward(0.5, -0.1, 0.03125) - 0.46875).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_late_frame_does_not_overshoot() {
+    fn steps_are_exact() {
+        for (from, error, to) in [(0.0, 0.1, 0.03125), (0.5, -0.1, 0.46875)] {
+            assert!((PAN.toward(from, error, 0.03125) - to).abs() < 1e-6, "the gain times the error");
+        }
         let patient = Axis { slew_radians_per_second: 100.0, ..PAN };
-        assert_eq!(patient.toward(0.5, 0.125, 10.0), 0.625);
-    }
-
-    #[test]
-    fn the_way_home_ends_there() {
-        assert_eq!(PAN.homeward(0.75, 0.5), 0.5);
-        assert_eq!(PAN.homeward(0.5, 0.75), 0.25);
-        assert_eq!(PAN.homeward(-0.25, 0.5), 0.0);
-        assert_eq!(PAN.homeward(0.25, 5.0), 0.25);
+        assert_eq!(patient.toward(0.5, 0.125, 10.0), 0.625, "a late frame does not overshoot");
         let slow = Axis { slew_radians_per_second: 0.25, ..PAN };
-        assert_eq!(slow.homeward(0.75, 0.5), 0.625);
+        let home = [(PAN, 0.75, 0.5, 0.5), (PAN, 0.5, 0.75, 0.25), (PAN, -0.25, 0.5, 0.0), (PAN, 0.25, 5.0, 0.25)];
+        for (axis, from, seconds, to) in home.into_iter().chain([(slow, 0.75, 0.5, 0.625)]) {
+            assert_eq!(axis.homeward(from, seconds), to, "the way home ends there");
+        }
     }
 
     /// Axes with ordinary and extreme numbers; some products overflow.

@@ -53,15 +53,17 @@ fn lamp(states: &[bool]) -> pin_mock::Mock {
     pin_mock::Mock::new(&states.iter().map(set).collect::<Vec<_>>())
 }
 
+type Mocked = Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>;
+
 /// Runs `steps` on a new pursuit and checks that exactly these duties and lamp states are written.
-fn writes(
-    pan: &[u16],
-    tilt: &[u16],
-    indicator: &[bool],
-    steps: impl FnOnce(&mut Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>),
-) {
+fn writes(pan: &[u16], tilt: &[u16], indicator: &[bool], steps: impl FnOnce(&mut Mocked)) {
     let mut pursuit = Pursuit::new(config(), duties(pan), duties(tilt), lamp(indicator)).unwrap();
     steps(&mut pursuit);
+    done(pursuit);
+}
+
+/// Checks that every expected write was made.
+fn done(pursuit: Mocked) {
     let (mut pan, mut tilt, mut indicator) = pursuit.release();
     pan.done();
     tilt.done();
@@ -162,8 +164,7 @@ fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
         let mut follow = || pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25);
         assert!(error.to_string().contains(word), "{error}");
         assert_eq!((follow(), follow()), (Err(error), Ok(Command { pan_radians, tilt_radians })));
-        let (mut pan, mut tilt, mut indicator) = pursuit.release();
-        (pan.done(), tilt.done(), indicator.done());
+        done(pursuit);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
 
-use super::descent::{MOST_STEPS, SAD_STEP, first_step_of};
 use super::ranges::{Ranges, SIDE};
+use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
 
 /// The size of a search.
 pub(crate) struct Extent {

@@ -11,13 +11,11 @@
 //! | `floor.rs` | the peak so far, and the floor: the least score that can change the result |
 //! | `ranges.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
 //! | `progress.rs` | the progress of a search and its budget; scores an offset |
-//! | `descent.rs` | a good score early: moves from the last position to a small SAD |
 //! | `tiles.rs` | excludes or scores the groups of a window |
-//! | `scan.rs` | the order of these, in steps; the scouts |
+//! | `scan.rs` | the order of these, in steps; the descent from the last position to a small SAD; the scouts |
 //! | `bound.rs` | the most comparisons of a search |
 
 mod bound;
-mod descent;
 mod floor;
 mod progress;
 mod ranges;

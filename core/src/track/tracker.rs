@@ -77,6 +77,16 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
     }
 }
 
+/// Defines what a tracker and its target both say.
+macro_rules! of_the_target {
+    ($($name:ident: $type:ty),+) => {$(
+        #[doc = concat!("See [`Target::", stringify!($name), "`].")]
+        pub fn $name(&self) -> Option<$type> {
+            self.target.$name()
+        }
+    )+};
+}
+
 impl<T: Target> Tracker<T> {
     /// A tracker without a target.
     ///
@@ -148,30 +158,7 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit_lock(target, workspace, frame)))
     }
 
-    /// See [`Target::window`].
-    pub fn window(&self) -> Option<Rect> {
-        self.target.window()
-    }
-
-    /// See [`Target::sweep_window`].
-    pub fn sweep_window(&self) -> Option<Rect> {
-        self.target.sweep_window()
-    }
-
-    /// See [`Target::bbox`].
-    pub fn bbox(&self) -> Option<FineRect> {
-        self.target.bbox()
-    }
-
-    /// See [`Target::state`].
-    pub fn state(&self) -> Option<State> {
-        self.target.state()
-    }
-
-    /// See [`Target::quality`].
-    pub fn quality(&self) -> Option<Quality> {
-        self.target.quality()
-    }
+    of_the_target! { window: Rect, sweep_window: Rect, bbox: FineRect, state: State, quality: Quality }
 
     /// See [`Target::moved`].
     pub fn moved(&mut self, right: i32, down: i32) {

@@ -26,12 +26,10 @@ impl<const PIXELS: usize> Template<PIXELS> {
 
     /// Copies `patch`, of at most `PIXELS` pixels, and sets the first threshold.
     pub(crate) fn start(&mut self, patch: Image<'_>, config: &Config) {
-        (self.contrast, self.threshold) = (Contrast::NONE, u16::from(config.first_threshold));
-        self.pixels.clear();
+        self.restore(&[], (patch.width(), patch.height()), config.first_threshold.into());
         for y in 0..patch.height() {
             self.append(patch.row(y));
         }
-        (self.width, self.height) = (patch.width(), patch.height());
     }
 
     /// Sets the pixels (at most `PIXELS`), their shape and their threshold.

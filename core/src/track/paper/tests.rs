@@ -9,10 +9,7 @@ use std::{println, vec, vec::Vec};
 type Small = Tracker<Paper<256, 41>>;
 
 fn small_config() -> Config {
-    let mut config = Config::camera();
-    config.window = Radius { x: 10, y: 10 };
-    config.window_limit = Radius { x: 20, y: 20 };
-    config
+    Config { window: Radius { x: 10, y: 10 }, window_limit: Radius { x: 20, y: 20 }, ..Config::camera() }
 }
 
 /// A frame of noise, unique for each seed, with or without a textured target.
@@ -62,7 +59,11 @@ fn scene(seed: u32, x: i32, y: i32) -> Picture {
 }
 
 fn locked_at(x: i32, y: i32) -> Small {
-    let mut tracker = Small::with(small_config()).unwrap();
+    locked_with(small_config(), x, y)
+}
+
+fn locked_with(config: Config, x: i32, y: i32) -> Small {
+    let mut tracker = Small::with(config).unwrap();
     tracker.lock(&scene(1, x, y).frame(), Rect::new(x, y, 12, 12)).unwrap();
     tracker
 }
@@ -96,10 +97,7 @@ fn a_target_is_followed_exactly() {
 
 #[test]
 fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
-    let mut config = small_config();
-    config.runner_up_always = true;
-    let mut tracker = Small::with(config).unwrap();
-    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let mut tracker = locked_with(Config { runner_up_always: true, ..small_config() }, 20, 20);
     let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();
     assert!(answer.runner_up_ratio.is_some_and(|ratio| 0 < ratio && ratio < 20000));
 
@@ -209,10 +207,7 @@ fn a_leaving_target_keeps_its_template() {
 
 #[test]
 fn a_lost_target_is_found_again_by_a_growing_window() {
-    let mut config = small_config();
-    config.gate_tracking = Fraction::new(2, 1);
-    let mut tracker = Small::with(config).unwrap();
-    tracker.lock(&scene(1, 20, 20).frame(), Rect::new(20, 20, 12, 12)).unwrap();
+    let mut tracker = locked_with(Config { gate_tracking: Fraction::new(2, 1), ..small_config() }, 20, 20);
     for frames in 1..=4u16 {
         let answer = tracker.update(&Picture::noise(64, 48, u32::from(frames) + 40).frame()).unwrap();
         assert_eq!((answer.state, answer.bbox), (State::Lost, Rect::new(20, 20, 12, 12)));
@@ -236,9 +231,7 @@ fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
 /// Locks on the first frame and returns the state in the second. alpha is 255, so all pixels count.
 fn seen_after(first: &Picture, second: &Picture, least_ratio: u16) -> State {
     let window = Radius { x: 0, y: 0 };
-    let mut config = Config { first_threshold: 255, window, ..small_config() };
-    config.least_ratio = least_ratio;
-    let mut tracker = Small::with(config).unwrap();
+    let mut tracker = Small::with(Config { first_threshold: 255, window, least_ratio, ..small_config() }).unwrap();
     tracker.lock(&first.frame(), Rect::new(20, 20, 12, 12)).unwrap();
     tracker.update(&second.frame()).unwrap().state
 }
@@ -289,8 +282,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
 /// The part in the padding has no contrast.
 #[test]
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
-    let mut config = Config { first_threshold: 255, ..small_config() };
-    config.gate_leaving = Fraction::new(0, 1);
+    let config = Config { first_threshold: 255, gate_leaving: Fraction::new(0, 1), ..small_config() };
     let mut tracker = Small::with(config).unwrap();
     let board = Picture {
         pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
@@ -387,17 +379,13 @@ fn a_configuration_is_checked_when_the_tracker_is_built() {
 
 #[test]
 fn the_smallest_and_the_largest_frames_work() {
-    let mut config = small_config();
-    config.padding = 0;
-    let mut tracker = Small::with(config).unwrap();
+    let mut tracker = Small::with(Config { padding: 0, ..small_config() }).unwrap();
     let one = Image::new(&[7], 1, 1).unwrap();
     tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
     let answer = tracker.update(&one.into()).unwrap();
     assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, None));
 
-    config.padding = u16::MAX;
-    config.neighbourhood = u16::MAX;
-    config.growth = u16::MAX;
+    let config = Config { padding: u16::MAX, neighbourhood: u16::MAX, growth: u16::MAX, ..small_config() };
     let pixels: Vec<u8> = (0..65535u32).map(|i| ((i * i) >> 7) as u8).collect();
     for (width, height) in [(65535, 1), (1, 65535)] {
         let line = Image::new(&pixels, width, height).unwrap();
