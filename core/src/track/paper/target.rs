@@ -335,7 +335,7 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
     }
 
     /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
-    /// search is under way. The result of an update is its [`Answer`](crate::Answer).
+    /// search is under way. The result of an update is its [`Answer`].
     pub(crate) fn found(&self) -> Option<Found> {
         self.search.found(&self.window)
     }
