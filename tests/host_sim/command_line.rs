@@ -6,7 +6,6 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Makes a video with ffmpeg.
 fn film(file: &Path, arguments: &[&str]) {
     let source = ["-v", "error", "-f", "lavfi", "-i"];
     assert!(runs(Command::new("ffmpeg").args(source).args(arguments).arg(file)), "{arguments:?}");

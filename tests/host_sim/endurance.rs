@@ -127,7 +127,6 @@ fn a_disk_that_fills_up_leaves_the_former_file() {
     assert_eq!(parts(folder.path()), 0, "nothing is left behind");
 }
 
-/// Unfinished files and folders.
 fn parts(folder: &Path) -> usize {
     let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     names.filter(|name| name.starts_with(".smr-")).count()

@@ -149,7 +149,6 @@ fn curves_move_and_zoom_by_mouse_wheel_fingers_and_keys() {
     browser::act(test, &page("page-moving", &["synthetic", "--method", "smr"]), 1280, "frame=120", MOVING);
 }
 
-/// The recording has 25 frames a second.
 const EVENTS: &str = r##"
   const events = [...document.querySelectorAll("#events button")];
   const words = events.map((event) => event.textContent);

@@ -12,7 +12,6 @@ fn run(program: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// True if ffmpeg and ffprobe run.
 fn has_both(test: &str) -> bool {
     has_ffmpeg(test) && has(test, "ffprobe", &["-version"])
 }

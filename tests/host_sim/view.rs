@@ -12,7 +12,6 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// A window without a browser.
 struct Window {
     process: Child,
     place: String,
@@ -59,7 +58,6 @@ impl Window {
         (status, body)
     }
 
-    /// The name under which boxes are saved.
     fn saved(&self, format: &str) -> String {
         let (_, head, _) = self.asked(&format!("GET /{}/boxes?format={format}", self.token), "", "");
         head.split_once("filename=\"").unwrap().1.split('"').next().unwrap().to_owned()
@@ -103,7 +101,6 @@ impl Window {
         self.wait("the end", |news| news["progress"].is_null())
     }
 
-    /// Makes a file, and gives its bytes.
     fn made(&self, path: &str, body: &Value) -> Vec<u8> {
         let (status, said) = self.post(path, body);
         assert_eq!(status, 200, "{said}");

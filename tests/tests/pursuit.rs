@@ -54,7 +54,6 @@ impl Direction {
     }
 }
 
-/// The scene at one time.
 struct Scene {
     target: Direction,
     /// The direction of an occluder: it has its own texture and 1.5 times the size of the target.

@@ -23,7 +23,6 @@ fn pictures(count: usize) -> Vec<Vec<u8>> {
     (0..count).map(|step| picture(150 + 2 * step)).collect()
 }
 
-/// README.md.
 mod project {
     use super::pictures;
 
@@ -38,7 +37,6 @@ mod project {
     }
 }
 
-/// core/README.md, the first example.
 mod library {
     use super::pictures;
     use std::cell::RefCell;
@@ -85,7 +83,6 @@ mod lost {
     }
 }
 
-/// The third: the flight recorder.
 mod recorder {
     use super::pictures;
     use smr_core::{Image, Paper, Rect, paper};
@@ -116,7 +113,6 @@ mod recorder {
     }
 }
 
-/// The fourth: several targets with one workspace.
 mod several {
     use super::pictures;
     use smr_core::Image;

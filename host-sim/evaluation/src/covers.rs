@@ -14,7 +14,6 @@ use smr_recordings::{GrayFrame, OpenOptions, Resize, Sequence, slow, synthetic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Number of covered frames.
 const FRAMES: usize = 300;
 /// The most covered frames that may be called *tracking*.
 const TRACKING: usize = 2;
@@ -23,7 +22,6 @@ const LOST_BY: usize = 30;
 /// Frames after the cover within which the box must become right.
 const AGAIN: usize = 10;
 
-/// Counts of one tracker, cover and recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Counts {
     tracker: String,
@@ -31,7 +29,6 @@ struct Counts {
     sequence: String,
     /// True if the box was right in the frame before the cover.
     right_before: bool,
-    /// Covered frames with the state *tracking*.
     tracking: usize,
     /// The first covered frame with the state *lost*, counted from 1.
     lost_at: Option<usize>,

@@ -30,13 +30,14 @@ pub struct Measured {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// More frames and recordings are about to be measured.
-    Expected { frames: u64, recordings: usize },
-    /// One frame is done.
+    Expected {
+        frames: u64,
+        recordings: usize,
+    },
     Done,
 }
 
 pub(super) trait Protocol: Sync {
-    /// Figures that are kept of a run.
     type Figures: Send;
 
     /// True if a recording counts only if every tracker was measured on it.

@@ -1,6 +1,5 @@
 //! The paper's Table 2 as it is printed: published figures, nothing that was measured here.
 
-/// The source of these figures in tables.
 pub(super) const SOURCE: &str = "printed";
 
 /// The recordings of the table, known by the names of their folders.

@@ -91,7 +91,6 @@ pub fn blank() -> Value {
     "".into()
 }
 
-/// The text for an unknown value.
 const UNKNOWN: &str = "-";
 
 pub struct Table {

@@ -88,7 +88,6 @@ pub(crate) fn color_jpeg(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The frame as a JPEG.
 pub(crate) fn jpeg(frame: &GrayFrame, quality: u8) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     Encoder::new(&mut bytes, quality).encode(&frame.pixels, frame.width, frame.height, ColorType::Luma)?;

@@ -66,7 +66,6 @@ pub fn module(name: &str) -> Option<&'static str> {
     MODULES.iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }
 
-/// The files that a module imports.
 fn imports(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter_map(|line| line.split_once("from \"./")?.1.split('"').next())
 }

@@ -46,7 +46,6 @@ fn inside(x: i32, y: i32) -> Option<(i32, i32)> {
     ((0..TARGET.0).contains(&x) && (0..TARGET.1).contains(&y)).then_some((x, y))
 }
 
-/// A byte that looks random.
 fn hash((x, y): (i32, i32), seed: u32) -> u8 {
     let mut bits = seed.wrapping_mul(0x9E37_79B1) ^ x.cast_unsigned() ^ y.cast_unsigned() << 12;
     for _ in 0..2 {

@@ -9,7 +9,6 @@ use std::fmt;
 #[derive(Debug)]
 pub struct Damaged {
     why: String,
-    /// Number of frames before the damage.
     before: u64,
 }
 

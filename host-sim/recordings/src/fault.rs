@@ -135,7 +135,6 @@ impl Fault {
     }
 }
 
-/// Parses faults with blanks between them.
 fn listed(faults: &str) -> Vec<Fault> {
     faults.split(' ').map(|fault| fault.parse().expect("it is a fault")).collect()
 }
@@ -151,7 +150,6 @@ fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
     }
 }
 
-/// Gray level of fog.
 const FOG: i64 = 110;
 
 /// Replaces the level of every pixel by `light` of it, within 0 to 255.
@@ -232,7 +230,6 @@ mod tests {
         fault.parse::<Fault>().unwrap().of(index, &frame(3), (&frame(1), &frame(2)), 7)
     }
 
-    /// Counts the pixels that a fault changes.
     fn changed(fault: &str, index: usize) -> usize {
         let made = made(fault, index).unwrap();
         made.pixels.iter().zip(frame(3).pixels).filter(|(a, b)| **a != *b).count()

@@ -165,7 +165,6 @@ pub(super) struct Shown {
 
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Said {
-    /// The last complaint.
     last: String,
     /// Complaint about the last packet that looks damaged.
     packet: String,

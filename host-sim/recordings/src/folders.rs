@@ -43,7 +43,6 @@ fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet
     Ok(())
 }
 
-/// The folders in a folder.
 fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
     let mut folders = entries(path)?;
     folders.retain(|entry| entry.is_dir());

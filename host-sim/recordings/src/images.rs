@@ -209,7 +209,6 @@ const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
     (0, &[b"Pf", b"PF"], "a picture of floating-point numbers (PFM)"),
 ];
 
-/// Facts of a PNG's chunks besides pixels.
 struct Chunks {
     orientation: u8,
     /// Number of pictures in an animation.

@@ -37,7 +37,6 @@ pub(super) fn next(bytes: &[u8]) -> Option<usize> {
 struct Layout {
     orientation: u8,
     frame: Option<Frame>,
-    /// Components in the first scan.
     scanned: u8,
     /// True if further views or sizes of this picture follow it in the file.
     has_views: bool,
@@ -45,11 +44,9 @@ struct Layout {
     end: Option<usize>,
 }
 
-/// The header of a frame.
 #[derive(PartialEq)]
 struct Frame {
     marker: u8,
-    /// Precision, height and width, components.
     sizes: [u8; 6],
     /// True if a component has more rows than another one.
     has_fewer_rows: bool,

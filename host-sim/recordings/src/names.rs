@@ -29,7 +29,6 @@ struct Decimal {
     /// Digits behind the point, without zeros at the end.
     fraction: String,
     has_zero_at_the_end: bool,
-    /// The text before the number.
     prefix: String,
 }
 

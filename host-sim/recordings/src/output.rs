@@ -10,7 +10,6 @@ use tempfile::{TempDir, TempPath};
 
 /// A file under way. It gets its name in [`Output::finish`]; dropped before, it leaves a former file as it was.
 pub struct Output {
-    /// Name that the user asked for.
     name: PathBuf,
     file: BufWriter<fs::File>,
     /// `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].

@@ -29,12 +29,10 @@ struct Header {
     is_text: bool,
     width: u32,
     height: u32,
-    /// Values in each pixel.
     channels: u32,
     largest: u32,
 }
 
-/// The bytes that are not read yet.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -128,7 +126,6 @@ impl Reader<'_> {
     }
 }
 
-/// Longest word of a header, in bytes.
 const LONGEST: usize = 20;
 
 fn no_header(missing: &str) -> Error {

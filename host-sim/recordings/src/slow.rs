@@ -21,7 +21,6 @@ struct Kind {
     name: &'static str,
     /// Pixels between the random levels of the target's texture, coarse and fine.
     grain: (i32, i32),
-    /// The darkest and the brightest level.
     levels: (i32, i32),
     /// Noise of the sensor; 1 is a standard deviation of 2.3 gray levels.
     noise: i32,

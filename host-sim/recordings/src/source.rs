@@ -19,7 +19,6 @@ pub enum Source {
     Once,
     /// One picture a frame.
     Pictures(Vec<images::Picture>),
-    /// A video or Y4M.
     Video(PathBuf),
     /// A live source; its frames carry their colors.
     Live(Arc<Arrivals>),

@@ -22,14 +22,11 @@ pub(super) fn is_video(file: &Path) -> bool {
     has_extension(file, &EXTENSIONS)
 }
 
-/// The purpose of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// For trackers.
     Gray,
     /// For people; no side is longer than this.
     Color(u16),
-    /// For their times alone.
     Times,
 }
 
@@ -103,7 +100,6 @@ pub(super) struct Pictures {
     /// Facts of the next picture, if they are known already.
     shown: Option<Shown>,
     tones: Option<Tones>,
-    /// Bytes of a pixel.
     depth: usize,
     times: Continued,
 }

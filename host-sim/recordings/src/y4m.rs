@@ -162,7 +162,6 @@ impl Planes {
 #[derive(Debug, PartialEq)]
 struct Header {
     size: (u16, u16),
-    /// Bytes of all planes of a frame.
     frame_bytes: u64,
     chroma: Chroma,
     /// A number of frames, and the seconds that they take.

@@ -159,7 +159,6 @@ struct Picture {
 }
 
 impl Picture {
-    /// A copy of 8-bit pixels.
     fn new(pixels: &[u8], width: i64, height: i64) -> Self {
         Self { width, height, pixels: pixels.iter().map(|&pixel| f64::from(pixel)).collect() }
     }

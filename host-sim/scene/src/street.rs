@@ -28,7 +28,6 @@ const FINE: u16 = 3;
 const EYE: Triple = [0.0, 12.0, 0.0];
 /// Slope of the view: meters down for each meter ahead.
 const DOWN: f64 = 0.2;
-/// The focal length in pixels.
 const FOCAL: f64 = 540.0;
 const RED: Triple = [0.80, 0.10, 0.08];
 
@@ -360,7 +359,6 @@ fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
     solids
 }
 
-/// A trunk under balls of leaves.
 fn tree(mut add: impl FnMut(Solid), [x, z]: [f64; 2], tall: f64, wide: f64) {
     let (low, high) = ([-0.2, 0.2, 0.2], [-0.12, 0.12, 0.12]);
     add(Solid::block([x, 0.0, z], [1.0, 0.0], [0.0, tall], [low, high], [0.38, 0.27, 0.18], plain));

@@ -13,7 +13,6 @@ pub trait Checked: Target {
     /// The tracker in f64, with its own copy of all numbers.
     type Reference;
     type Numbers;
-    /// Counts of compared numbers.
     type Counts: Serialize + Default;
 
     /// The reference, started on the box `target` (left, top, width, height) in a frame of this `size`.

@@ -186,7 +186,6 @@ mod tests {
 
     type Both = (&'static str, fn(&mut Config), fn(&mut Numbers));
 
-    /// Settings at other values on both sides.
     #[test]
     fn other_numbers_of_the_configuration_hold() {
         let others: [Both; 8] = [

@@ -130,12 +130,9 @@ impl TableOptions {
     }
 }
 
-/// The measurement that the options ask for.
 enum Protocol {
-    /// Whole recordings from one start.
     Whole,
     Robustness(Starts),
-    /// These faults, each once.
     Faults(Vec<Fault>),
     Cover,
 }

@@ -9,7 +9,6 @@ pub struct Events(Vec<Seen>);
 #[derive(Clone, Default)]
 struct Seen {
     last: Option<State>,
-    /// Frames in each of [`State::ALL`].
     frames: [usize; State::ALL.len()],
 }
 

@@ -107,7 +107,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
     Replay(replay::Replay),
 }
 
-/// The page that is written without arguments.
 const FIRST_PAGE: &str = "smr-demo.html";
 
 /// Runs what the command line of this process says.

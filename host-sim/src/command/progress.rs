@@ -6,7 +6,6 @@ use std::io::{Write, stderr};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The shortest time between two lines.
 const PAUSE: Duration = Duration::from_millis(100);
 /// Between these two codes the terminal cuts a line that is too long, instead of wrapping it.
 const CUT: [&str; 2] = ["\x1b[?7l", "\x1b[?7h"];

@@ -201,7 +201,6 @@ impl Report {
         self.budget.get().saturating_mul(1_000_000)
     }
 
-    /// The foot of the page.
     fn about(&self, title: &str, methods: &[Variant]) -> Result<About> {
         let words: Vec<_> = std::iter::once("host-sim".into()).chain(std::env::args_os().skip(1)).collect();
         let origins: Vec<_> = methods.iter().map(Variant::origin).collect();

@@ -167,20 +167,15 @@ impl Track {
 
 /// All targets on their way through a recording, and the outputs.
 struct Pass {
-    /// The name of the recording.
     name: String,
     targets: Vec<Follower>,
     printer: Printer,
     lines: Lines,
-    /// Instead of lines.
     events: Option<Events>,
-    /// A film and its file.
     film: Option<(PathBuf, Film)>,
     bar: Bar,
     live: Option<Arc<Arrivals>>,
-    /// True if frames have been dropped.
     drops: bool,
-    /// The number of the last frame.
     last: usize,
 }
 
@@ -287,7 +282,6 @@ enum Lines {
         goes_on: bool,
     },
     File(Output),
-    /// Nobody reads them any more.
     Unread,
 }
 

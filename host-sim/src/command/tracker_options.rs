@@ -30,7 +30,6 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// The method that has it.
     const fn method(self) -> MethodKind {
         match self {
             Self::Paper | Self::Camera => MethodKind::Smr,
@@ -59,7 +58,6 @@ pub struct TrackerOptions {
     step: Option<NonZeroU32>,
 }
 
-/// A setting that `--set` takes.
 #[derive(Clone, Copy, Debug)]
 struct Known {
     setting: Setting,
@@ -91,7 +89,6 @@ impl Known {
         known().find(|known| known.setting.name() == name)
     }
 
-    /// As it is typed, with its range.
     fn form(&self) -> String {
         let Setting { shape, lowest, highest, .. } = self.setting;
         let form = match shape {
@@ -119,7 +116,6 @@ impl Known {
     }
 }
 
-/// The text of `--set`.
 fn help() -> String {
     let mut help = "A setting of the tracker; of several, once for each".to_owned();
     for setting in known() {
@@ -130,7 +126,6 @@ fn help() -> String {
     help
 }
 
-/// `window=16x16`
 #[derive(Clone, Debug)]
 struct Given {
     name: String,

@@ -115,7 +115,6 @@ impl Line<'_> {
         ))
     }
 
-    /// Says which values an option takes.
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
         // `--size <WxH>` is called by its name alone.

@@ -67,7 +67,6 @@ pub struct View {
     tracker: TrackerOptions,
 }
 
-/// The source that is shown.
 struct Opened {
     name: String,
     source: Arc<dyn Source>,
@@ -75,7 +74,6 @@ struct Opened {
     pictures: Vec<String>,
     /// The number of frames, if it is known.
     length: Option<usize>,
-    /// The box beside the recording.
     beside: Option<Rect>,
 }
 
@@ -358,7 +356,6 @@ fn inits(targets: &[Target]) -> Vec<OsString> {
     targets.iter().flat_map(|target| target.locks.iter().flat_map(|lock| init(target, lock))).collect()
 }
 
-/// Options as they are typed.
 fn typed(options: &Map<String, Value>) -> Vec<OsString> {
     let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     let option = |(name, value): (&String, &Value)| {

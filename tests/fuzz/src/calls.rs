@@ -11,7 +11,6 @@ use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
 struct Pair<T: Fuzzed> {
     /// Any backend, any steps, any parts of the frame.
     any: Box<Tracker<T>>,
-    /// The plain loops, whole updates.
     plain: Option<Box<Tracker<T>>>,
     scene: Scene,
     updates: u32,
@@ -203,7 +202,6 @@ impl<T: Fuzzed> Pair<T> {
         assert_eq!(answer.fine.whole(), answer.bbox);
     }
 
-    /// The camera turns.
     fn turn(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let (right, down) = if u.ratio(1, 8)? {
             (u.arbitrary()?, u.arbitrary()?)
@@ -218,7 +216,6 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Continues in a new tracker.
     fn save_and_restore(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some(mut bytes) = saved(&self.any) else { return Ok(()) };
         let mut short = vec![0; bytes.len() - 1];
@@ -296,7 +293,6 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Both save the same bytes.
     fn same_to_the_last_bit(&self) {
         if let Some(plain) = &self.plain {
             assert!(saved(&self.any) == saved(plain), "different templates or tracks");

@@ -2,12 +2,9 @@
 
 /// The limits of one input. A few inputs exceed the sizes.
 pub(crate) struct Extent {
-    /// Sides of a frame, smallest and largest.
     pub(crate) width: (u16, u16),
     pub(crate) height: (u16, u16),
-    /// Side of a box.
     pub(crate) side: u16,
-    /// Radius of the window, and its limit.
     pub(crate) window: u16,
     pub(crate) grown: u16,
     pub(crate) calls: u32,

@@ -5,7 +5,6 @@ use host_sim::replay::replay;
 use smr_core::record::{AROUND, HEAD, Tag};
 use std::sync::LazyLock;
 
-/// An entry without its checksum.
 type Entry = Vec<u8>;
 
 /// The first flight in the vectors of each tracker. The robust one is slow to lock.
@@ -50,7 +49,6 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// The entries of a complete record.
 fn entries(mut record: &[u8]) -> Vec<Entry> {
     let mut all = Vec::new();
     while let Some(length) = record.get(8..HEAD) {
@@ -112,7 +110,6 @@ fn number(entries: &mut [Entry]) {
     }
 }
 
-/// The record as lines of a log.
 fn log(record: &[u8]) -> Vec<u8> {
     let line = |bytes: &[u8]| {
         let numbers: Vec<_> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();

@@ -6,7 +6,6 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, robust::Config};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// The most pixels of a frame.
 const MOST: usize = u16::MAX as usize * u16::MAX as usize;
 
 /// All zeroes between two inputs.
@@ -27,7 +26,6 @@ pub(crate) fn run(bytes: &[u8]) -> Result<()> {
     ran
 }
 
-/// Small and large equally often.
 fn side(u: &mut Unstructured<'_>, most: u16) -> Result<u16> {
     let places = u.int_in_range(0..=most.ilog2())?;
     u.int_in_range(1..=most.min(u16::MAX >> (15 - places)))

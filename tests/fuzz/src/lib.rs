@@ -49,17 +49,14 @@ pub fn target(name: &str) -> Option<Run> {
     TARGETS.iter().find(|(known, _)| *known == name).map(|(_, target)| *target)
 }
 
-/// Bytes that end early are no finding.
 fn ran(_: arbitrary::Result<()>) {}
 
-/// A tracker that is fuzzed.
 trait Fuzzed: smr_core::Target<Config: 'static> {
     /// The index into [`extent::Extent::updates`]: a slow tracker is called less often.
     const PACE: usize;
     /// The place of the frame's width and height in a saved target.
     const SIZE_AT: usize;
 
-    /// A configuration, valid or not.
     fn configuration(u: &mut Unstructured<'_>, extent: &extent::Extent) -> arbitrary::Result<Self::Config>;
 
     /// The configuration with this backend; `None` for the fastest.
@@ -67,7 +64,6 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
 
     fn usual() -> Self::Config;
 
-    /// The configuration with the plain loops.
     fn plain(config: Self::Config) -> Self::Config;
 
     /// Targets to be saved, made once, with the usual configuration.
@@ -80,7 +76,6 @@ trait Fuzzed: smr_core::Target<Config: 'static> {
     fn beside(u: &mut Unstructured<'_>) -> arbitrary::Result<bool>;
 }
 
-/// A saved target to continue with.
 struct Start<C> {
     config: C,
     scene: scene::Scene,

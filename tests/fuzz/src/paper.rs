@@ -14,7 +14,6 @@ pub(crate) type Small = smr_core::Paper<256, 41>;
 static TABLES: LazyLock<[Table; 4]> =
     LazyLock::new(|| [255, 1, 40, 4096].map(|scale| Table::new(scale).expect("a scale in the range")));
 
-/// One of a few similarities.
 pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
     u.choose(&*TABLES)
 }

@@ -65,7 +65,6 @@ pub(crate) fn y4m(bytes: &[u8]) {
     recording("1.y4m", bytes, None);
 }
 
-/// The size is in the first bytes.
 pub(crate) fn raw(bytes: &[u8]) {
     let Some((&[a, b, c, d], pixels)) = bytes.split_first_chunk() else { return };
     recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
@@ -101,7 +100,6 @@ pub(crate) fn words(bytes: &[u8]) {
     let _ = text.parse::<Resize>();
 }
 
-/// Earlier results.
 pub(crate) fn former(bytes: &[u8]) {
     as_file("former.json", bytes, |file| {
         let _ = Former::read(file);

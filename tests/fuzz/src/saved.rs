@@ -6,7 +6,6 @@ use crate::{Fuzzed, calls};
 use arbitrary::{Result, Unstructured};
 use smr_core::{Rect, Tracker};
 
-/// The place of the length.
 const LENGTH: std::ops::Range<usize> = 10..14;
 
 pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
@@ -38,7 +37,6 @@ fn number(saved: &[u8], at: usize) -> u16 {
     u16::from_le_bytes([saved[at], saved[at + 1]])
 }
 
-/// Targets locked with the usual configuration.
 pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
     locked_by::<T>(T::usual())
 }

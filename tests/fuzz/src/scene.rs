@@ -7,10 +7,8 @@ use smr_core::{Frame, Image, Rect};
 /// The most pixels of a part in memory.
 const MOST: u32 = 1 << 16;
 
-/// Textures.
 pub(crate) const KINDS: u8 = 7;
 
-/// The scene in front of the camera.
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) width: u16,

@@ -28,7 +28,6 @@ impl Bench {
         bench
     }
 
-    /// QEMU leaves these lines.
     fn saying(lines: &[&[u32]]) -> Self {
         let bench = Self::new("cp \"${0%/*}/lines\" said.smr");
         let padded = |line: &&[u32]| [line, &[0; 16][line.len()..]].concat();
@@ -53,7 +52,6 @@ impl Bench {
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
-    /// Exit code, standard output, standard error.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
         let output = self.start(arguments).wait_with_output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();

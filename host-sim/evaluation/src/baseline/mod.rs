@@ -23,7 +23,6 @@ pub(super) struct Baseline {
     padding: u16,
     /// Bounds of the frame that was locked on; empty before the first lock.
     bounds: Rect,
-    /// Width and height of the target.
     size: (u16, u16),
     /// Left and top edge of the target; only Lucas-Kanade gives fractions.
     place: [f64; 2],

@@ -109,13 +109,11 @@ figures! {
     returns: usize = sum, "" 0;
     /// Returns of the target with a correct answer in the first 50 frames.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
-    /// Updates with the state *tracking*.
     tracking: usize = sum, "" 0;
     /// Updates with the state *tracking* in which the target is hidden or the box is wrong.
     tracking_wrong: usize = sum, "" 0, "wrong/tracking" tracking_wrong tracking;
     /// Updates in which the target is hidden or the box is wrong.
     wrong: usize = sum, "" 0, "tracking/wrong" tracking_wrong wrong;
-    /// Updates in which the box is right.
     right: usize = sum, "" 0;
     /// Updates in which the box is right but the state is not *tracking*.
     right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
@@ -170,7 +168,6 @@ impl Figures {
         }
     }
 
-    /// The figures of [`HEADLINE`].
     pub(super) fn headline(&self) -> Vec<f64> {
         vec![self.mean_correct, self.mean_correct_50, self.f]
     }

@@ -27,7 +27,6 @@ struct FormerRow {
     mean_correct: f64,
     mean_correct_50: f64,
     f: f64,
-    /// Number of starts.
     #[serde(rename = "starts")]
     count: usize,
     #[serde(skip)]

@@ -38,7 +38,6 @@ impl Protocol for Starts {
     type Figures = RunFigures;
     const IS_COMMON: bool = false;
 
-    /// Returns at least one case.
     fn cases(&self, _: usize, recording: &Recording) -> Result<Vec<Case>> {
         let name = &recording.name;
         let starts = match self {

@@ -200,7 +200,6 @@ struct JsonLine<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<&'a str>,
     frame: usize,
-    /// Seconds.
     time: Option<f64>,
     state: &'static str,
     #[serde(rename = "box")]

@@ -4,7 +4,6 @@ use smr_core::Rect;
 use smr_recordings::{BoundingBox, GrayFrame};
 use std::fmt::Write;
 
-/// Bytes in a line of the file.
 const IN_A_LINE: usize = 24;
 
 /// Names that mean something else: keywords of C23 and C++23, what GNU compilers and C23's limits define, and functions of the usual headers

@@ -16,7 +16,6 @@ pub struct Film {
     /// The place of the target of each method.
     pub(super) of: Vec<usize>,
     pub(super) size: (u16, u16),
-    /// Targets that are followed; at least one.
     pub(super) targets: Vec<Locked>,
     pub(super) padding: u16,
     /// One a frame.
@@ -25,12 +24,10 @@ pub struct Film {
     pub(super) times: Vec<Option<f64>>,
     pub(super) stills: Vec<Still>,
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
-    /// All frames, if they were asked for.
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
     /// The place of each file among all on the page.
     pub(super) places: Vec<usize>,
-    /// The number of the first frame.
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.
     pub notes: Vec<String>,
@@ -66,14 +63,12 @@ impl Locked {
 struct Pair {
     follower: Follower<dyn Shown>,
     variant: Variant,
-    /// The place of the target.
     target: usize,
 }
 
 /// Treatment of a method, other than the first, that refuses the box to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// An error.
     Fails,
     /// The film is made without it, with a note.
     LeftOut,
@@ -95,7 +90,6 @@ pub struct Moment {
     pub(super) lasts: Vec<BoundingBox>,
 }
 
-/// A frame to show.
 pub(super) struct Still {
     /// The first is 0.
     pub index: usize,
@@ -194,7 +188,6 @@ pub fn watch_all(
     })
 }
 
-/// Each method once for each target.
 fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pair>> {
     let all = targets.iter().enumerate().flat_map(|target| methods.iter().map(move |method| (target, method)));
     let pair = |((target, locked), method): ((usize, &Locked), &Variant)| {

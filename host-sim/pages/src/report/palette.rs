@@ -58,7 +58,6 @@ pub(super) fn looks() -> Vec<Look> {
     colors.enumerate().map(look).collect()
 }
 
-/// The place of a method's look.
 pub(super) fn look_of_method(kind: MethodKind) -> usize {
     METHODS.iter().position(|method| *method == kind).unwrap_or(0)
 }

@@ -18,7 +18,6 @@ const LARGEST_PATCH: u16 = 64;
 pub(super) struct Pictures {
     /// Bytes that they may take in the page.
     limit: usize,
-    /// The longest side of a frame.
     side: u16,
     /// Frames are kept whose index this divides.
     pub every: usize,
@@ -34,7 +33,6 @@ pub(super) struct Picture {
     pub comparisons: Vec<Option<Comparison>>,
 }
 
-/// Template and winner of a method.
 pub(super) struct Comparison {
     /// PNG files.
     pub template: Vec<u8>,
@@ -117,7 +115,6 @@ fn comparison(sight: &Sight) -> Result<Option<Comparison>> {
     }))
 }
 
-/// Every how many pixels one is shown.
 fn thinning((width, height): (u16, u16)) -> u16 {
     width.max(height).div_ceil(LARGEST_PATCH).max(1)
 }

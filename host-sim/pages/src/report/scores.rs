@@ -53,10 +53,8 @@ struct Curve<'a> {
     values: Vec<f64>,
 }
 
-/// A recording with ground truth.
 pub(super) struct Measured<'a> {
     film: &'a Film,
-    /// Frames in which the target is visible.
     visible: usize,
     scored: Vec<Scored>,
 }
@@ -119,7 +117,6 @@ impl<'a> Scores<'a> {
     }
 }
 
-/// Every entrant of any recording, once.
 fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
     let mut rows: Vec<Row<'_>> = Vec::new();
     for Scored { entrant, .. } in measured.iter().flat_map(|one| &one.scored) {

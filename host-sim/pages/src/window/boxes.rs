@@ -22,7 +22,6 @@ pub fn read(text: &str) -> Result<Vec<Target>> {
 struct Reading {
     name: String,
     locks: Vec<Lock>,
-    /// Frame of its last line.
     last: usize,
 }
 
@@ -52,7 +51,6 @@ impl Reading {
     }
 }
 
-/// Places of the columns of CSV.
 struct Columns {
     count: usize,
     frame: usize,
@@ -177,7 +175,6 @@ fn tags(text: &str) -> impl Iterator<Item = (usize, &str)> {
     parts.skip(1)
 }
 
-/// Returns the value of an attribute.
 fn attribute(tag: &str, name: &str) -> Result<String> {
     let key = format!("{name}=\"");
     let mut places = tag.match_indices(&key).map(|(at, key)| tag.split_at(at + key.len()));

@@ -29,7 +29,6 @@ struct Seen {
     color: Color,
 }
 
-/// Makes a frame in color.
 type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
 
 type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
@@ -54,7 +53,6 @@ struct Shared {
     came: Condvar,
 }
 
-/// A gray frame that is kept.
 struct Came {
     number: usize,
     /// Frames taken from the source, this one included.

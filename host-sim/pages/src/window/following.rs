@@ -114,7 +114,6 @@ impl Segment {
 /// Most unused segments that are kept for undo and redo; [`SPARE_ROWS`] limits their rows.
 const SPARE: usize = 24;
 const SPARE_ROWS: usize = 1 << 18;
-/// The most answers in one reply.
 const PORTION: usize = if cfg!(test) { 100 } else { 5000 };
 /// Longest gap in frames that a pass reads through; a longer one is skipped by a seek.
 const READ_THROUGH: usize = 100;
@@ -135,9 +134,7 @@ struct State {
     news: News,
     /// Number of the last frame, once a pass has found that no more follow.
     end: Option<usize>,
-    /// Highest frame number that was read.
     seen: usize,
-    /// Number of the last frame before damage.
     damaged: Option<usize>,
     /// Frame being followed, and the frames followed a second.
     at: Option<(usize, f64)>,
@@ -158,7 +155,6 @@ struct Task {
 }
 
 impl Task {
-    /// True if the tracker is locked.
     const fn has_begun(&self) -> bool {
         self.next > self.key.lock.0
     }
@@ -210,7 +206,6 @@ impl State {
         }
     }
 
-    /// Returns the number of frames, if known.
     fn frames(&self, known: Option<usize>) -> Option<usize> {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
@@ -432,7 +427,6 @@ impl Followed {
         });
     }
 
-    /// Tells the user.
     pub(super) fn say(&self, line: String) {
         self.change(|state| state.news.say(line));
     }

@@ -25,7 +25,6 @@ pub struct Job {
     pub lines: usize,
 }
 
-/// The progress of a file.
 #[derive(Clone, Serialize)]
 pub(super) struct Progress {
     id: u32,

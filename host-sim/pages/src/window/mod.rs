@@ -72,7 +72,6 @@ pub trait Source: Send + Sync {
         None
     }
 
-    /// Ends a camera; a recording does nothing.
     fn stop(&self) {}
 }
 

@@ -35,7 +35,6 @@ pub trait Wish: Send + Sync {
     /// Returns the command line that makes a video with boxes (`mp4`, ...), or the report (`html`).
     fn made(&self, window: &Window, ending: &str) -> Result<Job>;
 
-    /// Returns settings for firmware, as text.
     fn firmware(&self, variant: &Variant) -> String;
 }
 
@@ -292,7 +291,6 @@ fn saved((name, bytes): (String, Vec<u8>)) -> Reply {
     Reply { file: Some(name), ..Reply::new("application/octet-stream", bytes) }
 }
 
-/// Returns a field of a JSON object.
 fn field<T: DeserializeOwned>(body: &[u8], name: &str) -> Result<T> {
     let object: Value = serde_json::from_slice(body).unwrap_or_default();
     let value = object.get(name).cloned().unwrap_or_default();
@@ -309,7 +307,6 @@ fn frame(name: &str, ending: &str) -> Option<usize> {
     name.strip_suffix(ending)?.parse().ok().filter(|&number| number > 0)
 }
 
-/// Decodes `%20` and the like.
 fn decoded(text: &str) -> String {
     let mut parts = text.split('%');
     let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();

@@ -61,7 +61,6 @@ pub(super) struct Request {
     pub body: Vec<u8>,
 }
 
-/// The answer to a request.
 pub(super) struct Reply {
     pub status: u16,
     /// The media type.

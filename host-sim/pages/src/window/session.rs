@@ -10,7 +10,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Version of the form of the file.
 const VERSION: u32 = 1;
 const KIND: Kind = Kind { expected: "a session of host-sim view", most: 64 };
 
@@ -74,7 +73,6 @@ impl Session {
         self.path.as_ref().map(|path| path.display().to_string())
     }
 
-    /// Returns the frame that was shown last.
     pub(super) fn frame(&self) -> Option<usize> {
         lock(&self.kept).work.frame
     }

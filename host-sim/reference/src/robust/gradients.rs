@@ -5,7 +5,6 @@ use super::rounding::{down, index, nearest, real};
 use super::sampling::Patch;
 use std::f64::consts::PI;
 
-/// Directions of gradients.
 const DIRECTIONS: usize = 9;
 /// Bytes of a cell.
 pub const CHANNELS: usize = DIRECTIONS + 1;
@@ -36,7 +35,6 @@ impl Cells {
     }
 }
 
-/// Sums over the pixels of a cell.
 #[derive(Clone)]
 struct Sums {
     /// In gray levels a pixel, by direction.

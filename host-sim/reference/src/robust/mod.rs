@@ -97,7 +97,6 @@ pub struct Reference {
     mean_evidence: f64,
     /// The scale in the last frame with the decision tracking.
     tracked_scale: f64,
-    /// The number of the sweep's next window.
     next_window: i64,
     /// If the box is corrected.
     refiner: Option<Refiner>,
@@ -363,7 +362,6 @@ impl Reference {
     }
 }
 
-/// A view without its margin.
 fn without_margin(numbers: &Numbers, view: &Patch) -> Patch {
     let margin = numbers.margin;
     let middle = view.cut(margin, margin, view.columns - 2 * margin, view.rows - 2 * margin);

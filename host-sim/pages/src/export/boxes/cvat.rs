@@ -5,7 +5,6 @@ use super::{About, Answer};
 use smr_recordings::BoundingBox;
 use std::fmt::Write;
 
-/// The boxes of each target.
 pub(super) struct Tracks {
     tracks: Vec<Track>,
     size: (u16, u16),

@@ -103,7 +103,6 @@ fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference>
     Ok(Difference::new(&still.frame, at, Image::new(&seen.template, seen.size.0, seen.size.1)?))
 }
 
-/// Draws the legend of the shades.
 fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
     const SIZE: Pair = (120.0, 14.0);
     const PIXELS: (u16, u16) = (128, 15);

@@ -35,7 +35,6 @@ impl Figure {
     }
 }
 
-/// The name of its file.
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}.svg", *self as u8 + 1, self.name())
@@ -91,7 +90,6 @@ impl Plan {
     }
 }
 
-/// Returns the pixels that a method compared.
 fn compared(still: &Still, method: usize) -> Result<&Search> {
     still.sights[method].search.as_ref().context("something is compared in every frame but the first")
 }

@@ -8,9 +8,7 @@ use crate::report::image;
 use anyhow::Result;
 use minijinja::HtmlEscape;
 
-/// All figures are so wide.
 pub(super) const WIDTH: f64 = 760.0;
-/// Around and between.
 pub(super) const GAP: f64 = 20.0;
 /// From one line of words to the next.
 pub(super) const LINE: f64 = 22.0;

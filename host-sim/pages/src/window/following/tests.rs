@@ -14,11 +14,9 @@ const FRAMES: usize = 60;
 #[derive(Default)]
 struct Scene {
     read: AtomicUsize,
-    /// A frame that cannot be read.
     damaged: Option<usize>,
     /// A camera gives only each of these numbers: the others came while the trackers were busy.
     every: Option<usize>,
-    /// The oldest frame that a camera keeps.
     oldest: AtomicUsize,
     /// The number of frames that the source knows of, and the number that it gives; 0: all, and it does not know.
     known: usize,
