@@ -302,7 +302,7 @@ pub(super) struct Heard {
 }
 
 impl Followed {
-    /// Errors: Those of [`Followed::set_targets`]; of a camera, whose frames are still to come, none for frames.
+    /// Errors: A target is refused; of a camera, whose frames are still to come, not because of its frames.
     pub fn new(variant: Variant, targets: Vec<Target>, source: &dyn Source) -> Result<Self> {
         let mut state = State {
             targets: Vec::new(),
