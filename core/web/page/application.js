@@ -6,7 +6,7 @@ import { drawCommands } from "./command-lines.js";
 import { Detail } from "./detail.js";
 import { byId, htmlNode, inView } from "./dom.js";
 import { save } from "./download.js";
-import { Drag, gripOf } from "./drag.js";
+import { Drag, gripOf, inside } from "./drag.js";
 import { Edits, isGone, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
@@ -57,15 +57,23 @@ function say(text) {
 
 const size = () => (playback.shown === null ? null : { width: recording.width, height: recording.height });
 const timeOf = (number) => recording.times?.[number - recording.first] ?? (recording.rate ? (number - recording.first) / recording.rate : null);
-const visit = (number) => playback.visit(number);
+
+function visit(number) {
+  say("");
+  drag.drop();
+  playback.visit(number);
+}
 
 function visitNamed() {
-  const number = frameNamed(byId("go").value, playback, timeOf);
-  if (number === null) {
-    say(`No frame is called "${byId("go").value}": expected a number from ${playback.first} to ${playback.last}, or a time such as 1:02.5.`);
+  if (byId("go").value.trim() === "") {
     return;
   }
-  say("");
+  const number = frameNamed(byId("go").value, playback, timeOf);
+  if (number === null) {
+    const times = timeOf(playback.last) === null ? "" : ", or a time such as 1:02.5";
+    say(`No frame is called "${byId("go").value}": expected a number from ${playback.first} to ${playback.last}${times}.`);
+    return;
+  }
   byId("go").value = "";
   visit(number);
 }
@@ -145,6 +153,8 @@ function choose(target) {
 // Each change is sent as all that is wanted now. What host-sim refuses is taken back.
 async function changed() {
   const { targets } = edits;
+  say("");
+  drag.drop();
   draw();
   try {
     await source.targets(targets);
@@ -161,8 +171,11 @@ function rename(target, text) {
   refused === null ? changed() : say(refused);
 }
 
+// A click that comes before the frame that was asked for is about no frame.
+const isThere = () => kind === "live" || playback.isPlaying || !playback.isLoading;
+
 function unlock() {
-  if (lockIn(edits.chosen, playback.shown) !== undefined) {
+  if (isThere() && lockIn(edits.chosen, playback.shown) !== undefined) {
     edits.unlock(edits.chosen, playback.shown);
     changed();
   }
@@ -172,14 +185,18 @@ function unlock() {
 function goOrComeBack() {
   const { chosen } = edits;
   const here = playback.shown;
-  if (isGone(chosen, here)) {
-    const { number, box } = chosen.locks.findLast((one) => one.number < here && one.box !== null);
-    edits.lock(here, whole(answers.last(chosen.id, number, here)?.box ?? box), chosen);
-    say("Pull the box to where the target is.");
-  } else {
-    edits.lose(chosen, here);
+  if (!isThere()) {
+    return;
   }
+  if (!isGone(chosen, here)) {
+    edits.lose(chosen, here);
+    changed();
+    return;
+  }
+  const { number, box } = chosen.locks.findLast((one) => one.number < here && one.box !== null);
+  edits.lock(here, inside(whole(answers.last(chosen.id, number, here)?.box ?? box), recording), chosen);
   changed();
+  say("Pull the box to where the target is.");
 }
 
 function undo(isRedo) {
@@ -202,6 +219,7 @@ function heard(told) {
   for (const fact of ["frames", "times", "words"]) {
     recording[fact] = told[fact] ?? recording[fact];
   }
+  recording.session = told.session;
   if (told.targets !== undefined) {
     edits.load(told.targets);
     answers.keep(edits.targets.map(({ id }) => id));
@@ -468,7 +486,17 @@ function acted(event) {
   if (unlocks) {
     unlock();
   }
-  return unlocks || playback.key(event) || viewport.key(event);
+  return unlocks || (event.key === "Escape" && escaped()) || playback.key(event) || viewport.key(event);
+}
+
+// Closes the menu, or gives up the target that is being added.
+function escaped() {
+  const isOpen = byId("export").open;
+  byId("export").open = false;
+  if (!isOpen && edits.chosen === null) {
+    choose(edits.targets.at(-1) ?? null);
+  }
+  return true;
 }
 
 function listen() {
@@ -508,8 +536,9 @@ function listen() {
   document.addEventListener("dragover", (event) => event.preventDefault());
   document.addEventListener("drop", (event) => {
     event.preventDefault();
-    readBoxes(event.dataTransfer.files[0]);
+    [...event.dataTransfer.files].reduce((before, file) => before.then(() => readBoxes(file)), Promise.resolve());
   });
+  document.addEventListener("pointerdown", ({ target }) => (byId("export").open &&= byId("export").contains(target)));
   byId("firmware").addEventListener("toggle", async () => {
     byId("firmware").lastElementChild.textContent = byId("firmware").open ? await trying(source.firmware()) : "";
   });
@@ -567,7 +596,7 @@ async function readBoxes(file) {
   const targets = await trying(source.readBoxes(file));
   if (targets !== "") {
     edits.add(targets);
-    changed();
+    await changed();
   }
 }
 

@@ -196,7 +196,8 @@ function changed(box, { key, shiftKey, altKey }, size) {
   return inside({ ...box, x: box.x + right, y: box.y + down }, size);
 }
 
-function inside(box, size) {
+/** Moves a box into a frame of `size`, and cuts it if it is larger. */
+export function inside(box, size) {
   const [width, height] = [clamp(box.width, 1, size.width), clamp(box.height, 1, size.height)];
   return { x: clamp(box.x, 0, size.width - width), y: clamp(box.y, 0, size.height - height), width, height };
 }

@@ -71,8 +71,8 @@ export class Edits {
     const { id, name, color, locks } = target ?? this.#made();
     const others = locks.filter((lock) => lock.number !== number);
     const locked = { id, name, color, locks: inOrder([...others, { number, box }]) };
-    this.#chosen = id;
     this.#replace(target === null ? [...this.targets, locked] : this.targets.map((one) => (one.id === id ? locked : one)));
+    this.#chosen = id;
   }
 
   /** Takes a target out of the frames from this one to its next box. */
@@ -89,8 +89,8 @@ export class Edits {
   /** Adds targets that were read from a file, { name, locks }. */
   add(targets) {
     const added = targets.map(({ name, locks }) => ({ ...this.#made(), name: this.#freeName(name), locks: inOrder(locks) }));
-    this.#chosen = added.at(-1)?.id ?? this.#chosen;
     this.#replace([...this.targets, ...added]);
+    this.#chosen = added.at(-1)?.id ?? this.#chosen;
   }
 
   remove({ id }) {

@@ -25,7 +25,7 @@ export function drawLimits(place, count) {
     node.title = why;
   }
   const isLimited = count > 1 && place.querySelector("[data-several=false]") !== null;
-  byId("limits").textContent = count === 0 ? "Draw a box first." : isLimited ? `What is gray ${ONE_TARGET}.` : "";
+  byId("limits").textContent = count === 0 ? "Draw a box first." : isLimited ? "Gray formats hold one target." : "";
 }
 
 /** Writes the progress of a file, or the way to it, in a line of its own. `cancel(id)` ends its making. */

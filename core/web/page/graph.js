@@ -318,11 +318,12 @@ function once(known, values, find) {
 }
 
 /** Spans { value, from, to } of places in the list with the same value; missing values are in none. */
-export function spansOf(values) {
+export function spansOf(values, numbers = null) {
+  const follows = (at) => at > 0 && (numbers === null || numbers[at] === numbers[at - 1] + 1);
   return once(spans, values, () => {
     const found = [];
     values.forEach((value, at) => {
-      if (at > 0 && value === values[at - 1] && isThere(value)) {
+      if (follows(at) && value === values[at - 1] && isThere(value)) {
         found.at(-1).to = at;
       } else if (isThere(value)) {
         found.push({ value, from: at, to: at });
@@ -347,7 +348,7 @@ function drawGrid(context, { lines, most }, bottom, right) {
 }
 
 function drawBand(context, { title, numbers, values }, top, x) {
-  for (const { value, from, to } of spansOf(values)) {
+  for (const { value, from, to } of spansOf(values, numbers)) {
     context.fillStyle = palette()[value];
     // Whole pixels, so that neighbours leave no gap.
     const [left, right] = [Math.round(x(numbers[from] - 0.5)), Math.round(x(numbers[to] + 0.5))];

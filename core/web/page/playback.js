@@ -207,7 +207,7 @@ const restarted = (from) => ({ since: performance.now(), frame: from });
 
 // The frame that the address names; null if it names none.
 function addressed() {
-  const wanted = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+  const wanted = Math.round(Number(new URLSearchParams(location.hash.slice(1)).get("frame")));
   return wanted > 0 ? wanted : null;
 }
 

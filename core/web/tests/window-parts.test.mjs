@@ -85,6 +85,8 @@ test("an undo and a redo that are refused change nothing", () => {
   edits.lock(5, BOX);
   edits.choose(null);
   edits.lock(6, BOX);
+  refused(() => edits.add([{ name: "car", locks: [{ number: 1, box: BOX }] }]));
+  refused(() => edits.lock(9, BOX));
   edits.remove(edits.targets[0]);
   refused(() => edits.undo());
   refused(() => edits.rename(edits.chosen, "car"));

@@ -230,9 +230,9 @@ pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
 }
 
 /// Writes a line to standard error.
-#[allow(clippy::print_stderr)] // the one place
 pub fn complain(text: &str) {
-    eprintln!("{}{}", if has_cursor() { ERASE } else { "" }, messages::line(text));
+    // Nobody may read it any more.
+    let _ = writeln!(io::stderr(), "{}{}", if has_cursor() { ERASE } else { "" }, messages::line(text));
 }
 
 /// Erases a line of progress on a terminal.

@@ -11,7 +11,8 @@ use smr_evaluation::{MethodKind, Variant, lock};
 use smr_pages::export::FILM_ENDINGS;
 use smr_pages::export::boxes::{About, Answer, Format, Printer};
 use smr_pages::window::{
-    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work, read_boxes,
+    Camera, Followed, Growing, Job, Lock, Made, Server, Session, Source, Target, Window, Wish, Work, check_inside,
+    read_boxes,
 };
 use smr_recordings::input;
 use smr_recordings::messages::choice_name;
@@ -89,6 +90,7 @@ impl View {
         // The file of the targets, for errors.
         let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
         let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
+        let is_read = self.boxes.is_some() || work.is_some();
         let (variant, targets) = match work {
             Some(work) => self.resumed(work, &session, (given, targets), is_live)?,
             None => (given, targets),
@@ -98,6 +100,10 @@ impl View {
             for target in targets.iter().flat_map(|target| &target.locks).filter_map(Lock::rect) {
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
+        }
+        if is_read {
+            let locks = targets.iter().flat_map(|target| &target.locks);
+            check_inside(locks, (first.width, first.height)).with_context(|| from.clone())?;
         }
         let followed = Arc::new(Followed::new(variant, targets, source.as_ref()).with_context(|| from)?);
         let made = Arc::new(Made::new()?);

@@ -22,7 +22,7 @@ mod session;
 
 pub use boxes::read as read_boxes;
 pub use camera::Camera;
-pub use following::{Followed, Lock, Row, Target};
+pub use following::{Followed, Lock, Row, Target, check_inside};
 pub use made::{Job, Made};
 pub use recording::Growing;
 pub use routes::{Window, Wish};

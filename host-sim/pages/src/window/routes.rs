@@ -1,6 +1,6 @@
 //! The addresses of the window: the page, its modules, frames, news, and the wishes of the user.
 
-use super::following::{Followed, Heard, Row, Target};
+use super::following::{Followed, Heard, Lock, Row, Target, check_inside};
 use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
@@ -109,7 +109,9 @@ impl Window {
             }
             (true, "targets", "") => {
                 let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
-                let before = self.followed.revision().1;
+                let (former, before) = self.followed.revision();
+                let is_new = |lock: &&Lock| !former.iter().any(|target| target.locks.contains(lock));
+                check_inside(targets.iter().flat_map(|target| &target.locks).filter(is_new), self.size)?;
                 let made = self.followed.set_targets(targets, *revision, self.source.as_ref())?;
                 if made != before {
                     self.keep();
@@ -223,6 +225,7 @@ impl Window {
             "rows": rows.iter().map(told_row).collect::<Vec<_>>(),
             "changed": changed.iter().map(told).collect::<Vec<_>>(),
             "followed": followed,
+            "session": self.session.name(),
             "progress": at.map(|(frame, rate)| json!({ "frame": frame, "rate": rate })),
         });
         if !void.is_empty() {
@@ -273,7 +276,7 @@ impl Window {
         let job = self.wish.made(self, ending)?;
         let followed = Arc::clone(&self.followed);
         let id = self.made.begin(job, move |id| followed.makes(id))?;
-        Ok(json_reply(&json!({ "id": id })))
+        Ok(json_reply(&json!(self.made.of(id))))
     }
 }
 

@@ -39,6 +39,7 @@ impl Work {
 pub struct Session {
     /// `None`: the work is not kept.
     path: Option<PathBuf>,
+    recording: String,
     kept: Mutex<Kept>,
 }
 
@@ -58,8 +59,8 @@ impl Session {
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
         let (bytes, work) = read.unzip();
         let former = work.clone().unwrap_or_else(|| Work::new(recording));
-        let kept = Kept { work: Work { recording: recording.to_owned(), ..former }, bytes, has_failed: false };
-        Ok((Self { path, kept: Mutex::new(kept) }, work))
+        let kept = Kept { work: former, bytes, has_failed: false };
+        Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
     /// Leaves the work that the file has aside: a change keeps it under another name.
@@ -68,26 +69,29 @@ impl Session {
         (kept.bytes, kept.work.frame) = (None, None);
     }
 
-    /// Returns the name of the file as it was typed.
+    /// Returns the name of the file as it was typed; `None` if the work is not kept.
     pub fn name(&self) -> Option<String> {
-        self.path.as_ref().map(|path| path.display().to_string())
+        let path = self.path.as_ref().filter(|_| !lock(&self.kept).has_failed);
+        path.map(|path| path.display().to_string())
     }
 
     pub(super) fn frame(&self) -> Option<usize> {
         lock(&self.kept).work.frame
     }
 
-    /// Remembers the frame that is shown. Before the first change there is no file for it.
+    /// Remembers the frame that is shown, where the file has the work of this window.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);
-        if kept.bytes.is_some() { self.write(&mut kept) } else { None }
+        let there = self.path.as_ref().and_then(|path| fs::read(path).ok());
+        if there.is_some() && there == kept.bytes { self.write(&mut kept) } else { None }
     }
 
     /// Keeps what the user has changed. Returns what the user is to be told, if anything.
     pub(super) fn keep(&self, change: impl FnOnce(&mut Work)) -> Option<String> {
         let mut kept = lock(&self.kept);
         change(&mut kept.work);
+        kept.work.recording.clone_from(&self.recording);
         self.write(&mut kept)
     }
 
@@ -119,7 +123,9 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
         version.as_u64().is_none_or(|version| version <= VERSION.into()),
         "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim"
     );
-    Ok((bytes, serde_json::from_value(value).map_err(wrong)?))
+    let work: Work = serde_json::from_value(value).map_err(wrong)?;
+    ensure!(work.targets.iter().all(|target| !target.locks.is_empty()), "it has a target without boxes: move it away");
+    Ok((bytes, work))
 }
 
 /// Writes the file. Work in it that this window does not know gets another name, which is returned.
