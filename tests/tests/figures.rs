@@ -35,7 +35,6 @@ fn figures_at(text: &str, sentence: &str) -> Option<Vec<Range<usize>>> {
     places.iter().all(|place| !place.is_empty()).then_some(places)
 }
 
-/// `text` with these figures in the sentence.
 fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String {
     let starts = text.char_indices().map(|(start, _)| start);
     let mut found = starts.filter_map(|start| Some((start, figures_at(&text[start..], sentence)?)));

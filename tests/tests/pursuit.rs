@@ -219,7 +219,6 @@ struct Step {
 }
 
 impl<T: Target> Loop<T> {
-    /// Locked on a target straight ahead.
     fn locked(config: T::Config) -> Self {
         let mut tracker = Box::new(Tracker::<T>::with(config).expect("a good configuration"));
         let picture =

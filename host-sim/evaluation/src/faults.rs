@@ -15,7 +15,6 @@ use smr_recordings::fault::Fault;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Frames between the lock and the fault.
 const LEAD: usize = 10;
 /// Frames after the fault in which the box may become right again.
 const WATCHED: usize = 50;
@@ -57,7 +56,6 @@ struct Counts {
 struct Faults<'a> {
     /// Cases at each place: first no fault, then each of the faults.
     cases: Vec<Option<&'a Fault>>,
-    /// Frames of the longest fault.
     longest: usize,
 }
 

@@ -8,9 +8,7 @@ pub type Color = [u8; 3];
 
 pub const WHITE: Color = [255; 3];
 pub(crate) const BLACK: Color = [0; 3];
-/// The ground of diagrams and of sheets.
 pub(crate) const PAPER: Color = [24; 3];
-/// The color of lines at a number.
 pub(crate) const GRID: Color = [90; 3];
 
 // Boxes in videos, by the state of the one target.

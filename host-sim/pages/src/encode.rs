@@ -72,7 +72,6 @@ pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
 
 /// The quality of a JPEG that is looked at for itself, of 100. A page with many frames must stay small.
 pub(crate) const GOOD: u8 = 88;
-/// The quality of one of many.
 pub(crate) const ENOUGH: u8 = 75;
 
 /// The frame in its colors as a JPEG.

@@ -84,7 +84,6 @@ impl BoundingBox {
     }
 }
 
-/// Left, top, width and height.
 impl From<[i32; 4]> for BoundingBox {
     fn from(sides: [i32; 4]) -> Self {
         let [x, y, width, height] = sides.map(f64::from);

@@ -272,7 +272,6 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     Ok(Samples { is_wide: decoded.bit_depth == png::BitDepth::Sixteen, orientation: chunks.orientation, ..samples })
 }
 
-/// Words the decoder's error for people.
 fn undecodable(error: DecodingError) -> Error {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {

@@ -17,7 +17,6 @@ pub enum Source {
     /// Gray frames or a pipe: they cannot be read again.
     #[default]
     Once,
-    /// One picture a frame.
     Pictures(Vec<images::Picture>),
     Video(PathBuf),
     /// A live source; its frames carry their colors.

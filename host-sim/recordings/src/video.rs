@@ -192,7 +192,6 @@ pub(super) const LEAP: u32 = 43_200;
 #[derive(Default)]
 struct Continued {
     last: Option<i64>,
-    /// Distance of the last two times.
     step: i64,
     /// Number added to the times of the file.
     shift: i64,

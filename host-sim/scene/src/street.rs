@@ -33,7 +33,6 @@ const RED: Triple = [0.80, 0.10, 0.08];
 
 const RAYS: usize = FINE as usize * FINE as usize;
 const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
-/// Number of solids that stand still.
 const SOLIDS: usize = 85;
 
 /// The street as it is drawn: 12 MB, which are zeros at first.

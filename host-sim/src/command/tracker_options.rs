@@ -130,7 +130,6 @@ fn help() -> String {
 struct Given {
     name: String,
     text: String,
-    /// Empty if no setting has this name.
     values: Vec<u16>,
 }
 

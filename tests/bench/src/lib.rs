@@ -12,7 +12,6 @@ pub type Small = Tracker<Paper<4096, 33>>;
 /// Three frames in which the target moves freely.
 const FIRST: usize = 40;
 
-/// Searched to each side.
 const RADIUS: Radius = Radius { x: 16, y: 16 };
 
 /// A tracker that is about to search a frame.

@@ -81,7 +81,6 @@ fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         .then(|| [(yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant])
 }
 
-/// Gray levels as f64.
 pub(super) struct Plane {
     width: usize,
     height: usize,
@@ -162,7 +161,6 @@ mod tests {
         rough(dx, dy, 0.0)
     }
 
-    /// With short waves of this height, too.
     fn rough(dx: f64, dy: f64, height: f64) -> GrayFrame {
         let level = |x: f64, y: f64| {
             let waves = (x / 5.0).sin() + (y / 6.0).sin() + ((x + 2.0 * y) / 17.0).sin() + ((2.0 * x - y) / 23.0).cos();

@@ -192,7 +192,6 @@ sad - smr                   3   +0.100       +0.050  +0.100
         assert!((paired["mean_correct_standard_error"].as_f64().unwrap() - 0.115_470).abs() < 1e-6);
     }
 
-    /// `rows` as the command writes them.
     fn written(rows: &[Row<'_>]) -> Former {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");

@@ -59,7 +59,6 @@ impl Locked {
     }
 }
 
-/// One method on one target.
 struct Pair {
     follower: Follower<dyn Shown>,
     variant: Variant,

@@ -46,7 +46,6 @@ fn parted(film: &Film) -> Result<Option<usize>> {
     Ok(parting.map(|parting| parting.index + film.first))
 }
 
-/// The ground truth, as one more entrant.
 fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
     json!({
         "name": "ground truth",
@@ -118,7 +117,6 @@ fn pictures(pictures: &Pictures) -> Value {
     json!({ "every": pictures.every, "frames": frames, "comparisons": comparisons })
 }
 
-/// The histogram is in parts of 1000.
 fn comparison(of: &Comparison) -> Value {
     json!({
         "template": base64(&of.template),
@@ -150,7 +148,6 @@ fn round(value: f64, digits: i32) -> Value {
     if whole as f64 == value { whole.into() } else { value.into() }
 }
 
-/// Left, top, width, height.
 fn of_box(bbox: Option<&BoundingBox>) -> Value {
     bbox.map_or(Value::Null, |bbox| {
         [bbox.x, bbox.y, bbox.width, bbox.height].map(|side| round(side, 2)).to_vec().into()

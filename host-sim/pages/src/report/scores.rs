@@ -42,7 +42,6 @@ struct Plot<'a> {
     most: f64,
     digits: usize,
     mark: Option<f64>,
-    /// The largest area first.
     lines: Vec<Curve<'a>>,
 }
 

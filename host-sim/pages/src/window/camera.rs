@@ -24,7 +24,6 @@ struct Seen {
     /// Number of the frame; the source counts all of its frames from 1.
     number: usize,
     gray: GrayFrame,
-    /// Seconds since the first frame.
     seconds: f64,
     color: Color,
 }
@@ -58,7 +57,6 @@ struct Came {
     /// Frames taken from the source, this one included.
     count: usize,
     gray: Arc<GrayFrame>,
-    /// Seconds since the first frame.
     seconds: f64,
     arrived: Instant,
 }

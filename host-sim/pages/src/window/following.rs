@@ -106,7 +106,6 @@ struct Segment {
 }
 
 impl Segment {
-    /// Returns the first frame without an answer.
     fn next(&self) -> usize {
         self.first + self.rows.len()
     }
@@ -412,7 +411,6 @@ impl Followed {
         })
     }
 
-    /// Follows all targets by these trackers.
     pub(super) fn set_variant(&self, variant: Variant) {
         self.change(|state| {
             let origin = variant.origin();

@@ -43,7 +43,6 @@ struct Sums {
 }
 
 impl Sums {
-    /// Each direction's gradient rounded down, and squared.
     fn energy(&self) -> f64 {
         self.gradient.iter().map(|sum| sum.floor().powi(2)).sum()
     }

@@ -98,7 +98,6 @@ pub struct Reference {
     /// The scale in the last frame with the decision tracking.
     tracked_scale: f64,
     next_window: i64,
-    /// If the box is corrected.
     refiner: Option<Refiner>,
 }
 

@@ -21,7 +21,6 @@ pub(super) const DOTTED: &str = r#"stroke-dasharray="3 4""#;
 /// Strokes of SMR and SAD. Dashes let an equal box below be seen.
 pub(super) const STROKES: [&str; 2] = [SOLID, DASHED];
 
-/// Across, then down.
 pub(super) type Pair = (f64, f64);
 
 pub(super) struct Sheet(Vec<String>);
