@@ -64,7 +64,7 @@ pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, heigh
     for (rect, number) in locks.into_iter().filter_map(|lock| Some((lock.rect()?, lock.frame))) {
         let Rect { x, y, width: wide, height: high } = rect;
         ensure!(
-            rect.intersection(frame) == rect,
+            rect.is_empty() || rect.intersection(frame) == rect,
             "the box {x},{y},{wide},{high} in frame {number} is not wholly inside {width}x{height} pixels"
         );
     }
