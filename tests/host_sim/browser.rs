@@ -27,6 +27,8 @@ const AFTER: [&str; 2] = [
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
 const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
+// Takes no virtual time: that runs ahead of pictures that are decoded.
+const until = async (isSo) => { const { port1, port2 } = new MessageChannel(); while (!isSo()) await new Promise((go) => { port1.onmessage = go; port2.postMessage(0); }); };
 const place = () => document.getElementById("place").value;
 const press = (key, shiftKey) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, bubbles: true }));
 const unfold = () => document.querySelectorAll("details").forEach((one) => { one.open = true; });
@@ -50,7 +52,8 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let inner = format!("<iframe src=\"file://{}#{address}\" width=\"{width}\" height=\"900\"></iframe>", utf8(&tried));
     fs::write(&frame, format!("<title>no answer</title>{receive}{inner}")).unwrap();
     let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1400,1000", "--virtual-time-budget=9000"])
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1400,1000"])
+        .arg("--virtual-time-budget=900000")
         .args(["--dump-dom", &format!("file://{}", utf8(&frame))])
         .output()
         .expect("it was there a moment ago");

@@ -47,7 +47,7 @@ const PLAYER: &str = r##"
   scrub.value = 100;
   scrub.dispatchEvent(new Event("input", { bubbles: true }));
   is("scrubbing", place(), "frame 100 of 240");
-  while (document.getElementById("stage").dataset.frame !== "100") await pause(20);
+  await until(() => document.getElementById("stage").dataset.frame === "100");
   const drawn = () => document.getElementById("stage").toDataURL();
   const before = drawn();
   document.querySelector("#switches input").click();
@@ -289,7 +289,7 @@ const LOOKS: &str = r##"
   is("the legend of a curve is like the switches", looks(legend).join(), looks(switches).slice(0, 20).join());
   is("and so are the tables", looks(document.querySelectorAll(".scroll tbody .sample path")).join(), looks(switches).slice(0, 20).join());
   const stage = document.getElementById("stage");
-  while (stage.dataset.frame !== "6") await pause(20);
+  await until(() => stage.dataset.frame === "6");
   const { data } = stage.getContext("2d").getImageData(0, 0, stage.width, stage.height);
   const pixels = new Set();
   for (let at = 0; at < data.length; at += 4) pixels.add(`rgb(${data[at]}, ${data[at + 1]}, ${data[at + 2]})`);

@@ -16,7 +16,6 @@ pub(crate) struct Extent {
     pub(crate) from_saved: bool,
 }
 
-/// Hundreds of executions per second.
 pub(crate) const WIDE: Extent = Extent {
     width: (16, 80),
     height: (12, 64),
@@ -29,7 +28,6 @@ pub(crate) const WIDE: Extent = Extent {
     from_saved: false,
 };
 
-/// Thousands per second, for millions of inputs.
 pub(crate) const SHORT: Extent = Extent {
     width: (12, 32),
     height: (10, 28),

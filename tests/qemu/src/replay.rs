@@ -13,7 +13,6 @@ use std::num::NonZeroU32;
 use std::path::Path;
 
 const VERSION: u32 = 5;
-/// The window of smr, to each side.
 const RADIUS: u16 = 16;
 
 /// The record of a recording, by this machine: with the target as it is saved after each answer, so that templates and weights are compared, too.
