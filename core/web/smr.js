@@ -369,7 +369,7 @@ export class Tracker {
     return state === null ? null : { fineBox: this.#library.read("fine"), state: STATES[state] };
   }
 
-  /** How distinct the target was from its surroundings at the lock; null without a target. */
+  /** Distinctness of the target from its surroundings at the lock; null without a target. */
   get quality() {
     return this.#ask("smr_quality", "short");
   }

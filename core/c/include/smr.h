@@ -1305,7 +1305,7 @@ smr_status smr_moved(struct smr_tracker *tracker,
                      int32_t down);
 
 /**
- * How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
+ * Distinctness of the target from its surroundings at the lock. A flat target, an edge or a single pixel looks the
  * same when shifted: the tracker follows it, but may slip along it without noticing.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.

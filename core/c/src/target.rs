@@ -1,4 +1,4 @@
-//! What a tracker knows about its target: the last box, the quality, the templates; all of it as bytes.
+//! The last box, the quality and the templates of a target, and all of it as bytes.
 
 use crate::answer::smr_state;
 use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
@@ -11,7 +11,7 @@ use core::ffi::c_char;
 use core::ptr;
 use smr_core::{RestoreError, Target};
 
-/// How distinct the target was from its surroundings at the lock. A flat target, an edge or a single pixel looks the
+/// Distinctness of the target from its surroundings at the lock. A flat target, an edge or a single pixel looks the
 /// same when shifted: the tracker follows it, but may slip along it without noticing.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.

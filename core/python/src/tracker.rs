@@ -106,7 +106,7 @@ impl Tracker {
         answer::answer(py, &self.next(frame)?)
     }
 
-    /// How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
+    /// Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
     /// target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {

@@ -1,5 +1,4 @@
-// The application: shows the frames of a source with the boxes of the targets, and takes what the user draws on them. The source is
-// host-sim (connection.js) or the browser itself.
+// The application: shows the frames of a source (connection.js) with the boxes of the targets, and takes what the user draws on them.
 
 import { Answers } from "./answers.js";
 import { drawCommands } from "./command-lines.js";
@@ -209,9 +208,6 @@ function undo(isRedo) {
 // ---- what host-sim tells
 
 function heard(told) {
-  if (told.opened !== undefined) {
-    opened(told.opened);
-  }
   news = { ...told, live: told.live ?? news.live };
   answers.clear(told.clear ?? []);
   answers.take(told.rows);
@@ -314,7 +310,7 @@ function drawFrame() {
   const { chosen } = edits;
   const inOrder = [...edits.targets].sort((one, other) => (one === chosen) - (other === chosen));
   const color = (pulled === null ? chosen : targetOf(pulled.id))?.color ?? NEW_COLOR;
-  if (source.part && kind === "recorded" && view.width < recording.width) {
+  if (kind === "recorded" && view.width < recording.width) {
     detail.want(shown, view, recording);
   }
   const under = (context, placed) => {
@@ -589,7 +585,7 @@ async function make(what, options) {
 const cancel = (id) => trying(source.cancel(id));
 
 async function readBoxes(file) {
-  if (file === undefined || source.readBoxes === undefined) {
+  if (file === undefined) {
     return;
   }
   byId("boxes").value = "";
@@ -604,7 +600,7 @@ function prepare() {
   playback = new Playback({
     picture: (number) => source.picture(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
     isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
-    visited: (number) => source.place && trying(source.place(number)),
+    visited: (number) => trying(source.place(number)),
   });
   timeline = new Timeline(byId("timeline"), { goTo: visit, hover });
   preview = new Preview(byId("timeline"));
@@ -631,7 +627,6 @@ function opened(facts) {
   kind = recording.live ? "live" : "recorded";
   [news, followed, hasEnded] = [{}, null, false];
   document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
-  document.querySelectorAll("[data-needs]").forEach((node) => (node.hidden = source[node.dataset.needs] === undefined));
   document.title = recording.name;
   byId("name").textContent = recording.name;
   byId("version").textContent = `host-sim ${recording.version}`;
@@ -639,7 +634,7 @@ function opened(facts) {
   answers.keep([]);
   edits.load(recording.targets);
   showTracker(recording);
-  drawMenu(byId("files"), recording, { take, make: kind === "live" || source.make === undefined ? undefined : make });
+  drawMenu(byId("files"), recording, { take, make: kind === "live" ? undefined : make });
   playback.forget(recording.first, recording.first);
   viewport.whole();
   measure();
@@ -655,7 +650,7 @@ function hover(number, x) {
   draw();
 }
 
-/** Shows a source, as long as it is there. What it cannot do (`data-needs` of an element) is not shown. */
+/** Shows a source, as long as it is there. */
 export async function run(of) {
   try {
     source = of;

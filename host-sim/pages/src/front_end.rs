@@ -49,7 +49,7 @@ modules! {
 }
 
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
-/// What the words on pages mean, for a list.
+/// Explanations of the words on pages, for a list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
 /// The style of every page.
 pub const STYLES: [&str; 2] =

@@ -30,7 +30,7 @@ pub struct View {
     /// The recording, a camera (/dev/video0), an address (rtsp://...), or `-` (Y4M from standard input)
     #[arg(value_name = "SEQ")]
     source: PathBuf,
-    /// How targets are followed [default: robust]
+    /// The tracker that follows the targets [default: robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
     /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video

@@ -26,7 +26,7 @@ class Tracker:
     """
     @property
     def quality(self) -> Optional[float]:
-        """How distinct the target was from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
+        """Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
         target.
         """
     @property
