@@ -156,7 +156,6 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
 
 impl<T: Method> Held<T> {
     /// The workspace, if the memory still holds one of this type.
-    #[inline(never)] // one copy in flash
     fn marked(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
         // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any

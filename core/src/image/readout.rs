@@ -151,15 +151,8 @@ impl Format {
                     *gray = mean.to_le_bytes()[0];
                 }
             }
-            Self::Gray10 => {
-                // First the pixels left in the group of four that holds column `x`, then whole groups.
-                let (within, groups) = (x % 4, from(x / 4 * 5).as_chunks::<5>().0);
-                let lead = if within == 0 { 0 } else { gray.len().min(4 - within) };
-                let (start, rest) = gray.split_at_mut_checked(lead).unwrap_or_default();
-                let (first, others) = groups.split_at_checked(usize::from(within > 0)).unwrap_or_default();
-                fill(start, first.iter().flat_map(|[high @ .., _low]| high).skip(within).copied());
-                rest.chunks_mut(4).zip(others).for_each(|(gray, [high @ .., _low])| fill(gray, high.iter().copied()));
-            }
+            // Groups of four high bytes and one byte of low bits.
+            Self::Gray10 => fill(gray, (x..).map(|x| line.get(x / 4 * 5 + x % 4).copied().unwrap_or(0))),
         }
     }
 }

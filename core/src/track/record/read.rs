@@ -1,7 +1,7 @@
 //! The entries of a record, checked.
 
 use super::{AROUND, HEAD, Tag, VERSION};
-use crate::image::{FineRect, Frame, Rect};
+use crate::image::{FineRect, Frame, Image, Rect};
 use crate::similarity::Table;
 use crate::track::checksum::Crc;
 use crate::track::saved::Reader;
@@ -274,7 +274,8 @@ fn entry<'a>(tag: Tag, from: &mut Reader<'a>) -> Option<Entry<'a>> {
             let sweep = Some(sweep).filter(|sweep| !sweep.is_empty());
             let mut frame = from.frame(size, window)?;
             if let Some(sweep) = sweep {
-                frame = frame.and_window(from.pixels(sweep)?, sweep).ok()?;
+                let (image, x, y) = from.part(sweep)?;
+                frame = frame.and_part(image, x, y).ok()?;
             }
             Entry::Window { frame, window, sweep }
         }
@@ -295,12 +296,16 @@ impl<'a> Reader<'a> {
         Some(Rect::new(x.into(), y.into(), width, height))
     }
 
-    fn pixels(&mut self, window: Rect) -> Option<&'a [u8]> {
-        self.slice(usize::try_from(window.area()).ok()?)
+    /// The next pixels, as the part of a frame in this window, with its top left corner.
+    fn part(&mut self, window: Rect) -> Option<(Image<'a>, u16, u16)> {
+        let pixels = self.slice(usize::try_from(window.area()).ok()?)?;
+        let image = Image::new(pixels, window.width, window.height).ok()?;
+        Some((image, u16::try_from(window.x).ok()?, u16::try_from(window.y).ok()?))
     }
 
-    fn frame(&mut self, size: (u16, u16), window: Rect) -> Option<Frame<'a>> {
-        Frame::of_window(self.pixels(window)?, window, size).ok()
+    fn frame(&mut self, (width, height): (u16, u16), window: Rect) -> Option<Frame<'a>> {
+        let (image, x, y) = self.part(window)?;
+        Frame::part(image, x, y, width, height).ok()
     }
 
     fn answer(&mut self) -> Option<Answer> {
