@@ -1,4 +1,4 @@
-// The application: shows the frames of a source (connection.js) with the boxes of the targets, and takes what the user draws on them.
+// The application: shows the frames of a source (connection.js, local.js) with the boxes of the targets, and takes what the user draws on them.
 
 import { Answers } from "./answers.js";
 import { drawCommands } from "./command-lines.js";
@@ -28,12 +28,11 @@ const LOADING_MS = 200; // a shorter wait is not worth a word
 const MOST_LATE = 50; // frames
 const SMALL_PART = 1 / 4; // of the last area: a smaller box may be a slip
 const NEW_COLOR = "#fff";
-const NOT_THERE = ["runner-up", "time here"]; // rows of figures.js that no answer here has
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
-const edits = new Edits();
 const answers = new Answers();
 const happened = new Map(); // events by the id of a target
+let edits; // see edits.js
 let source; // see connection.js
 let recording; // the facts that it opened with
 let kind; // recorded or live
@@ -55,7 +54,7 @@ function say(text) {
 // ---- frames
 
 const size = () => (playback.shown === null ? null : { width: recording.width, height: recording.height });
-const timeOf = (number) => recording.times?.[number - recording.first] ?? (recording.rate ? (number - recording.first) / recording.rate : null);
+const timeOf = (number) => recording.timeOf?.(number) ?? recording.times?.[number - recording.first] ?? (recording.rate ? (number - recording.first) / recording.rate : null);
 
 function visit(number) {
   say("");
@@ -208,6 +207,10 @@ function undo(isRedo) {
 // ---- what host-sim tells
 
 function heard(told) {
+  if (told.opened !== undefined) {
+    opened(told.opened);
+    return;
+  }
   news = { ...told, live: told.live ?? news.live };
   answers.clear(told.clear ?? []);
   answers.take(told.rows);
@@ -233,6 +236,10 @@ function measure() {
   if (kind !== "live") {
     const known = recording.frames === null ? Math.max(followed ?? 0, playback.frame ?? 0, recording.first) : recording.first + recording.frames - 1;
     playback.reach(recording.first, known);
+    if (playback.frame > known) {
+      // There are fewer frames than it was said at first.
+      playback.goTo(known);
+    }
   } else if (news.live) {
     const { oldest, newest } = news.live;
     playback.reach(oldest, newest);
@@ -377,7 +384,7 @@ function drawChosen(chosen) {
   const { shown, first, last } = playback;
   const on = Object.fromEntries(METHODS.map((method) => [method, method === recording.method]));
   const now = chosen === null ? undefined : answers.at(chosen.id, shown);
-  figures.draw({ now: { [recording.method]: now ?? {} }, time: () => NaN }, on);
+  figures.draw({ now: { [recording.method]: now ?? {} } }, on);
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
     const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end);
@@ -525,14 +532,14 @@ function listen() {
     trail: draw,
     method: useMethod,
     settings: useMethod,
-    boxes: () => readBoxes(byId("boxes").files[0]),
+    boxes: () => read(byId("boxes").files[0]),
   };
   Object.entries(changes).forEach(([id, act]) => byId(id).addEventListener("change", act));
   document.addEventListener("keydown", pressed);
   document.addEventListener("dragover", (event) => event.preventDefault());
   document.addEventListener("drop", (event) => {
     event.preventDefault();
-    [...event.dataTransfer.files].reduce((before, file) => before.then(() => readBoxes(file)), Promise.resolve());
+    [...event.dataTransfer.files].reduce((before, file) => before.then(() => read(file)), Promise.resolve());
   });
   document.addEventListener("pointerdown", ({ target }) => (byId("export").open &&= byId("export").contains(target)));
   byId("firmware").addEventListener("toggle", async () => {
@@ -568,7 +575,7 @@ async function trying(promise) {
 }
 
 async function take(format) {
-  const file = await trying(source.boxes(format));
+  const file = await trying(source.boxes(format, edits.chosen));
   if (file !== "") {
     save(file.name, file.bytes);
     drawTaken(byId("made"), file.name);
@@ -584,12 +591,13 @@ async function make(what, options) {
 
 const cancel = (id) => trying(source.cancel(id));
 
-async function readBoxes(file) {
+// Takes a file of the user: boxes, or a video where the source reads those.
+async function read(file) {
   if (file === undefined) {
     return;
   }
   byId("boxes").value = "";
-  const targets = await trying(source.readBoxes(file));
+  const targets = await trying(source.read(file));
   if (targets !== "") {
     edits.add(targets);
     await changed();
@@ -600,11 +608,10 @@ function prepare() {
   playback = new Playback({
     picture: (number) => source.picture(number), isLive: () => kind === "live", timeOf, speed: () => Number(byId("speed").value),
     isHeld: () => proposed !== null, changed: draw, failed: (error) => say(error.message), marks: () => allEvents().map((event) => event.frame),
-    visited: (number) => trying(source.place(number)),
+    visited: (number) => source.place && trying(source.place(number)),
   });
   timeline = new Timeline(byId("timeline"), { goTo: visit, hover });
   preview = new Preview(byId("timeline"));
-  detail = new Detail((number, part) => source.part(number, part), draw);
   drag = new Drag(byId("stage"), {
     size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
     propose: (box, grip) => {
@@ -617,7 +624,7 @@ function prepare() {
   });
   viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => drag.drop() });
   graph = new Graph({ goTo: visit });
-  figures = new Figures(byId("figures"), NOT_THERE);
+  figures = new Figures(byId("figures"));
   seesCurves = inView(byId("curves"), draw);
 }
 
@@ -625,20 +632,27 @@ function prepare() {
 function opened(facts) {
   recording = { first: 1, ...facts };
   kind = recording.live ? "live" : "recorded";
-  [news, followed, hasEnded] = [{}, null, false];
+  [news, followed, hasEnded, hovered] = [{}, null, false, { number: null }];
+  say("");
   document.querySelectorAll("[data-in]").forEach((node) => (node.hidden = node.dataset.in !== kind));
   document.title = recording.name;
   byId("name").textContent = recording.name;
-  byId("version").textContent = `host-sim ${recording.version}`;
+  byId("version").textContent = recording.version;
   byId("stage").style.setProperty("--ratio", recording.width / recording.height);
   answers.keep([]);
+  happened.clear();
+  edits = new Edits();
   edits.load(recording.targets);
+  detail = new Detail((number, part) => source.part(number, part), draw);
   showTracker(recording);
-  drawMenu(byId("files"), recording, { take, make: kind === "live" ? undefined : make });
+  drawMenu(byId("files"), recording, { take, make: kind === "live" || !recording.films ? undefined : make });
   playback.forget(recording.first, recording.first);
   viewport.whole();
   measure();
   playback.begin(recording.frame ?? playback.first);
+  if (recording.plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+    playback.play(true);
+  }
 }
 
 function hover(number, x) {
@@ -650,14 +664,15 @@ function hover(number, x) {
   draw();
 }
 
-/** Shows a source, as long as it is there. */
-export async function run(of) {
+/** Shows a source, as long as it is there. `openers`: what opens other frames, by the id of its button or field. */
+export async function run(of, openers = {}) {
   try {
     source = of;
     const facts = await source.open();
     prepare();
     listen();
     opened(facts);
+    Object.entries(openers).forEach(([id, act]) => byId(id).addEventListener(byId(id).type === "file" ? "change" : "click", () => trying(act())));
     await source.listen(heard, gone, () => playback.shown ?? playback.first);
   } catch (error) {
     document.body.classList.add("failed");

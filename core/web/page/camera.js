@@ -1,8 +1,12 @@
 // The webcam as a source of frames. A frame that comes while the trackers are behind is dropped, and counted.
 
+import { htmlNode } from "./dom.js";
 import { eachPicture } from "./pictures.js";
 
 const WANTED = { audio: false, video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 60 }, facingMode: "environment" } };
+const MOST_BYTES = 96 << 20; // of pictures that are kept
+// A frame waits while another is followed. A third one would only be late.
+const MOST_UNDER_WAY = 2;
 
 const REFUSED = {
   NotAllowedError: "The camera was refused: allow it for this page in the browser, or choose a video file.",
@@ -11,19 +15,23 @@ const REFUSED = {
 };
 
 export class Camera {
-  kind = "camera";
   name = "camera";
-  length = null;
-  #sink;
-  #video;
-  #number = 0;
+  words = "/dev/video0";
+  live = true;
+  /** The number of the newest frame. */
+  last = 0;
+  #follower;
+  #page;
+  #video = htmlNode("video", { class: "decoder", playsinline: "" });
+  #kept = new Map(); // { picture, time it came } by number, the oldest first
+  #dropped = 0;
+  #sent = 0; // frames to the worker
+  #underWay = 0;
   #end = () => {};
-  #isPlaying = false;
-  #isOneWanted = false;
 
-  constructor(sink, video) {
-    this.#sink = sink;
-    this.#video = video;
+  /** `page`: { came() a frame is there, failed(text) }. */
+  constructor(follower, page) {
+    [this.#follower, this.#page] = [follower, page];
   }
 
   /** Asks for the camera. If there is none, throws an error that says why in one line. */
@@ -31,40 +39,42 @@ export class Camera {
     if (navigator.mediaDevices === undefined) {
       throw new Error("This page may not use the camera: open it from https or from a file, or choose a video file.");
     }
+    const video = this.#video;
+    video.muted = true;
+    document.body.append(video);
     try {
-      this.#video.srcObject = await navigator.mediaDevices.getUserMedia(WANTED);
-      await this.#video.play();
+      video.srcObject = await navigator.mediaDevices.getUserMedia(WANTED);
+      await video.play();
     } catch (error) {
       this.stop();
       throw new Error(REFUSED[error.name] ?? `The camera cannot be used: ${error.message}`);
     }
-    [this.width, this.height] = [this.#video.videoWidth, this.#video.videoHeight];
-    this.#end = eachPicture(this.#video, (picture) => this.#seen(picture));
-    this.#video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#sink.failed("The camera was disconnected."));
+    [this.width, this.height] = [video.videoWidth, video.videoHeight];
+    await this.#follower.ask("clear");
+    video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#page.failed("The camera was disconnected."));
+    await new Promise((resolve) => {
+      this.#end = eachPicture(video, ({ missed }) => this.#seen(missed).then(resolve));
+    });
   }
 
-  /** The times of a camera are not kept. */
-  timeOf() {
-    return null;
+  /** The oldest frame that is kept, the newest one, how many were dropped, and how old (ms) the frame `number` is. */
+  news(number) {
+    const time = this.#kept.get(number)?.time ?? performance.now();
+    return { live: { oldest: this.#kept.keys().next().value, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
   }
 
-  play() {
-    this.#isPlaying = true;
+  /** The worker keeps the frames. */
+  async frame() {
+    return {};
   }
 
-  pause() {
-    this.#isPlaying = false;
-  }
-
-  step() {
-    this.#isOneWanted = true;
-  }
-
-  /** A camera cannot start again: it goes on. */
-  restart() {}
-
-  set speed(_) {
-    // A camera has a speed of its own.
+  /** A picture, as long as it is kept. */
+  async picture(number) {
+    const kept = this.#kept.get(number);
+    if (kept === undefined) {
+      throw new Error(`Frame ${number} is not kept any more.`);
+    }
+    return kept.picture;
   }
 
   stop() {
@@ -72,15 +82,37 @@ export class Camera {
     for (const track of this.#video.srcObject?.getTracks() ?? []) {
       track.stop();
     }
-    this.#video.srcObject = null;
+    this.#video.remove();
   }
 
-  async #seen({ missed }) {
-    if (!this.#isPlaying && !this.#isOneWanted) {
+  async #seen(missed) {
+    this.#dropped += missed;
+    if (this.#underWay >= MOST_UNDER_WAY) {
+      this.#dropped += 1;
       return;
     }
-    this.#sink.missed(missed);
-    this.#isOneWanted = false;
-    await this.#sink.show(this.#video, () => ++this.#number);
+    this.#underWay += 1;
+    const time = performance.now();
+    const seen = await pictureOf(this.#video);
+    const number = ++this.#sent;
+    const { picture } = await this.#follower.ask("keep", { number, picture: seen });
+    this.#keep(number, { picture: await createImageBitmap(picture), time });
+    picture.close();
+    this.last = Math.max(this.last, number);
+    this.#underWay -= 1;
+    this.#page.came();
   }
+
+  #keep(number, kept) {
+    this.#kept.set(number, kept);
+    const oldest = number - Math.floor(MOST_BYTES / (4 * this.width * this.height));
+    this.#kept.get(oldest)?.picture.close();
+    this.#kept.delete(oldest);
+  }
+}
+
+// The picture that a video shows now. A VideoFrame shares the pixels of the video, in browsers that have it; an
+// ImageBitmap is a copy.
+async function pictureOf(video) {
+  return typeof VideoFrame === "function" ? new VideoFrame(video) : createImageBitmap(video);
 }

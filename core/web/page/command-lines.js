@@ -9,8 +9,9 @@ const TITLES = { view: "The command that opens it again", track: "The command th
 /** `verbs`: { report: "-o report.html", ... }, what follows after the boxes. */
 export function drawCommands(place, verbs, { words, method, options }, targets) {
   const shown = Object.keys(TITLES).filter((verb) => verb in verbs);
-  if (place.children.length === 0) {
-    place.append(...shown.map(line));
+  if (place.dataset.shown !== shown.join()) {
+    place.dataset.shown = shown.join();
+    place.replaceChildren(...shown.map(line));
   }
   const named = targets.map((target) => ({ name: nameOf(target), locks: target.locks }));
   const inits = initsOf(named, targets.length > 1 || targets.some(({ name }) => name !== ""));

@@ -16,7 +16,7 @@ export class Connection {
   async open() {
     const source = await (await asked("source")).json();
     this.#revision = source.revision;
-    return { ...source, targets: source.targets.map(targetOf) };
+    return { ...source, version: `host-sim ${source.version}`, targets: source.targets.map(targetOf) };
   }
 
   /** The picture of a frame. */
@@ -93,7 +93,7 @@ export class Connection {
   }
 
   /** The targets of a file with boxes, { name, locks }. */
-  async readBoxes(file) {
+  async read(file) {
     const answer = await asked(`boxes?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
     return (await answer.json()).targets.map(targetOf);
   }

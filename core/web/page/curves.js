@@ -6,20 +6,17 @@ import { METHODS, SHORT } from "./methods.js";
 export const FRAMES = 300;
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 
-/** Charts as graph.js takes them. `target`: its `histories` by method, see history.js; or null. */
+/** Charts as graph.js takes them. `target`: its `histories` by method, see answers.js; or null. */
 export function chartsOf(place, target, on) {
   const histories = METHODS.filter((method) => on[method] && target?.histories[method]);
-  const line = (method, column, read, isSecond = false) => ({
-    title: isSecond ? `${SHORT[method]}, runner-up` : SHORT[method], look: method, isSecond,
+  const line = (method, column, read) => ({
+    title: SHORT[method], look: method,
     numbers: target.histories[method].last("number", FRAMES), values: target.histories[method].last(column, FRAMES).map(read),
   });
   const part = (value) => value / 65535;
   return [
     { place, title: "States", bands: histories.map((method) => line(method, "state", (state) => STATES[state])) },
     { place, title: "Confidence", most: 1, digits: 3, lines: histories.map((method) => line(method, "confidence", part)) },
-    {
-      place, title: "Ratio (dotted: runner-up)", most: 1, digits: 3,
-      lines: histories.flatMap((method) => [line(method, "ratio", part), line(method, "runnerUpRatio", part, true)]),
-    },
+    { place, title: "Ratio", most: 1, digits: 3, lines: histories.map((method) => line(method, "ratio", part)) },
   ];
 }

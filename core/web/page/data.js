@@ -1,14 +1,14 @@
-// The data in the built page beside its script: the worker's script and the WebAssembly modules, packed. build.mjs puts
-// them there.
+// The data in the built page beside its script, packed: the worker's script and the WebAssembly modules. build.mjs puts them there.
 
 import { byId } from "./dom.js";
+import { unpacked } from "./unpacked.js";
 
 /** The address of the worker's script. */
-export function workerAddress() {
-  return URL.createObjectURL(new Blob([byId("worker").textContent], { type: "text/javascript" }));
+export async function workerAddress() {
+  return URL.createObjectURL(new Blob([await unpacked(byId("worker.js").textContent).text()], { type: "text/javascript" }));
 }
 
-/** The WebAssembly modules: deflated, in Base64. */
+/** The WebAssembly modules, packed. */
 export function packedModules() {
-  return { simd: byId("smr-simd.wasm").textContent, plain: byId("smr.wasm").textContent, scene: byId("scene.wasm").textContent };
+  return { smr: byId("smr-simd.wasm").textContent, scene: byId("scene.wasm").textContent };
 }

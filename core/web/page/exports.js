@@ -2,7 +2,7 @@
 
 import { byId, htmlNode } from "./dom.js";
 
-const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML" };
+const FORMATS = { csv: "CSV", json: "JSON", tld: "TLD", vot: "VOT", otb: "OTB", got10k: "GOT-10k", mot: "MOT", coco: "COCO", cvat: "CVAT XML", record: "Flight record" };
 const ONE_TARGET = "holds one target only";
 const NO_BOX = "draw a box first";
 

@@ -14,26 +14,21 @@ const ROWS = [
   ["state", (now) => now.state],
   ["confidence", (now) => part(now.confidence, 65535)],
   ["ratio", (now) => part(now.ratio, 65535)],
-  ["runner-up", (now) => part(now.runnerUpRatio, 65535)],
   ["alpha", (now) => whole(now.alpha)],
   ["size", (now) => part(now.scale, 65536)],
   ["box", (now) => (now.state === "lost" ? "–" : placed(now.box))],
   ["work", (now) => millions(now.work)],
-  ["time here", (_, time) => (Number.isNaN(time) ? "–" : `${time.toFixed(1)} ms`)],
-  ["Cortex-M4", (now, _, method) => about(instructions(method, now).m4)],
-  ["Cortex-M55", (now, _, method) => about(instructions(method, now).m55)],
+  ["Cortex-M4", (now, method) => about(instructions(method, now).m4)],
+  ["Cortex-M55", (now, method) => about(instructions(method, now).m55)],
 ];
 
 export class Figures {
   #table;
-  #rows;
   #cells = new Map(); // by method and title of the row
   #shown = "";
 
-  /** `without`: titles of rows that are left out. */
-  constructor(table, without = []) {
+  constructor(table) {
     this.#table = table;
-    this.#rows = ROWS.filter(([title]) => !without.includes(title));
   }
 
   draw(target, on) {
@@ -44,16 +39,15 @@ export class Figures {
     }
     for (const method of methods) {
       const now = target?.now[method] ?? {};
-      const time = target?.time(method);
-      for (const [title, read] of this.#rows) {
-        this.#write(method, title, now.state === undefined ? none(now, title) : read(now, time, method));
+      for (const [title, read] of ROWS) {
+        this.#write(method, title, now.state === undefined ? "–" : read(now, method));
       }
     }
   }
 
   #make(methods) {
     const heads = methods.map((method) => htmlNode("th", { scope: "col" }, sample(method), SHORT[method]));
-    const lines = this.#rows.map(([title]) => {
+    const lines = ROWS.map(([title]) => {
       const cells = methods.map((method) => {
         const cell = htmlNode("td", {});
         this.#cells.set(`${method} ${title}`, cell);
@@ -72,8 +66,4 @@ export class Figures {
       cell.replaceChildren(...(isState ? [htmlNode("span", { class: `key ${text}` })] : []), text);
     }
   }
-}
-
-function none({ error }, title) {
-  return title === "state" && error !== undefined ? "refused" : "–";
 }

@@ -1,19 +1,21 @@
-// The two trackers that follow each target, by their names in host-sim.
+// The two trackers, by their names in host-sim, and the options that choose their settings.
 
 export const METHODS = ["robust", "smr"];
 export const TITLES = { robust: "Robust tracker", smr: "Paper's tracker (SMR, 2013)" };
 /** Titles where there is little room. */
 export const SHORT = { robust: "Robust", smr: "Paper" };
 
-/** The settings at the start. The options are those of host-sim. */
+/** The settings at the start. */
 export const SETTINGS = {
-  on: { robust: true, smr: true },
   robust: { reach: 8, size: true, sweep: true, refiner: true },
   smr: { config: "camera" },
 };
 
-/** A new tracker of `method` with these settings. */
-export function trackerOf(library, method, settings) {
-  const { robust, smr } = settings;
-  return method === "robust" ? library.robust(robust) : library.paper({ preset: smr.config });
+/** A new tracker of a method with options of `host-sim track`: { set: ["reach=6", "size=off", ...] } or { config }. */
+export function trackerOf(library, { method, options: { set = [], config = "paper" } }) {
+  if (method === "smr") {
+    return library.paper({ preset: config });
+  }
+  const given = set.map((one) => one.split("=")).map(([name, value]) => [name, name === "reach" ? Number(value) : value !== "off"]);
+  return library.robust({ ...SETTINGS.robust, ...Object.fromEntries(given) });
 }

@@ -1,6 +1,6 @@
 // The page of `host-sim report`: frames with the boxes of all entrants, curves and events, from the data in the page.
 
-import { drawScale } from "./cards.js";
+import { drawScale } from "./legend.js";
 import { byId, htmlNode, sample } from "./dom.js";
 import { clock, drawEvents, eventsOf } from "./events.js";
 import { Graph, spansOf } from "./graph.js";

@@ -1,16 +1,13 @@
 // Answers in the formats of host-sim: `host-sim track --format csv` and `host-sim track --json`.
 
-import { optionsOf } from "./command.js";
-
 const CSV_NAMES = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
 
 // Rounds to six digits, as host-sim does.
-const rounded = (value, unit) => (Number.isNaN(value) ? null : Math.round((value / unit) * 1e6) / 1e6);
-const figure = (value) => (Number.isNaN(value) ? null : value);
+const rounded = (value, unit) => (Number.isFinite(value) ? Math.round((value / unit) * 1e6) / 1e6 : null);
 
 /**
- * The rows of all targets of a method, in the order of the frames. `named` is a list of [name, history]; `timeOf(frame)` is the
- * time of a frame in seconds, or null.
+ * The rows of all targets, in the order of the frames. `named` is a list of [name, rows], each row { number, state, box, fineBox, ... };
+ * `timeOf(frame)` is the time of a frame in seconds, or null.
  */
 export function csv(named, timeOf) {
   const isNamed = named.length > 1;
@@ -18,15 +15,14 @@ export function csv(named, timeOf) {
   return (isNamed ? "target," : "") + CSV_NAMES + lines.join("");
 }
 
-/** One JSON object on each line. */
-export function json(named, method, settings, version, timeOf) {
-  const origin = { version, method, options: optionsOf(method, settings) };
+/** One JSON object on each line, which begins with `origin`. */
+export function json(named, origin, timeOf) {
   const isNamed = named.length > 1;
   return inOrder(named).map(([name, row]) => `${JSON.stringify({ ...origin, ...(isNamed ? { target: name } : {}), ...ofRow(row, timeOf) })}\n`).join("");
 }
 
 function inOrder(named) {
-  const all = named.flatMap(([name, history]) => [...history.rows()].map((row) => [name, row]));
+  const all = named.flatMap(([name, rows]) => rows.map((row) => [name, row]));
   return all.sort(([, one], [, other]) => one.number - other.number);
 }
 
@@ -36,21 +32,21 @@ function csvLine(row, timeOf) {
   return [frame, time, ...box, state, confidence, ratio, runner_up_ratio, alpha, scale, work].map((value) => value ?? "").join(",");
 }
 
-function ofRow(row, timeOf) {
-  const isLost = row.state === "lost";
+function ofRow({ number, state, box: { x, y, width, height }, fineBox: fine, alpha, foundAgain, work, ...row }, timeOf) {
+  const isLost = state === "lost";
   return {
-    frame: row.number,
-    time: rounded(timeOf(row.number) ?? NaN, 1),
-    state: row.state,
-    box: isLost ? null : { x: row.x, y: row.y, width: row.width, height: row.height },
-    fine: isLost ? null : { x: row.fineX / 256, y: row.fineY / 256, width: row.fineWidth / 256, height: row.fineHeight / 256 },
+    frame: number,
+    time: rounded(timeOf(number) ?? NaN, 1),
+    state,
+    box: isLost ? null : { x, y, width, height },
+    fine: isLost ? null : { x: fine.x / 256, y: fine.y / 256, width: fine.width / 256, height: fine.height / 256 },
     confidence: rounded(row.confidence, 65535),
     ratio: rounded(row.ratio, 65535),
-    runner_up_ratio: rounded(row.runnerUpRatio, 65535),
-    alpha: figure(row.alpha),
+    runner_up_ratio: rounded(row.runnerUpRatio ?? NaN, 65535),
+    alpha: alpha ?? null,
     scale: rounded(row.scale, 65536),
-    found_again: Number.isNaN(row.foundAgain) ? null : row.foundAgain === 1,
-    work: figure(row.work),
+    found_again: foundAgain ?? null,
+    work: work ?? null,
     quality: rounded(row.quality, 65535),
   };
 }

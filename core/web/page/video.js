@@ -1,7 +1,7 @@
-// A video file as a source of frames. None is lost: the video pauses while the trackers are behind, and where the browser
-// skipped a picture it goes back for it.
+// The pictures of a video file by their numbers. None is lost: where the browser skipped a picture, this goes back for it.
 
 import { lacking } from "./codec.js";
+import { htmlNode } from "./dom.js";
 
 // The time from a picture to the next one in seconds, assumed until it is known.
 const LIKELY_STEP = 1 / 30;
@@ -11,13 +11,14 @@ const GAP = 1.5;
 const SLACK = 1.25;
 // Less than files can tell apart.
 const HAIR = 0.0005;
-// The number of pictures that wait for the trackers before the video pauses.
+// The number of pictures that wait to be taken before the video pauses.
 const MOST_WAITING = 3;
+// As quick as it plays, while pictures are taken that quickly.
+const SPEED = 2;
 // After a skipped picture the video is slowed down so much, and after so many pictures without one it is as much quicker again.
 const SLOWER = 0.8, PATIENCE = 10;
 // Less would be slower than to seek each picture.
 const LEAST_PART = 0.3;
-const SLOWEST = 0.0625, FASTEST = 16; // of browsers
 // The longest wait for a picture after its seek (ms), and the most waits: for an old picture, and for any.
 const LATE_MS = 150, WAITS = 2, WAITS_FOR_ANY = 100;
 
@@ -36,36 +37,41 @@ function pictureOf(video) {
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 export class Video {
-  kind = "video";
-  #sink;
   #video;
   #file;
+  #failed;
   #address;
+  #known; // about the file, also to another decoder of it
   #tick = 0; // the handle of the next call for a picture
   #mediaTime = 0; // of the picture that was shown last
-  #isTimed = true; // pictures know their times
-  #times = []; // of pictures, by number
-  #counted = 0; // pictures from the first one on
-  #length = null;
-  #step = null; // from a picture to the next one, the shortest that was seen
-  #isEnding = false;
-  #mean = { step: LIKELY_STEP, count: 1 }; // over so many pictures from the first one on
-  #last = null; // the picture that was sent last: { number, time }
+  #isEnding = true; // no picture comes by playing on
+  #last = null; // the picture that was taken last: { number, time }
   #queue = []; // those that wait
-  #isSending = false;
+  #asked = null; // who waits for a picture: { number, resolve }
+  #taking = Promise.resolve(); // pictures, one after the other
   #turn = Promise.resolve(); // seeks, one after the other
   #seeks = 0; // that are not done
-  #wanted = null; // the frame that the user wants to see
   #stopped = new AbortController();
   #isPlaying = false;
-  #speed = 1;
   #part = 1; // of the speed, so that no picture is skipped
   #unskipped = 0; // pictures since one was skipped
 
-  constructor(sink, video, file) {
-    [this.#sink, this.#video, this.#file] = [sink, video, file];
-    this.name = file.name;
+  /** `failed(text)` is told why the file ends early. `like`: another decoder of this file, which is open. */
+  constructor(file, failed, like = null) {
+    [this.#file, this.#failed] = [file, failed];
+    this.#video = htmlNode("video", { class: "decoder", playsinline: "" });
+    this.#video.muted = true;
+    document.body.append(this.#video);
     this.#address = URL.createObjectURL(file);
+    this.#known = like?.#known ?? {
+      isTimed: true, // pictures know their times
+      times: [], // of pictures, by number
+      counted: 0, // pictures from the first one on
+      length: null,
+      start: null, // the time of the first picture
+      step: null, // from a picture to the next one, the shortest that was seen
+      mean: { step: LIKELY_STEP, count: 1 }, // over so many pictures from the first one on
+    };
   }
 
   /** Opens the file. If it cannot be played, throws an error that says why in one line. */
@@ -82,91 +88,91 @@ export class Video {
     }
     video.onended = () => this.#roll();
     this.#nextTick();
-    const isBroken = new Promise((resolve) => (video.onerror = () => resolve(true)));
-    if (await Promise.race([isBroken, this.#measure()])) {
-      await this.#reload();
+    if (this.#known.start === null) {
+      const isBroken = new Promise((resolve) => (video.onerror = () => resolve(true)));
+      if (await Promise.race([isBroken, this.#measure()])) {
+        await this.#reload();
+      }
     }
+    this.#last = { number: 0, time: this.#known.start - 1 };
     video.onerror = () => this.#ends();
-    this.seek(1);
+    this.#isPlaying = true;
   }
 
   /** The number of frames; an estimate until all were seen. */
   get length() {
     const { duration } = this.#video;
-    const passed = duration - (this.#times[1] ?? 0);
-    return this.#length ?? (Number.isFinite(passed) ? Math.max(Math.round(passed / this.#pace), this.#counted) : null);
+    const passed = duration - this.#known.start;
+    return this.#known.length ?? (Number.isFinite(passed) ? Math.max(Math.round(passed / this.#pace), this.#known.counted) : null);
+  }
+
+  /** True if the number of frames is no estimate. */
+  get isCounted() {
+    return this.#known.length !== null;
   }
 
   /** The time of a frame in seconds; an estimate where no frame was seen. */
   timeOf(number) {
-    return this.#times[number] ?? this.#times[this.#counted] + (number - this.#counted) * this.#pace;
+    const { times, counted } = this.#known;
+    return times[number] ?? (times[counted] ?? this.#known.start - this.#pace) + (number - counted) * this.#pace;
   }
 
-  play() {
-    [this.#isPlaying, this.#isEnding] = [true, false];
-    this.#alone(async () => {
-      const { currentTime } = this.#video;
-      const { time } = this.#ahead;
-      if (this.#isPlaying && (currentTime < time || currentTime >= time + (this.#step ?? 0) || this.#video.ended)) {
-        (await this.#pictureAt(time + HAIR)).close();
+  /** The picture of a frame, a VideoFrame; null if the file ends before it. Those that are taken in order come without seeking. */
+  take(number) {
+    this.#taking = this.#taking.then(() => {
+      if (number > (this.#known.length ?? Infinity) || this.#stopped.signal.aborted) {
+        return null;
       }
+      return new Promise((resolve) => {
+        this.#asked = { number, resolve };
+        number === this.#next ? this.#send() : this.#seek(number);
+      });
     });
-  }
-
-  pause() {
-    this.#isPlaying = false;
-    this.#video.pause();
-    this.#queue.splice(0).forEach(({ picture }) => picture.close());
-  }
-
-  step() {
-    this.#alone(async () => {
-      const next = await this.#after(this.#ahead.time);
-      next === null ? this.#end() : this.#add(next, this.#ahead.number + 1);
-    });
-  }
-
-  /** Shows a frame. */
-  seek(number) {
-    const isPlaying = this.#isPlaying;
-    this.pause();
-    [this.#isPlaying, this.#isEnding] = [isPlaying, false];
-    this.#wanted = number;
-    this.#alone(async () => {
-      const wanted = this.#wanted;
-      this.#wanted = null;
-      if (wanted !== null) {
-        await this.#show(wanted);
-      }
-    });
-  }
-
-  restart() {
-    this.seek(1);
-  }
-
-  set speed(speed) {
-    this.#speed = speed;
-    this.#video.playbackRate = Math.min(Math.max(speed * this.#part, SLOWEST), FASTEST);
+    return this.#taking;
   }
 
   stop() {
-    this.pause();
+    this.#isPlaying = false;
+    this.#drop();
+    this.#answer(null);
     this.#stopped.abort();
     const video = this.#video;
     video.cancelVideoFrameCallback?.(this.#tick);
     video.onerror = video.onended = video.onloadeddata = null;
     video.removeAttribute("src");
     video.load();
+    video.remove();
     URL.revokeObjectURL(this.#address);
+  }
+
+  // The number of the picture that comes without seeking; null at the end.
+  get #next() {
+    return this.#queue[0]?.number ?? (this.#isEnding ? null : this.#last.number + 1);
+  }
+
+  // Forgets the pictures that wait.
+  #drop() {
+    this.#video.pause();
+    this.#queue.splice(0).forEach(({ picture }) => picture.close());
+  }
+
+  #seek(number) {
+    this.#drop();
+    this.#isEnding = false;
+    this.#alone(() => this.#show(number));
+  }
+
+  #answer(picture) {
+    this.#asked?.resolve(picture);
+    this.#asked = null;
   }
 
   async #whyNot(hasSound) {
     const codec = await lacking(this.#file, this.#video);
     if (codec !== null) {
-      return `${this.name} is ${codec}, which this browser does not play: host-sim view ${this.name} does${codec.startsWith("HEVC") ? ", or a current Safari or Edge" : ""}.`;
+      return `${this.#file.name} is ${codec}, which this browser does not play: host-sim view ${this.#file.name} does${codec.startsWith("HEVC") ? ", or a current Safari or Edge" : ""}.`;
     }
-    return hasSound ? `${this.name} has no pictures.` : `${this.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
+    return hasSound ? `${this.#file.name} has no pictures.` : `${this.#file.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
   }
 
   /** Returns whether the browser can play it. */
@@ -189,23 +195,25 @@ export class Video {
 
   // A damaged file is as long as it can be read.
   async #ends() {
-    this.#sink.failed(`${this.name} is damaged: it ends here.`);
-    this.#length = this.#counted;
+    this.#failed(`${this.#file.name} is damaged: it ends here.`);
+    this.#known.length = this.#known.counted;
     await this.#reload();
     this.#video.onerror = () => this.#ends();
+    this.#isEnding = true;
+    this.#answer(null);
   }
 
   // ---- pictures
 
-  // The last picture that was sent or waits.
+  // The last picture that was taken or waits.
   get #ahead() {
     return this.#queue.at(-1) ?? this.#last;
   }
 
   // The mean time from a picture to the next one.
   get #pace() {
-    const { step, count } = this.#mean;
-    return this.#counted <= count ? step : (this.#times[this.#counted] - this.#times[1]) / (this.#counted - 1);
+    const { step, count } = this.#known.mean;
+    return this.#known.counted <= count ? step : (this.#known.times[this.#known.counted] - this.#known.times[1]) / (this.#known.counted - 1);
   }
 
   // The first two pictures tell how long one takes.
@@ -218,15 +226,15 @@ export class Video {
       const { duration } = this.#video;
       const middle = await this.#pictureAt(duration / 2);
       // In Firefox they count seconds as microseconds.
-      this.#isTimed = middle.picture.timestamp > duration * 1e5;
+      this.#known.isTimed = middle.picture.timestamp > duration * 1e5;
       middle.close();
       const first = await this.#pictureAt(0);
-      this.#last = { number: 0, time: first.time - 1 };
+      this.#known.start = first.time;
       first.close();
       const second = await this.#after(first.time);
       second?.close();
       if (second !== null) {
-        this.#step = second.time - first.time;
+        this.#known.step = second.time - first.time;
         await this.#average(first.time);
       }
     });
@@ -235,20 +243,20 @@ export class Video {
   // A file may round its times to milliseconds: so the mean step is taken over more and more pictures, as far as the one
   // before tells how many they are.
   async #average(start) {
-    this.#mean = { step: this.#step, count: 1 };
-    for (let count = 4; start + count * this.#mean.step < this.#video.duration; count *= 4) {
-      const { step } = this.#mean;
+    this.#known.mean = { step: this.#known.step, count: 1 };
+    for (let count = 4; start + count * this.#known.mean.step < this.#video.duration; count *= 4) {
+      const { step } = this.#known.mean;
       const { time, close } = await this.#pictureAt(start + (count + 0.5) * step);
       close();
       const passed = Math.round((time - start) / step);
-      this.#mean = { step: (time - start) / passed, count: passed };
+      this.#known.mean = { step: (time - start) / passed, count: passed };
     }
   }
 
   // Does something that seeks, after all that does so. Then the video plays on.
   #alone(seek) {
     const { signal } = this.#stopped;
-    const failed = (error) => signal.aborted || this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
+    const failed = (error) => signal.aborted || this.#fail(error);
     this.#seeks += 1;
     this.#turn = this.#turn.then(seek).catch(failed);
     this.#turn = this.#turn.then(() => {
@@ -268,25 +276,24 @@ export class Video {
       this.#goBack(Infinity);
       return;
     }
-    this.speed = this.#speed;
+    video.playbackRate = SPEED * this.#part;
     video.play().catch((error) => {
       // A pause soon after is no error.
       if (error.name !== "AbortError") {
-        this.#sink.failed(`${this.name} cannot be played: ${error.message}`);
+        this.#fail(error);
       }
     });
   }
 
+  #fail({ message }) {
+    this.#failed(`${this.#file.name} cannot be played: ${message}`);
+    this.#answer(null);
+  }
+
   async #show(number) {
-    const before = this.#times[number] === undefined ? this.#times[number - 1] : undefined;
+    const before = this.#known.times[number] === undefined ? this.#known.times[number - 1] : undefined;
     const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + HAIR) : await this.#after(before);
-    if (found === null) {
-      this.#end();
-    } else if (this.#wanted !== null) {
-      found.close();
-    } else {
-      this.#add(found, number);
-    }
+    found === null ? this.#end() : this.#add(found, number);
   }
 
   /** The picture at a time: { picture, time, close() }. */
@@ -294,22 +301,22 @@ export class Video {
     const video = this.#video;
     video.pause();
     const before = this.#mediaTime;
-    // If another source takes the video, or after an error, this seek has no end, and what waits for it has none.
+    // After an error this seek has no end, and what waits for it has none.
     const how = { once: true, signal: this.#stopped.signal };
     const seeked = new Promise((resolve) => video.addEventListener("seeked", resolve, how));
     video.currentTime = time;
     await seeked;
-    let found = await this.#next();
+    let found = await this.#there();
     for (let waits = 0; waits < WAITS && this.#isLate(found, before, time); waits++) {
       found.close();
       await this.#soon();
-      found = await this.#next();
+      found = await this.#there();
     }
     return found;
   }
 
   // The picture that is shown. On a busy machine a seek may end before its picture is there.
-  async #next() {
+  async #there() {
     for (let waits = 0; waits < WAITS_FOR_ANY && !this.#stopped.signal.aborted; waits++) {
       const found = this.#shown();
       if (found !== null) {
@@ -326,9 +333,9 @@ export class Video {
 
   // True if this may still be the picture of before the seek to `time`, or the one that came while it paused.
   #isLate(found, before, time) {
-    const step = this.#step ?? LIKELY_STEP;
+    const step = this.#known.step ?? LIKELY_STEP;
     const isThere = found.time <= time + HAIR && time < found.time + SLACK * step;
-    return !this.#isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
+    return !this.#known.isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
   // The picture that is there; null if there is none yet.
@@ -337,7 +344,7 @@ export class Video {
     if (picture === null) {
       return null;
     }
-    if (this.#isTimed) {
+    if (this.#known.isTimed) {
       this.#mediaTime = picture.timestamp / 1e6;
     }
     return { picture, time: this.#mediaTime, close: () => picture.close() };
@@ -346,7 +353,7 @@ export class Video {
   // The picture after the one at `time`; null if there is none.
   async #after(time) {
     const end = Math.min(this.#video.duration, time + 60);
-    let reach = GAP * (this.#step ?? LIKELY_STEP);
+    let reach = GAP * (this.#known.step ?? LIKELY_STEP);
     let next = await this.#pictureAt(time + reach);
     while (next.time <= time + HAIR && time + reach < end) {
       next.close();
@@ -354,7 +361,7 @@ export class Video {
       next = await this.#pictureAt(time + reach);
     }
     // A picture between them would be the one just before it.
-    while (next.time - time > GAP * (this.#step ?? 0)) {
+    while (next.time - time > GAP * (this.#known.step ?? 0)) {
       const before = await this.#pictureAt(next.time - HAIR);
       const isNext = before.time <= time + HAIR;
       (isNext ? before : next).close();
@@ -374,7 +381,7 @@ export class Video {
     this.#tick = this.#video.requestVideoFrameCallback((_, { mediaTime }) => {
       this.#mediaTime = mediaTime;
       this.#nextTick();
-      const found = this.#isPlaying && this.#seeks === 0 ? this.#shown() : null;
+      const found = this.#isPlaying && !this.#isEnding && this.#seeks === 0 ? this.#shown() : null;
       if (found !== null) {
         this.#played(found);
       }
@@ -384,7 +391,7 @@ export class Video {
   // Takes the picture that the browser shows while it plays.
   #played(found) {
     const passed = found.time - this.#ahead.time;
-    if (passed > HAIR && passed <= GAP * (this.#step ?? 0)) {
+    if (passed > HAIR && passed <= GAP * (this.#known.step ?? 0)) {
       this.#add(found, this.#ahead.number + 1);
       this.#unskipped += 1;
       if (this.#unskipped % PATIENCE === 0) {
@@ -403,7 +410,7 @@ export class Video {
     this.#video.pause();
     this.#alone(async () => {
       const next = this.#isPlaying ? await this.#after(this.#ahead.time) : null;
-      if (!this.#isPlaying || this.#wanted !== null) {
+      if (!this.#isPlaying) {
         next?.close();
       } else if (next === null) {
         this.#end();
@@ -416,29 +423,23 @@ export class Video {
     });
   }
 
-  async #end() {
+  #end() {
     this.#isEnding = true;
-    if (this.#ahead.number === this.#counted) {
-      this.#length = this.#counted;
+    if (this.#ahead.number === this.#known.counted) {
+      this.#known.length = this.#known.counted;
     }
-    const { signal } = this.#stopped;
-    while (this.#queue.length > 0) {
-      await wait(10);
-    }
-    if (!signal.aborted) {
-      this.#sink.ended();
-    }
+    this.#answer(null);
   }
 
-  // ---- to the trackers
+  // ---- to who asked
 
   #add({ picture, time }, number) {
-    if (this.#times[number - 1] !== undefined) {
-      this.#step = Math.min(this.#step ?? Infinity, Math.max(time - this.#times[number - 1], 2 * HAIR));
+    if (this.#known.times[number - 1] !== undefined) {
+      this.#known.step = Math.min(this.#known.step ?? Infinity, Math.max(time - this.#known.times[number - 1], 2 * HAIR));
     }
-    this.#times[number] = time;
-    if (number === this.#counted + 1) {
-      this.#counted = number;
+    this.#known.times[number] = time;
+    if (number === this.#known.counted + 1) {
+      this.#known.counted = number;
     }
     this.#queue.push({ picture, time, number });
     if (this.#queue.length >= MOST_WAITING) {
@@ -447,22 +448,15 @@ export class Video {
     this.#send();
   }
 
-  async #send() {
-    if (this.#isSending) {
-      return;
+  // Pictures that nobody asked for came before a seek.
+  #send() {
+    while (this.#asked !== null && this.#queue.length > 0) {
+      const { number, picture, time } = this.#queue.shift();
+      this.#last = { number, time };
+      number === this.#asked.number ? this.#answer(picture) : picture.close();
     }
-    this.#isSending = true;
-    while (this.#queue.length > 0) {
-      await this.#sink.room();
-      const next = this.#queue.shift();
-      if (next !== undefined) {
-        this.#last = { number: next.number, time: next.time };
-        this.#sink.send({ number: next.number, picture: next.picture });
-      }
-      if (this.#video.paused && this.#queue.length < MOST_WAITING - 1) {
-        this.#roll();
-      }
+    if (this.#video.paused && this.#queue.length < MOST_WAITING - 1) {
+      this.#roll();
     }
-    this.#isSending = false;
   }
 }

@@ -1,62 +1,124 @@
-// The worker: takes frames and requests from the page and sends back answers, so that the page never waits for a
-// tracker. follower.js is the other side.
+// The worker of the browser's page: keeps a tracker for each target and answers requests, so that the page never waits for a tracker. follower.js is
+// the other side.
 
+import { Recorder } from "../record.js";
 import { hasSimd, load } from "../smr.js";
 import { grayOf } from "./gray.js";
+import { trackerOf } from "./methods.js";
 import { scene } from "./scene.js";
-import { Targets } from "./targets.js";
+import { unpacked } from "./unpacked.js";
 
-let targets = null;
-let streetFrame = null; // draws the built-in recording
-let last = null; // the last frame, which a lock is on
+const RECORD_BYTES = 6 << 20; // some seconds of a window
+const MOST_BYTES = 96 << 20; // of frames that are kept
+
+let library;
+let street; // draws the built-in recording
+let method = { method: "robust", options: {} };
+const targets = new Map(); // { tracker, recorder } by id
+const frames = new Map(); // by number, the oldest first
+let bytes = 0;
+
+const bytesOf = (packed) => unpacked(packed).arrayBuffer();
 
 const WISHES = {
-  async start({ modules, settings }) {
-    const library = await load(await unpacked(hasSimd() ? modules.simd : modules.plain));
-    targets = new Targets(library, settings);
-    streetFrame = await scene(await unpacked(modules.scene));
-    return { simd: library.simd, version: library.version };
-  },
-
-  // `picture` is an ImageBitmap or a VideoFrame, which is sent back to be drawn; or `index` a frame of the built-in
-  // recording.
-  async frame({ number, picture, index, shown }) {
-    const { frame, drawn } = picture === undefined ? await builtIn(index) : { frame: await grayOf(picture), drawn: picture };
-    const isOther = last !== null && (last.width !== frame.width || last.height !== frame.height);
-    if (isOther) {
-      targets.restart();
+  async start({ modules }) {
+    if (!hasSimd()) {
+      throw new Error("This browser has no SIMD in WebAssembly, which the trackers need here: use a current Firefox, Chrome, Edge or Safari.");
     }
-    last = { ...frame, number };
-    return { number, picture: drawn, isOther, width: frame.width, height: frame.height, answers: targets.update(last, shown) };
+    library = await load(await bytesOf(modules.smr));
+    street = await scene(await bytesOf(modules.scene));
+    return { version: library.version };
   },
 
-  lock({ id, box }) {
-    return { id, box, number: last.number, locked: targets.lock(id, last, box) };
+  /** Ends all targets. Later ones are followed by `using`: { method, options }. */
+  restart({ using }) {
+    [...targets.keys()].forEach(remove);
+    method = using;
+  },
+
+  /** Forgets the frames of a recording or camera before this one. */
+  clear() {
+    frames.clear();
+    bytes = 0;
+  },
+
+  /** Keeps the gray pixels of a camera's picture, a VideoFrame or an ImageBitmap, which is sent back. */
+  async keep({ number, picture }) {
+    const { data, ...size } = await grayOf(picture);
+    keep(number, { data: data.slice(), ...size });
+    return { picture };
+  },
+
+  /** The picture of a frame of the built-in recording. */
+  async draw({ number }) {
+    const { data, width, height } = built(number);
+    return { picture: await createImageBitmap(new ImageData(data, width, height)) };
+  },
+
+  /**
+   * Locks or updates targets in a frame: `picture`, one of the built-in recording, or one that was kept. `jobs`: { id, box } each, without `box` for an update. Returns by id { quality }, { answer } or { error }.
+   */
+  async follow({ number, picture, isBuiltIn, jobs }) {
+    const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : frames.get(number);
+    if (frame === undefined) {
+      throw new Error(`frame ${number} is not kept any more`);
+    }
+    picture?.close();
+    return jobs.map(({ id, box }) => [id, followed(id, frame, box)]);
   },
 
   remove({ id }) {
-    targets.remove(id);
+    remove(id);
   },
 
-  restart({ settings }) {
-    targets.restart(settings);
-    last = null;
-  },
-
-  record({ id, method }) {
-    return { bytes: targets.record(id, method) };
+  /** The flight record of a target; null if it has none. */
+  record({ id }) {
+    return { bytes: targets.get(id)?.recorder.bytes() ?? null };
   },
 };
 
-async function unpacked(text) {
-  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Response(stream).arrayBuffer();
+function built(number) {
+  if (!frames.has(number)) {
+    keep(number, street(number - 1));
+  }
+  return frames.get(number);
 }
 
-async function builtIn(index) {
-  const frame = streetFrame(index);
-  return { frame, drawn: await createImageBitmap(new ImageData(frame.data, frame.width, frame.height)) };
+function keep(number, frame) {
+  frames.set(number, frame);
+  bytes += frame.data.length;
+  for (const [other, { data }] of frames) {
+    if (bytes <= MOST_BYTES) {
+      return;
+    }
+    frames.delete(other);
+    bytes -= data.length;
+  }
+}
+
+function followed(id, frame, box) {
+  try {
+    if (box === undefined) {
+      return { answer: targets.get(id).tracker.update(frame) };
+    }
+    return { quality: made(id).tracker.lock(frame, box) };
+  } catch (error) {
+    remove(id);
+    return { error: error.message };
+  }
+}
+
+function made(id) {
+  if (!targets.has(id)) {
+    const tracker = trackerOf(library, method);
+    targets.set(id, { tracker, recorder: new Recorder(tracker, { bytes: RECORD_BYTES }) });
+  }
+  return targets.get(id);
+}
+
+function remove(id) {
+  targets.get(id)?.tracker.free();
+  targets.delete(id);
 }
 
 // Handles requests one after the other and answers each with its number.

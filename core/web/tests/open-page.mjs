@@ -5,7 +5,7 @@
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -18,6 +18,8 @@ export const PRESSED = `document.getElementById("play").ariaLabel === "Play"`;
 // Frames come, or the page says why not.
 export const STARTED = `document.getElementById("place").value !== "" || !document.getElementById("said").hidden`;
 export const NUMBER = `Number(document.getElementById("place").value.split(" ")[1])`;
+const LAST = `/^frame (\\d+)( of \\1)?\\b/.test(document.getElementById("place").value)`;
+const IDLE = `!document.getElementById("load").textContent.includes("Following")`;
 export const why = !hasBrowser() ? "no chromium" : !HOST_SIM ? "SMR_HOST_SIM does not name host-sim" : null;
 if (why !== null) {
   console.log(`skipped: page: ${why}`);
@@ -77,21 +79,32 @@ export async function shoot(page, name, width) {
   writeFileSync(join(PACKAGE, `page-${name}.png`), await page.picture());
 }
 
-export async function downloaded(page, kind, name) {
-  const file = join(browser.downloads, name);
-  rmSync(file, { force: true });
-  await page.click(`[data-file="${kind}"]`);
-  for (let wait = 0; !existsSync(file); wait += 20) {
-    assert.ok(wait < 60_000, `${name} was not saved; the page says "${await page.text("said")}"`);
+/** Saves a file by the menu; returns its path. Its name is that of the source, and what is not followed to its end says so. */
+export async function downloaded(page, label, ending) {
+  const before = readdirSync(browser.downloads);
+  before.forEach((name) => rmSync(join(browser.downloads, name)));
+  await page.value(`[...document.querySelectorAll("#files button")].find((one) => one.textContent === "${label}").click()`);
+  for (let wait = 0; ; wait += 20) {
+    const name = readdirSync(browser.downloads).find((one) => one.endsWith(ending));
+    if (name !== undefined) {
+      return join(browser.downloads, name);
+    }
+    assert.ok(wait < 60_000, `${label} was not saved; the page says "${await page.text("said")}"`);
     await new Promise((resolve) => setTimeout(resolve, 20));
   }
-  return file;
 }
 
-/** The answers of a method, an object for each target and frame. */
-export async function answers(page, method) {
-  await page.select("of", method);
-  return lines(readFileSync(await downloaded(page, "json", `boxes-${method}.jsonl`), "utf8")).map((line) => JSON.parse(line));
+const read = async (page, label, ending) => lines(readFileSync(await downloaded(page, label, ending), "utf8"));
+/** The answers, an object for each target and frame. */
+export const answers = async (page) => (await read(page, "JSON", ".jsonl")).map((line) => JSON.parse(line));
+export const boxes = (page) => read(page, "CSV", ".csv");
+
+/** Waits until all targets are followed to the last frame, which is shown then. */
+export async function followed(page) {
+  await page.key("End");
+  // Numbers change no quicker than they can be read.
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  await page.until(`${LAST} && [...document.querySelectorAll(".now")].every(({ textContent }) => textContent !== "–") && ${IDLE}`);
 }
 
 // The work of SMR depends on the capacity of the tracker, which host-sim has more of. All else is the same.
@@ -105,10 +118,8 @@ export function same(found, expected, method) {
 }
 
 /** host-sim computes what is in the flight record again, and agrees in so many answers. */
-export async function replays(page, method, least) {
-  await page.select("of", method);
-  const file = await downloaded(page, "record", `flight-${method}.smr`);
-  const { status, stdout, stderr } = host("replay", file, "--json");
+export async function replays(page, least) {
+  const { status, stdout, stderr } = host("replay", await downloaded(page, "Flight record", ".smr"), "--json");
   assert.equal(status, 0, stdout + stderr);
   const count = JSON.parse(stdout).flights.reduce((sum, flight) => sum + flight.answers, 0);
   assert.ok(count >= least, stdout);
@@ -135,7 +146,7 @@ export async function place(page, x, y) {
     const stage = document.getElementById("stage");
     stage.scrollIntoView({ block: "center" });
     const { left, top, width, height } = stage.getBoundingClientRect();
-    const [wide, high] = document.getElementById("load").textContent.match(/(\\d+)x(\\d+)/).slice(1).map(Number);
+    const [wide, high] = document.getElementById("about").textContent.match(/(\\d+)x(\\d+)/).slice(1).map(Number);
     return [left + ${x} * width / wide, top + ${y} * height / high];
   })()`);
 }

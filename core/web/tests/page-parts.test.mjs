@@ -7,18 +7,16 @@ import { test } from "node:test";
 import { copyWindow, frameOf } from "../frame.js";
 import { bundle } from "../page/bundle.mjs";
 import { about, instructions } from "../page/cost.js";
-import { Followed } from "../page/followed.js";
-import { History, KEPT, median } from "../page/history.js";
-import { SETTINGS } from "../page/methods.js";
 import { csv, json } from "../page/rows.js";
-import { commandLine } from "../page/command.js";
-import { BUILT_IN } from "../page/recording.js";
+import { initsOf, optionsOf, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
 import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 
 // What modules ask a browser for as soon as they are there.
 globalThis.ResizeObserver = class {};
 globalThis.matchMedia = () => ({ addEventListener() {} });
+const { BuiltIn } = await import("../page/built-in.js");
+const { Target } = await import("../page/following.js");
 const { clock, eventsOf, placeOf, sentence } = await import("../page/events.js");
 const { spansOf, thinned } = await import("../page/graph.js");
 const { sharing } = await import("../page/stage.js");
@@ -32,8 +30,9 @@ const ANSWER = {
 
 test("the module draws the built-in recording as host-sim does", { skip: HOST_SIM === undefined && "no host-sim: run .ci/web" }, async () => {
   const streetFrame = await scene(readFileSync(join(PACKAGE, "scene.wasm")));
-  const expected = converted(BUILT_IN.name);
-  const size = expected.length / BUILT_IN.length;
+  const { name, last } = new BuiltIn();
+  const expected = converted(name);
+  const size = expected.length / last;
   for (const index of [0, 149, 299]) {
     const frame = frameOf(streetFrame(index));
     const gray = Buffer.alloc(size);
@@ -42,90 +41,54 @@ test("the module draws the built-in recording as host-sim does", { skip: HOST_SI
   }
 });
 
-test("the ring keeps the last answers, and a lock takes the place of the answer in its frame", () => {
-  const history = new History();
-  for (let number = 1; number <= KEPT + 5; number++) {
-    history.answer(number, ANSWER, number);
+/** The frames that are due, one after the other, where only locks are refused whose box is `bad`. */
+function dues(target, last, bad) {
+  const seen = [];
+  for (let { next } = target; next <= last; { next } = target) {
+    const box = target.locks.find(({ number }) => number === next)?.box;
+    seen.push(box === undefined ? next : `${box === null ? "gone" : "lock"} ${next}`);
+    target.took(next, box === undefined ? { answer: ANSWER } : box === null || box === bad ? {} : { quality: 9 }, Infinity);
   }
-  assert.deepEqual([history.length, history.row().number, history.row(KEPT - 1).number], [KEPT, KEPT + 5, 6]);
-  assert.deepEqual(history.last("ms", 3), [KEPT + 3, KEPT + 4, KEPT + 5]);
-  history.lock(KEPT + 5, BOX, 700);
-  const { number, quality, work } = history.row();
-  assert.deepEqual([history.length, number, quality, work], [KEPT, KEPT + 5, 700, NaN]);
-  assert.deepEqual([median([NaN, 3, 1, 2]), median([NaN])], [2, NaN]);
-});
+  return seen.join(" ");
+}
 
-test("any frame of the ring is found, and a lock in an earlier frame forgets what came after it", () => {
-  const history = new History();
-  assert.deepEqual([history.find(1), history.stateAt(1)], [undefined, undefined]);
-  for (let number = 1; number <= KEPT + 500; number++) {
-    history.answer(number, { ...ANSWER, state: number % 10 === 0 ? "lost" : "tracking" }, number);
-  }
-  assert.deepEqual([500, 501, KEPT + 500, KEPT + 501].map((number) => history.find(number)?.ms), [undefined, 501, KEPT + 500, undefined]);
-  assert.deepEqual([history.stateAt(1000), history.stateAt(1001)], ["lost", "tracking"]);
-  history.lock(2000, BOX, 700);
-  assert.deepEqual([history.length, history.row().number, history.find(2001)], [1500, 2000, undefined]);
-  // Frames that were dropped leave no place free.
-  history.answer(2010, ANSWER, 1);
-  assert.deepEqual([2000, 2005, 2010].map((number) => history.stateAt(number)), ["tracking", undefined, "tracking"]);
-  assert.deepEqual([...history.states()].slice(-2), [{ number: 2000, state: "tracking" }, { number: 2010, state: "tracking" }]);
-});
-
-test("a target shows what was answered in a frame before, and is followed from its last one", () => {
-  const target = new Followed(1);
-  target.planned = [{ number: 3, box: BOX }];
-  assert.deepEqual([target.next, target.due(4), target.due(3)], [3, null, BOX]);
-  target.locked(3, BOX, { robust: { quality: 1 } });
-  target.answered(4, { robust: { answer: { ...ANSWER, state: "lost" }, ms: 1 } });
-  assert.equal(target.next, 5);
-  target.showAt(3);
-  assert.deepEqual([target.now.robust.state, target.now.robust.box, target.now.robust.confidence], ["tracking", BOX, null]);
-  target.showAt(9);
-  assert.deepEqual([target.now.robust, target.isFollowed], [{ state: "not followed" }, true]);
-  target.locked(2, BOX, { robust: { quality: 1 } });
-  assert.deepEqual([target.locks, target.next, target.histories.robust.length], [[{ number: 2, box: BOX }], 3, 1]);
+test("a target is followed from its first box, not where it is gone or refused, and anew from a box that changed", () => {
+  const [first, second] = [{ number: 2, box: BOX }, { number: 5, box: { ...BOX } }];
+  const target = new Target(1, [first, { number: 4, box: null }, second], 0);
+  assert.equal(dues(target, 6), "lock 2 3 gone 4 lock 5 6");
+  assert.deepEqual([...target.rows.keys()], [2, 3, 5, 6]);
+  assert.deepEqual([target.use([first, second]), target.use([first]), target.use([second])], [2, 2, 5]);
+  const later = { number: 9, box: BOX };
+  assert.deepEqual([target.use([...target.locks, later]), dues(target, 9)], [Infinity, "7 8 lock 9"]);
+  const again = new Target(1, [first, second], 5, target);
+  assert.deepEqual([[...again.rows.keys()], dues(again, 7, second.box)], [[2, 3], "lock 5"]);
 });
 
 test("rows are those of host-sim", () => {
-  const history = new History();
-  history.lock(7, BOX, 65535);
-  history.answer(8, ANSWER, 1);
-  history.answer(9, { ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5 }, 1);
+  const lock = { number: 7, state: "tracking", box: BOX, fineBox: { x: 256, y: 512, width: 7680, height: 10240 }, quality: 65535 };
+  const rows = [lock, { number: 8, ...ANSWER }, { number: 9, ...ANSWER, state: "lost", confidence: 0, runnerUpRatio: 32767.5 }];
   const timeOf = (frame) => (frame === 9 ? null : (frame - 1) / 30);
   const head = "frame,time,x,y,width,height,state,confidence,ratio,runner_up_ratio,alpha,scale,work\n";
-  const rows = ["7,0.2,1,2,30,40,tracking,,,,,,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,,lost,0,0.333333,0.5,10,1,9"];
-  assert.equal(csv([["1", history]], timeOf), head + rows.map((row) => `${row}\n`).join(""));
-  const both = csv([["1", history], ["2", history]], timeOf);
-  assert.equal(both, `target,${head}${rows.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
-  const [locked, , lost] = json([["1", history]], "smr", SETTINGS, "0.1.0", timeOf).trim().split("\n").map((line) => JSON.parse(line));
+  const written = ["7,0.2,1,2,30,40,tracking,,,,,,", "8,0.233333,1.00390625,2,30,40,tracking,1,0.333333,,10,1,9", "9,,,,,,lost,0,0.333333,0.5,10,1,9"];
+  assert.equal(csv([["1", rows]], timeOf), head + written.map((row) => `${row}\n`).join(""));
+  const both = csv([["1", rows], ["2", rows]], timeOf);
+  assert.equal(both, `target,${head}${written.flatMap((row) => [`1,${row}\n`, `2,${row}\n`]).join("")}`);
+  const origin = { version: "0.1.0", method: "smr", options: { config: "camera" } };
+  const [locked, , lost] = json([["1", rows]], origin, timeOf).trim().split("\n").map((line) => JSON.parse(line));
   assert.deepEqual(locked, {
-    version: "0.1.0", method: "smr", options: { config: "camera" }, frame: 7, time: 0.2, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
+    ...origin, frame: 7, time: 0.2, state: "tracking", box: BOX, fine: BOX, confidence: null, ratio: null,
     runner_up_ratio: null, alpha: null, scale: null, found_again: null, work: null, quality: 1,
   });
   assert.deepEqual([lost.time, lost.box, lost.fine, lost.found_again, lost.quality], [null, null, null, false, null]);
 });
 
-test("command lines are those of host-sim", () => {
+test("options are those of host-sim", () => {
   const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: false, refiner: false } };
-  const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: BOX }] };
-  const file = { kind: "video", name: "it's a car.mp4" };
-  assert.equal(commandLine("smr", SETTINGS, [one], file), "host-sim track 'it'\\''s a car.mp4' --init 1,2,30,40 --init 1,2,30,40@9 --method smr --config camera");
-  assert.match(commandLine("robust", settings, [one], file), /--method robust --set reach=6 --set size=off --set sweep=off --set refiner=off$/);
-  assert.match(commandLine("smr", settings, [one], file), /--method smr$/);
-  const two = commandLine("robust", SETTINGS, [one, { name: "2", locks: [{ number: 3, box: BOX }] }], { kind: "recording", name: "street" });
-  assert.equal(two, "host-sim track street --init 1=1,2,30,40 --init 1=1,2,30,40@9 --init 2=1,2,30,40@3 --method robust");
-});
-
-test("locks are made again, also one that was under way when the recording started again", () => {
-  const target = new Followed(1);
-  target.locked(1, BOX, { robust: { quality: 1 } });
-  target.locked(5, BOX, { robust: { quality: 1 } });
-  target.restart(true);
-  assert.deepEqual([target.due(1), target.due(2), target.planned.length], [BOX, null, 1]);
-  target.restart(true);
-  assert.deepEqual(target.planned.map(({ number }) => number), [1, 5]);
-  target.restart(false);
-  assert.deepEqual(target.planned, []);
+  assert.deepEqual(optionsOf("smr", settings), {});
+  assert.deepEqual(typed(optionsOf("robust", settings)), ["--set reach=6", "--set size=off", "--set sweep=off", "--set refiner=off"]);
+  const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: null }] };
+  assert.deepEqual(initsOf([one]), ["--init 1,2,30,40", "--init gone@9"]);
+  assert.deepEqual(initsOf([one, { name: "2", locks: [{ number: 3, box: BOX }] }]), ["--init 1=1,2,30,40", "--init 1=gone@9", "--init 2=1,2,30,40@3"]);
 });
 
 test("instructions are about what was measured", () => {

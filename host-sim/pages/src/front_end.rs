@@ -16,7 +16,6 @@ macro_rules! modules {
 modules! {
     "answers.js"
     "application.js"
-    "cards.js"
     "command-lines.js"
     "command.js"
     "connection.js"
@@ -31,6 +30,7 @@ modules! {
     "exports.js"
     "figures.js"
     "graph.js"
+    "legend.js"
     "list.js"
     "methods.js"
     "palette.js"

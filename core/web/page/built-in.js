@@ -1,0 +1,35 @@
+// The built-in recording `street` as a source of frames. The worker draws them.
+
+export class BuiltIn {
+  name = "street";
+  words = "street";
+  live = false;
+  width = 320;
+  height = 240;
+  last = 300;
+  /** The targets at the start: the car. */
+  targets = [{ id: 1, name: "", locks: [{ number: 1, box: { x: 268, y: 101, width: 39, height: 14 } }] }];
+  #follower;
+
+  constructor(follower) {
+    this.#follower = follower;
+  }
+
+  async open() {
+    await this.#follower.ask("clear");
+  }
+
+  news() {
+    return { frames: this.last };
+  }
+
+  async frame() {
+    return { isBuiltIn: true };
+  }
+
+  async picture(number) {
+    return (await this.#follower.ask("draw", { number })).picture;
+  }
+
+  stop() {}
+}

@@ -1,0 +1,215 @@
+// The targets of the browser's page, followed by the worker: each from its boxes on, frame by frame, as far as there are frames.
+
+import { lockIn } from "./edits.js";
+import { TITLES } from "./methods.js";
+
+const POOR_QUALITY = 1023; // of smr.js
+const KEPT = 9000; // answers of a camera, for each target
+
+export class Following {
+  /** The method and its options, as host-sim names them. */
+  using = { method: "robust", options: {} };
+  #follower;
+  #tell;
+  #source = null;
+  #wanted = [];
+  #targets = new Map(); // see Target, by id
+  #asked = null; // a box of which somebody wants to know whether it was locked: { id, number, resolve, reject }
+  #isBusy = false;
+  #began = null; // { time, count } of the frames that are followed now
+
+  /** `tell` takes news as application.js does. */
+  constructor(follower, tell) {
+    [this.#follower, this.#tell] = [follower, tell];
+  }
+
+  /** Follows targets in the frames of another source. */
+  async use(source) {
+    [this.#source, this.#wanted] = [source, []];
+    this.#targets.clear();
+    await this.#follower.ask("restart", { using: this.using });
+  }
+
+  /** Follows all anew by another method. */
+  method(using) {
+    this.using = using;
+    this.#follower.ask("restart", { using });
+    const wanted = this.#wanted;
+    this.#apply([]);
+    this.#apply(wanted);
+  }
+
+  /** Follows these targets from now on. Throws the reason if a new box is refused, and then follows those of before. */
+  async targets(wanted) {
+    const before = this.#wanted;
+    const known = new Set(before.flatMap(({ locks }) => locks));
+    const [fresh] = wanted.flatMap(({ id, locks }) => locks.filter((lock) => lock.box !== null && !known.has(lock)).map(({ number }) => ({ id, number })));
+    this.#asked?.resolve();
+    this.#asked = null;
+    const answer = fresh && new Promise((resolve, reject) => (this.#asked = { ...fresh, resolve, reject }));
+    this.#apply(wanted);
+    try {
+      await answer;
+    } catch (error) {
+      if (this.#wanted === wanted) {
+        this.#apply(before);
+      }
+      throw error;
+    }
+  }
+
+  /** The rows of each target: [name, rows in the order of frames]. */
+  rows(nameOf) {
+    return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
+  }
+
+  /** The frame up to which all targets are followed. */
+  get followed() {
+    return Math.min(this.#source.last, ...[...this.#targets.values()].map(({ next }) => next - 1));
+  }
+
+  /** Follows what can be followed. */
+  async run() {
+    if (this.#isBusy) {
+      return;
+    }
+    this.#isBusy = true;
+    try {
+      for (let due = this.#due(); due <= this.#source.last && Number.isFinite(due); due = this.#due()) {
+        this.#began ??= { time: performance.now(), count: 0 };
+        this.#began.count += 1;
+        await this.#follow(due);
+      }
+    } catch (error) {
+      this.#tell({ said: `The trackers stopped: ${error.message}.` });
+    }
+    [this.#isBusy, this.#began] = [false, null];
+    this.#told([]);
+  }
+
+  #due() {
+    return Math.min(...[...this.#targets.values()].map(({ next }) => next));
+  }
+
+  #apply(wanted) {
+    this.#wanted = wanted;
+    const clear = [];
+    const ids = wanted.map(({ id }) => id);
+    for (const id of [...this.#targets.keys()].filter((id) => !ids.includes(id))) {
+      this.#targets.delete(id);
+      this.#follower.ask("remove", { id });
+      clear.push([id, 0, Infinity]);
+    }
+    for (const { id, locks } of wanted) {
+      const target = this.#targets.get(id);
+      const from = target?.use(locks) ?? 0;
+      if (target === undefined || from !== Infinity) {
+        this.#targets.set(id, new Target(id, locks, from, target));
+        clear.push([id, from, Infinity]);
+      }
+    }
+    this.#tell({ clear, rows: [], followed: this.followed });
+    this.run();
+  }
+
+  async #follow(number) {
+    const source = this.#source;
+    const frame = await source.frame(number);
+    const isDue = (target) => target.next === number;
+    const due = source === this.#source && frame !== null ? [...this.#targets.values()].filter(isDue) : [];
+    const jobs = due.map((target) => ({ id: target.id, box: lockIn(target, number)?.box })).filter(({ box }) => box !== null);
+    if (jobs.length === 0) {
+      frame?.picture?.close();
+    }
+    const answers = new Map(jobs.length === 0 ? [] : await this.#follower.ask("follow", { number, ...frame, jobs }));
+    // Targets that were changed meanwhile are followed anew.
+    const rows = due.filter((target) => this.#targets.get(target.id) === target).flatMap((target) => this.#took(target, number, answers.get(target.id)));
+    this.#told(rows);
+  }
+
+  #took(target, number, answer = {}) {
+    const row = target.took(number, answer, this.#source.live ? KEPT : Infinity);
+    const isAsked = this.#asked?.id === target.id && this.#asked.number === number;
+    const { error, quality } = answer;
+    if (error !== undefined) {
+      const text = `${TITLES[this.using.method]} did not lock: ${error}.`;
+      isAsked ? this.#asked.reject(new Error(text)) : this.#tell({ said: text });
+    } else if (isAsked) {
+      this.#asked.resolve();
+    }
+    if (isAsked) {
+      this.#asked = null;
+    }
+    if (quality < POOR_QUALITY) {
+      this.#tell({ said: "The tracker can hardly tell this from what is around it: try a box with more in it." });
+    }
+    return row === undefined ? [] : [shown(target.id, row)];
+  }
+
+  #told(rows) {
+    const { time, count } = this.#began ?? {};
+    const progress = count && { frame: this.followed, rate: (1000 * count) / (performance.now() - time) };
+    this.#tell({ rows, followed: this.followed, progress, ...this.#source.news(this.followed) });
+  }
+}
+
+// A target on its way: followed up to the frame `at`.
+export class Target {
+  rows = new Map(); // by the number of the frame
+  #isActive = false;
+
+  /** From the frame `from` on it is followed anew; before, its rows are those of `before`. */
+  constructor(id, locks, from, before) {
+    [this.id, this.locks] = [id, locks];
+    this.at = from - 1;
+    for (const [number, row] of before?.rows ?? []) {
+      if (number < from) {
+        this.rows.set(number, row);
+      }
+    }
+  }
+
+  /** The frame that is followed next; Infinity if there is none. */
+  get next() {
+    return this.#isActive ? this.at + 1 : (this.locks.find(({ number }) => number > this.at)?.number ?? Infinity);
+  }
+
+  /** Takes other locks. Returns the frame from which on it has to be followed anew; Infinity if it just goes on. */
+  use(locks) {
+    const has = (all, { number, box }) => all.some((one) => one.number === number && one.box === box);
+    const changed = [...locks.filter((lock) => !has(this.locks, lock)), ...this.locks.filter((lock) => !has(locks, lock))];
+    const first = Math.min(...changed.map(({ number }) => number));
+    // The frame after `at` may be under way.
+    if (first > this.at + 1) {
+      this.locks = locks;
+      return Infinity;
+    }
+    return (locks.findLast(({ number, box }) => number <= first && box !== null) ?? locks[0]).number;
+  }
+
+  /** Notes the answer for the frame; without one the target is gone. Returns the row, if there is one. */
+  took(number, { answer, quality }, kept) {
+    this.at = number;
+    this.#isActive = answer !== undefined || quality !== undefined;
+    if (!this.#isActive) {
+      return undefined;
+    }
+    const row = answer === undefined ? locked(number, lockIn(this, number).box, quality) : { number, ...answer };
+    this.rows.set(number, row);
+    this.rows.delete(number - kept);
+    return row;
+  }
+}
+
+const locked = (number, box, quality) => {
+  const { x, y, width, height } = box;
+  return { number, state: "tracking", box, fineBox: { x: 256 * x, y: 256 * y, width: 256 * width, height: 256 * height }, quality };
+};
+
+// A row as answers.js takes it.
+function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work }) {
+  const part = (value, unit) => (value === undefined || value === null ? undefined : value / unit);
+  return [
+    id, number, state, x / 256, y / 256, width / 256, height / 256, part(confidence, 65535), alpha ?? undefined, part(ratio, 65535), part(scale, 65536), work,
+  ];
+}

@@ -1,0 +1,156 @@
+// The browser as the source of the application: it reads the frames of the built-in recording, a video file or a camera, and its worker follows
+// targets in them.
+
+import { BuiltIn } from "./built-in.js";
+import { Camera } from "./camera.js";
+import { packedModules, workerAddress } from "./data.js";
+import { nameOf } from "./edits.js";
+import { Follower } from "./follower.js";
+import { Following } from "./following.js";
+import { METHODS, TITLES } from "./methods.js";
+import { csv, json } from "./rows.js";
+import { VideoFile } from "./video-file.js";
+
+const MOST_WIDE = 1920; // pixels of a picture of a whole frame
+const FORMATS = [{ name: "csv", several: true }, { name: "json", several: true }, { name: "record", several: true }];
+
+export class Local {
+  #follower;
+  #following;
+  #source = null;
+  #version;
+  #heard = () => {};
+
+  /** Starts the worker, and opens the built-in recording. */
+  async open() {
+    if (typeof WebAssembly !== "object") {
+      throw new Error("This browser has no WebAssembly, which the trackers need: use a current browser, or allow it.");
+    }
+    if (typeof OffscreenCanvas !== "function" || typeof DecompressionStream !== "function") {
+      throw new Error("This browser is too old for this page: use a current Firefox, Chrome, Edge or Safari.");
+    }
+    this.#follower = new Follower(await workerAddress(), (text) => this.#say(`The trackers do not run here: ${text}.`));
+    this.#following = new Following(this.#follower, (news) => this.#tell(news));
+    this.#version = (await this.#follower.ask("start", { modules: packedModules() })).version;
+    return this.#use(new BuiltIn(this.#follower));
+  }
+
+  listen(heard) {
+    this.#heard = heard;
+    this.#tell({});
+  }
+
+  /** Each opens other frames. If that fails, all stays as it was. */
+  async builtIn() {
+    await this.#change(new BuiltIn(this.#follower));
+  }
+
+  async camera() {
+    this.#say("Waiting for the camera.");
+    if (this.#source.live) {
+      this.#source.stop();
+    }
+    const camera = new Camera(this.#follower, {
+      came: () => camera === this.#source && this.#came(),
+      failed: (text) => this.#say(text),
+    });
+    await this.#change(camera);
+  }
+
+  async read(file) {
+    this.#say(`Opening ${file.name}.`);
+    await this.#change(new VideoFile(file, { failed: (text) => this.#say(text) }));
+    return "";
+  }
+
+  async picture(number) {
+    const whole = { x: 0, y: 0, width: this.#source.width, height: this.#source.height };
+    return this.#cut(number, whole, Math.min(MOST_WIDE / whole.width, 1));
+  }
+
+  async part(number, part) {
+    return this.#cut(number, part, 1);
+  }
+
+  targets(targets) {
+    return this.#following.targets(targets);
+  }
+
+  async method(method, options) {
+    this.#following.method({ method, options });
+  }
+
+  async stop() {
+    this.#source.stop();
+  }
+
+  /** The boxes as a file, or the flight record of the chosen target: its name and its bytes. */
+  async boxes(format, chosen) {
+    const { method, options } = this.#following.using;
+    const { name, last, live } = this.#source;
+    const { followed } = this.#following;
+    const isWhole = live || followed >= (Number.isFinite(last) ? last : this.#source.news().frames);
+    const stem = `${name.replace(/\.\w+$/, "")}${isWhole ? "" : `-${followed}-frames`}`;
+    const rows = this.#following.rows(nameOf);
+    const timeOf = (number) => this.#source.timeOf?.(number) ?? null;
+    if (format === "csv") {
+      return { name: `${stem}.csv`, bytes: csv(rows, timeOf) };
+    }
+    if (format === "json") {
+      return { name: `${stem}.jsonl`, bytes: json(rows, { version: this.#version, method, options }, timeOf) };
+    }
+    const { bytes } = await this.#follower.ask("record", { id: chosen?.id });
+    if (bytes === null) {
+      throw new Error(`${TITLES[method]} has no flight record: choose a target that it follows.`);
+    }
+    return { name: `${name.replace(/\.\w+$/, "")}.smr`, bytes };
+  }
+
+  async #change(source) {
+    const facts = await this.#use(source);
+    this.#heard({ opened: facts });
+    this.#tell({});
+  }
+
+  async #use(source) {
+    try {
+      await source.open();
+    } catch (error) {
+      source.stop();
+      throw error;
+    }
+    this.#source?.stop();
+    this.#source = source;
+    await this.#following.use(source);
+    const { name, words, live, width, height, targets = [] } = source;
+    this.#following.targets(targets);
+    return {
+      name, words, live, width, height, targets, ...source.news(), ...this.#following.using, methods: METHODS, formats: FORMATS, version: `smr ${this.#version}`,
+      timeOf: (number) => source.timeOf?.(number) ?? null, plays: targets.length > 0,
+    };
+  }
+
+  #came() {
+    this.#following.run();
+    this.#tell(this.#source.news(this.#following.followed));
+  }
+
+  #tell(news) {
+    this.#heard({ rows: [], followed: this.#following.followed, ...news });
+  }
+
+  #say(said) {
+    this.#tell({ said });
+  }
+
+  async #cut(number, { x, y, width, height }, scale) {
+    const picture = await this.#source.picture(number);
+    const [wide, high] = [Math.round(width * scale), Math.round(height * scale)];
+    const canvas = new OffscreenCanvas(wide, high);
+    canvas.getContext("2d").drawImage(picture, x, y, width, height, 0, 0, wide, high);
+    if (!this.#source.live) {
+      picture.close();
+    }
+    return canvas.transferToImageBitmap();
+  }
+}

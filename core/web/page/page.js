@@ -1,0 +1,17 @@
+// The browser's page: the application, with frames that this browser reads.
+
+import { run } from "./application.js";
+import { byId } from "./dom.js";
+import { Local } from "./local.js";
+
+const source = new Local();
+run(source, {
+  camera: () => source.camera(),
+  "built-in": () => source.builtIn(),
+  file: async () => {
+    const [file] = byId("file").files;
+    // So that the same file can be chosen again.
+    byId("file").value = "";
+    await source.read(file);
+  },
+});

@@ -1,0 +1,7 @@
+// What build.mjs packs: deflated, in Base64.
+
+/** The bytes of packed text, as a Response. */
+export function unpacked(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")));
+}

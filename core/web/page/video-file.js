@@ -1,0 +1,63 @@
+// A video file as a source of frames: one decoder for the trackers, another for the eyes, so that neither waits for the other.
+
+import { Video } from "./video.js";
+
+const quoted = (name) => (/^[\w./-]+$/.test(name) && !name.startsWith("-") ? name : `'${name.replaceAll("'", "'\\''")}'`);
+
+export class VideoFile {
+  live = false;
+  #file;
+  #page;
+  #followed;
+  #seen;
+  #end = Infinity; // the last frame, as far as it is known
+
+  /** `page`: { failed(text) }. */
+  constructor(file, page) {
+    [this.#file, this.#page] = [file, page];
+    [this.name, this.words] = [file.name, quoted(file.name)];
+  }
+
+  async open() {
+    this.#followed = new Video(this.#file, this.#page.failed);
+    await this.#followed.open();
+    this.#seen = new Video(this.#file, this.#page.failed, this.#followed);
+    await this.#seen.open();
+    [this.width, this.height] = [this.#followed.width, this.#followed.height];
+  }
+
+  /** The number of the last frame that can be followed; Infinity until it is known. */
+  get last() {
+    return Math.min(this.#end, this.#followed.isCounted ? this.#followed.length : Infinity);
+  }
+
+  timeOf(number) {
+    return this.#followed.timeOf(number);
+  }
+
+  news() {
+    return { frames: this.#followed.length };
+  }
+
+  /** The frame for the trackers; null if the file ends before it. */
+  async frame(number) {
+    const picture = await this.#followed.take(number);
+    if (picture === null) {
+      this.#end = number - 1;
+    }
+    return picture && { picture };
+  }
+
+  async picture(number) {
+    const picture = await this.#seen.take(number);
+    if (picture === null) {
+      throw new Error(`${this.name} ends before frame ${number}.`);
+    }
+    return picture;
+  }
+
+  stop() {
+    this.#followed.stop();
+    this.#seen?.stop();
+  }
+}
