@@ -304,8 +304,7 @@ fn boxes_of_a_file_are_locks() {
     assert_eq!((status, &read["targets"][0]["locks"]), (200, &car[0]["locks"]));
     let (_, _, read) = post(&window.text("boxes?format=cvat"), "boxes.xml");
     let read: Value = serde_json::from_slice(&read).unwrap();
-    let locks = read["targets"][0]["locks"].as_array().unwrap();
-    assert_eq!((locks.len(), &locks[0], &locks[18]), (18 + 1 + 11, &car[0]["locks"][0], &car[0]["locks"][1]));
+    assert_eq!(read["targets"][0]["locks"], car[0]["locks"]);
     let outside = window.post("targets", &target(&[(2, [150, 24, 24, 28])]));
     assert_eq!(outside, (400, "the box 150,24,24,28 in frame 2 is not wholly inside 160x120 pixels".to_owned()));
     let (status, _, said) = post("frame\n", "my%20boxes.csv");

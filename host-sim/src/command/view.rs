@@ -36,7 +36,7 @@ pub struct View {
     /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video
     ///
     /// Of CSV, the boxes without a confidence are locks: the others are answers, which follow from these. In a file with states a target is
-    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone.
+    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone, but for those of a tracker (source="auto").
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
     /// The file in which the targets, the method and its options are kept [default: SEQ.smr.json, beside the recording]

@@ -116,7 +116,7 @@ fn of_csv(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone.
+/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone. The `source` of what a tracker answered is auto.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {
@@ -145,7 +145,8 @@ fn track(tag: &str, others: &[Reading]) -> Result<Reading> {
 }
 
 fn key(tag: &str, track: &mut Reading) -> Result<()> {
-    if attribute(tag, "keyframe").is_ok_and(|key| key == "0") {
+    let has = |name: &str, value: &str| attribute(tag, name).is_ok_and(|found| found == value);
+    if has("keyframe", "0") || has("source", "auto") {
         return Ok(());
     }
     let number = |name: &str| -> Result<f64> {
@@ -156,7 +157,7 @@ fn key(tag: &str, track: &mut Reading) -> Result<()> {
     let frame = index.parse().ok().and_then(|index: usize| index.checked_add(1));
     let frame = frame.with_context(|| format!("frame={index:?}: expected the number of a frame"))?;
     track.go_to(frame)?;
-    if attribute(tag, "outside").is_ok_and(|outside| outside == "1") {
+    if has("outside", "1") {
         track.leave(frame);
         return Ok(());
     }
