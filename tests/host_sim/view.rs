@@ -233,6 +233,16 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
         let files: Vec<_> = jobs.flatten().map(|file| mode(&file.unwrap().path())).collect();
         assert_eq!((mode(&folder), files), (0o700, vec![0o600; 2]));
     }
+    fs::remove_file(folder.path().join("synthetic/00030.png")).unwrap();
+    assert_eq!(window.post("targets", &target(&[(40, [36, 24, 24, 28])])).0, 200);
+    assert_eq!(window.post("film", &json!({ "as": "mp4" })).0, 200);
+    let error = |news: &Value| news["exports"].as_array().and_then(|all| all.last().map(|one| one["error"].clone()));
+    let news = window.wait("why it fails", |news| error(news).is_some_and(|error| error.is_string()));
+    let alone = "synthetic: there is no frame 40 (--init): expected 1 to 39";
+    assert_eq!(error(&news).unwrap(), alone, "without the warning of the boxes beside it");
+    let (status, said) = window.get("frames/30.jpg");
+    assert_eq!((status, window.get("frames/29.jpg").0, window.get("frames/31.jpg").0), (404, 200, 200));
+    assert!(String::from_utf8(said).unwrap().contains("00030.png (frame 30): there is no such file"));
 }
 
 /// The targets that the window shows, and where its session is.

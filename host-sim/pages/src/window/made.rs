@@ -155,7 +155,9 @@ impl Made {
         }
         let status = process.wait_while(|_| true)?.context("host-sim does not end")?;
         let said = said.recv().unwrap_or_default();
-        ensure!(status.success(), "{}", said.trim().trim_start_matches("error: "));
+        // Notes and warnings stand before it.
+        let complaint = said.lines().find_map(|line| line.strip_prefix("error: ")).or(said.lines().next_back());
+        ensure!(status.success(), "{}", complaint.unwrap_or("host-sim gives no reason"));
         Ok(())
     }
 }

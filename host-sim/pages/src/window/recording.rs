@@ -155,16 +155,20 @@ impl Recorded {
         if let Some(picture) = pictures.kept.get(&number) {
             return Some(Arc::clone(picture));
         }
-        let next = pictures.reader.as_ref().map(|(next, _)| *next);
-        if !next.is_some_and(|next| (next..next + NEAR).contains(&number)) {
-            let steps_back = number < pictures.last && pictures.last - number < NEAR;
-            let from = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
-            // This ends the former ffmpeg before the next one starts.
-            pictures.reader = None;
-            pictures.reader = Some((from, self.recording.color_from(from, SIDE).ok()?));
-        }
+        let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
+        let steps_back = number < pictures.last && pictures.last - number < NEAR;
+        let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
         pictures.last = number;
-        pictures.read_to(number, &self.colors)
+        // A frame on the way may be gone: then the wanted one is read without it.
+        let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
+        begins.into_iter().find_map(|begin| {
+            if let Some(begin) = begin {
+                // This ends the former ffmpeg before the next one starts.
+                pictures.reader = None;
+                pictures.reader = Some((begin, self.recording.color_from(begin, SIDE).ok()?));
+            }
+            pictures.read_to(number, &self.colors)
+        })
     }
 
     fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
@@ -234,7 +238,12 @@ mod tests {
         (1..=3).try_for_each(write).unwrap();
         let (source, sequence) = Growing::open(folder.path(), OpenOptions::default()).unwrap();
         assert_eq!((sequence.frames.count(), source.known().frames), (3, Some(3)));
-        (4..=5).try_for_each(write).unwrap();
+        fs::remove_file(folder.path().join("2.pgm")).unwrap();
+        assert_eq!(
+            [1, 3, 2, 1, 3, 2].map(|number| source.picture(number).is_some()),
+            [true, true, false, true, true, false]
+        );
+        (2..=5).try_for_each(write).unwrap();
         let begin = Instant::now();
         while source.known().frames == Some(3) {
             assert!(begin.elapsed() < Duration::from_secs(20));

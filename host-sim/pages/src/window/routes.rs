@@ -255,10 +255,16 @@ impl Window {
     }
 
     fn picture(&self, name: &str) -> Reply {
-        match frame(name, ".jpg").and_then(|number| self.source.picture(number)) {
-            Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
-            None => Reply::error(404, "there is no such frame, or it is not kept any more"),
+        let number = frame(name, ".jpg");
+        if let Some(picture) = number.and_then(|number| self.source.picture(number)) {
+            return Reply::new("image/jpeg", picture.to_vec());
         }
+        let is_recording = self.source.live().is_none();
+        let error =
+            number.filter(|_| is_recording).and_then(|number| self.source.gray_from(number).ok()?.next()?.err());
+        let said =
+            error.map_or("there is no such frame, or it is not kept any more".to_owned(), |error| messages::of(&error));
+        Reply::error(404, &said)
     }
 
     /// Returns the pixels of a part of a frame as they are.
