@@ -54,8 +54,6 @@ struct Shared {
 
 struct Came {
     number: usize,
-    /// Frames taken from the source, this one included.
-    count: usize,
     gray: Arc<GrayFrame>,
     seconds: f64,
     arrived: Instant,
@@ -67,10 +65,9 @@ struct Kept {
     gray_bytes: usize,
     pictures: BTreeMap<usize, Arc<Vec<u8>>>,
     picture_bytes: usize,
-    /// Number of the newest frame; `taken` counts the frames taken from the source.
+    /// Number of the newest frame.
     newest: usize,
-    taken: usize,
-    /// Frames taken from the source that no tracker got.
+    /// Frames that came while targets were followed, and that no tracker got.
     dropped: usize,
     latency_ms: f64,
     /// Reason why the source ended; `None` while frames come.
@@ -85,9 +82,9 @@ impl Kept {
     }
 
     fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
-        (self.newest, self.taken) = (number, self.taken + 1);
+        self.newest = number;
         self.gray_bytes += gray.pixels.len();
-        self.gray.push_back(Came { number, count: self.taken, gray: Arc::new(gray), seconds, arrived: Instant::now() });
+        self.gray.push_back(Came { number, gray: Arc::new(gray), seconds, arrived: Instant::now() });
         while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
             self.gray_bytes -= self.gray.pop_front().map_or(0, |came| came.gray.pixels.len());
         }
@@ -161,16 +158,17 @@ impl Shared {
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
         let behind = kept.gray.partition_point(|came| came.number < reader.next);
-        let place = match reader.count {
+        let place = match reader.arrived {
             _ if reader.has_caught_up => kept.gray.len() - 1,
             // The source has dropped the wanted frame: the tracker gets the one before it.
             None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
             _ => behind,
         };
-        let Came { number, count, gray, seconds, arrived } = &kept.gray[place];
-        let (number, count, seconds, gray) = (reader.next.max(*number), *count, *seconds, GrayFrame::clone(gray));
-        let missed = reader.count.map_or(0, |before| count - before - 1);
-        (reader.next, reader.count, reader.arrived) = (number + 1, Some(count), Some(*arrived));
+        let Came { number, gray, seconds, arrived } = &kept.gray[place];
+        let (number, seconds, gray) = (reader.next.max(*number), *seconds, GrayFrame::clone(gray));
+        // What came before the pass, nobody followed.
+        let missed = reader.arrived.map_or(0, |_| number - reader.next);
+        (reader.next, reader.arrived) = (number + 1, Some(*arrived));
         kept.dropped += missed;
         Some(Ok((number, Some(seconds), gray)))
     }
@@ -180,8 +178,6 @@ impl Shared {
 #[derive(Default)]
 struct Reader {
     next: usize,
-    /// [`Came::count`] of the frame that was answered last.
-    count: Option<usize>,
     /// True once the pass has waited for a frame: from then on it gets only the newest.
     has_caught_up: bool,
     /// Arrival of the frame that was answered last.
@@ -241,7 +237,7 @@ impl Source for Camera {
         Some(LiveState {
             oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
-            dropped: kept.newest - kept.taken + kept.dropped,
+            dropped: kept.dropped,
             latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
             rate: (rate * 100.0).round() / 100.0,
             has_ended: kept.ended.is_some() || kept.stopped,
@@ -277,8 +273,9 @@ mod tests {
     fn trackers_get_the_newest_frame_and_what_they_miss_is_counted() {
         let (sender, frames) = channel();
         let camera = Camera::of(Box::new(frames.into_iter()));
-        (1..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
+        (2..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
         wait_for(&camera, 3);
+        assert_eq!(camera.live().unwrap().dropped, 0, "nobody follows yet");
         let mut seen = camera.gray_from(2).unwrap();
         let mut next =
             || seen.next().unwrap().map(|(number, seconds, gray)| (number, gray.pixels[0], seconds.unwrap()));

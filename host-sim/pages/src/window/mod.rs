@@ -88,7 +88,7 @@ pub struct LiveState {
     /// Number of the oldest frame that is kept.
     pub oldest: usize,
     pub newest: usize,
-    /// Frames of the source that no tracker got.
+    /// Frames that came while targets were followed, and that no tracker got.
     pub dropped: usize,
     /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,
