@@ -61,7 +61,7 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
         scores => Serde(Scores::new(&measured)),
         data => data(films)?,
-        import_map => import_map("report.js"),
+        import_map => import_map(),
     };
     let mut templates = Environment::new();
     templates.add_template("page.html", PAGE)?;
