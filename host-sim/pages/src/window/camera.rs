@@ -4,11 +4,11 @@
 //! frame; a frame that comes while they are busy is dropped and counted, but its picture is kept. A lock in a frame of
 //! the last seconds is followed from there through every frame, until the tracker has caught up.
 
+use super::kept::Kept;
 use super::{Known, LiveState, Numbered, SIDE, Source, lock};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
 use smr_recordings::{ColorFrame, Frame, GrayFrame, Live, messages};
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -48,23 +48,19 @@ pub struct Camera(Arc<Shared>);
 
 struct Shared {
     begin: Instant,
-    kept: Mutex<Kept>,
+    state: Mutex<State>,
     came: Condvar,
 }
 
 struct Came {
-    number: usize,
     gray: Arc<GrayFrame>,
     seconds: f64,
     arrived: Instant,
 }
 
-#[derive(Default)]
-struct Kept {
-    gray: VecDeque<Came>,
-    gray_bytes: usize,
-    pictures: BTreeMap<usize, Arc<Vec<u8>>>,
-    picture_bytes: usize,
+struct State {
+    gray: Kept<Came>,
+    pictures: Kept<Arc<Vec<u8>>>,
     /// Number of the newest frame.
     newest: usize,
     /// Frames that came while targets were followed, and that no tracker got.
@@ -75,33 +71,33 @@ struct Kept {
     stopped: bool,
 }
 
-impl Kept {
+impl State {
+    fn new() -> Self {
+        Self {
+            gray: Kept::new(MOST_GRAY, |came: &Came| came.gray.pixels.len()),
+            pictures: Kept::new(MOST_PICTURES, |picture| picture.len()),
+            newest: 0,
+            dropped: 0,
+            latency_ms: 0.0,
+            ended: None,
+            stopped: false,
+        }
+    }
+
     /// Returns the number of the oldest gray frame that is kept.
     fn oldest_gray(&self) -> usize {
-        self.gray.front().map_or(self.newest + 1, |came| came.number)
+        self.gray.all().first_key_value().map_or(self.newest + 1, |(first, _)| *first)
     }
 
     fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
         self.newest = number;
-        self.gray_bytes += gray.pixels.len();
-        self.gray.push_back(Came { number, gray: Arc::new(gray), seconds, arrived: Instant::now() });
-        while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
-            self.gray_bytes -= self.gray.pop_front().map_or(0, |came| came.gray.pixels.len());
-        }
-    }
-
-    fn add_picture(&mut self, number: usize, picture: Vec<u8>) {
-        self.picture_bytes += picture.len();
-        self.pictures.insert(number, Arc::new(picture));
-        while self.picture_bytes > MOST_PICTURES && self.pictures.len() > 1 {
-            self.picture_bytes -= self.pictures.pop_first().map_or(0, |(_, picture)| picture.len());
-        }
+        self.gray.keep(number, Came { gray: Arc::new(gray), seconds, arrived: Instant::now() });
     }
 }
 
 impl Shared {
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        lock(&self.kept)
+    fn kept(&self) -> MutexGuard<'_, State> {
+        lock(&self.state)
     }
 
     fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
@@ -132,7 +128,7 @@ impl Shared {
         for (number, color) in pictures {
             let small = encode::within(&color(), SIDE);
             if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
-                self.kept().add_picture(number, picture);
+                self.kept().pictures.keep(number, Arc::new(picture));
             }
         }
     }
@@ -157,14 +153,12 @@ impl Shared {
             }
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
-        let behind = kept.gray.partition_point(|came| came.number < reader.next);
-        let place = match reader.arrived {
-            _ if reader.has_caught_up => kept.gray.len() - 1,
-            // The source has dropped the wanted frame: the tracker gets the one before it.
-            None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
-            _ => behind,
-        };
-        let Came { number, gray, seconds, arrived } = &kept.gray[place];
+        let all = kept.gray.all();
+        // If the source has dropped the frame of a lock, the tracker gets the one before it.
+        let before = all.range(..=reader.next).next_back().filter(|_| reader.arrived.is_none());
+        let next = before.or_else(|| all.range(reader.next..).next());
+        let (number, Came { gray, seconds, arrived }) =
+            next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
         let (number, seconds, gray) = (reader.next.max(*number), *seconds, GrayFrame::clone(gray));
         // What came before the pass, nobody followed.
         let missed = reader.arrived.map_or(0, |_| number - reader.next);
@@ -192,7 +186,7 @@ impl Camera {
     }
 
     fn of(frames: Frames) -> Self {
-        let shared = Arc::new(Shared { begin: Instant::now(), kept: Mutex::default(), came: Condvar::new() });
+        let shared = Arc::new(Shared { begin: Instant::now(), state: Mutex::new(State::new()), came: Condvar::new() });
         let (sender, pictures) = sync_channel(1);
         let (reader, encoder) = (Arc::clone(&shared), Arc::clone(&shared));
         thread::spawn(move || reader.read(frames, &sender));
@@ -225,7 +219,7 @@ impl Source for Camera {
     /// Returns the picture of the frame, or of the one before if it has none.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
-        let nearest = kept.pictures.range(..=number).next_back();
+        let nearest = kept.pictures.all().range(..=number).next_back();
         nearest.filter(|_| number <= kept.newest).map(|(_, picture)| Arc::clone(picture))
     }
 
@@ -235,7 +229,7 @@ impl Source for Camera {
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let rate = kept.newest as f64 / seconds.max(0.001);
         Some(LiveState {
-            oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
+            oldest: kept.pictures.all().first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
             dropped: kept.dropped,
             latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
@@ -263,7 +257,7 @@ mod tests {
 
     fn wait_for(camera: &Camera, newest: usize) {
         let begin = Instant::now();
-        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.is_empty() {
+        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.all().is_empty() {
             assert!(begin.elapsed() < Duration::from_secs(20));
             thread::sleep(Duration::from_millis(2));
         }
@@ -316,9 +310,10 @@ mod tests {
         let mut kept = camera.0.kept();
         for number in 1..=20 {
             kept.add(number, GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
-            kept.add_picture(number, vec![0; 20 << 20]);
+            kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
         }
-        assert_eq!((kept.gray.len(), kept.pictures.len()), (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
+        let all = (kept.gray.all().len(), kept.pictures.all().len());
+        assert_eq!(all, (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
         drop(kept);
         let error = camera.gray_from(3).err().unwrap().to_string();
         assert_eq!(error, "trackers can go back to frame 13 only: lock in a newer frame");

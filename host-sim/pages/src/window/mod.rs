@@ -13,6 +13,7 @@
 mod boxes;
 mod camera;
 mod following;
+mod kept;
 mod made;
 mod news;
 mod recording;

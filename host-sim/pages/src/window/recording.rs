@@ -1,11 +1,11 @@
 //! A recording as the source of a window. Any frame is soon a JPEG: the latest pictures are kept, and the next ones are
 //! read in order. The last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
 
+use super::kept::Kept;
 use super::{Known, Numbered, SIDE, Source, lock};
 use crate::encode;
 use anyhow::Result;
 use smr_recordings::{ColorFrame, INNER, OpenOptions, Seekable, Sequence};
-use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -44,28 +44,12 @@ struct Opened {
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
-    colors: Mutex<Colors>,
+    /// Frames with all their pixels.
+    colors: Mutex<Kept<Arc<ColorFrame>>>,
 }
 
-/// Frames with all their pixels, each with its number.
-#[derive(Default)]
-struct Colors(VecDeque<(usize, Arc<ColorFrame>)>);
-
-impl Colors {
-    fn keep(&mut self, number: usize, frame: ColorFrame) -> Arc<ColorFrame> {
-        let frame = Arc::new(frame);
-        self.0.push_back((number, Arc::clone(&frame)));
-        while self.0.len() > 1 && self.0.iter().map(|(_, frame)| frame.pixels.len()).sum::<usize>() > MOST_PIXELS {
-            self.0.pop_front();
-        }
-        frame
-    }
-}
-
-#[derive(Default)]
 struct Pictures {
-    kept: BTreeMap<usize, Arc<Vec<u8>>>,
-    bytes: usize,
+    kept: Kept<Arc<Vec<u8>>>,
     /// The number of the next frame, and the frames from there on.
     reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
     last: usize,
@@ -147,12 +131,14 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        Arc::new(Self { recording, pictures: Mutex::default(), colors: Mutex::default() })
+        let pictures = Pictures { kept: Kept::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
+        let colors = Kept::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
+        Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let mut pictures = lock(&self.pictures);
-        if let Some(picture) = pictures.kept.get(&number) {
+        if let Some(picture) = pictures.kept.all().get(&number) {
             return Some(Arc::clone(picture));
         }
         let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
@@ -172,16 +158,17 @@ impl Recorded {
     }
 
     fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
-        let kept = lock(&self.colors).0.iter().find(|(at, _)| *at == number).map(|(_, frame)| Arc::clone(frame));
+        let kept = lock(&self.colors).all().get(&number).cloned();
         kept.or_else(|| {
-            let frame = self.recording.color_from(number, u16::MAX).ok()?.next()?;
-            Some(lock(&self.colors).keep(number, frame))
+            let frame = Arc::new(self.recording.color_from(number, u16::MAX).ok()?.next()?);
+            lock(&self.colors).keep(number, Arc::clone(&frame));
+            Some(frame)
         })
     }
 }
 
 impl Pictures {
-    fn read_to(&mut self, number: usize, colors: &Mutex<Colors>) -> Option<Arc<Vec<u8>>> {
+    fn read_to(&mut self, number: usize, colors: &Mutex<Kept<Arc<ColorFrame>>>) -> Option<Arc<Vec<u8>>> {
         loop {
             let (next, frames) = self.reader.as_mut()?;
             let at = *next;
@@ -191,27 +178,14 @@ impl Pictures {
             };
             *next += 1;
             let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
-            self.keep(at, &picture);
+            self.kept.keep(at, Arc::clone(&picture));
             // ffmpeg may have made a larger one smaller.
             if frame.width.max(frame.height) < SIDE {
-                lock(colors).keep(at, frame);
+                lock(colors).keep(at, Arc::new(frame));
             }
             if at == number {
                 return Some(picture);
             }
-        }
-    }
-
-    /// Keeps a picture. If pictures have too many bytes together, those farthest from it are dropped.
-    fn keep(&mut self, number: usize, picture: &Arc<Vec<u8>>) {
-        self.bytes += picture.len();
-        if let Some(before) = self.kept.insert(number, Arc::clone(picture)) {
-            self.bytes -= before.len();
-        }
-        while self.bytes > MOST_BYTES && self.kept.len() > 1 {
-            let (&first, &last) = (self.kept.keys().next().unwrap_or(&0), self.kept.keys().next_back().unwrap_or(&0));
-            let farthest = if number - first > last - number { first } else { last };
-            self.bytes -= self.kept.remove(&farthest).map_or(0, |picture| picture.len());
         }
     }
 }
@@ -277,20 +251,5 @@ mod tests {
             assert_eq!(*recorded.color(number).unwrap(), ColorFrame::from(&gray(number)), "{number}");
         }
         assert!(recorded.color(count + 1).is_none());
-    }
-
-    #[test]
-    fn what_is_kept_is_bounded() {
-        let mut pictures = Pictures::default();
-        let picture = Arc::new(vec![0; 10 << 20]);
-        for number in (1..20).chain([3]) {
-            pictures.keep(number, &picture);
-            assert!(pictures.bytes <= MOST_BYTES && pictures.kept.contains_key(&number));
-        }
-        let (mut colors, large) =
-            (Colors::default(), ColorFrame { width: 4000, height: 2000, pixels: vec![[0; 3]; 8_000_000] });
-        (1..=4).for_each(|number| drop(colors.keep(number, large.clone())));
-        assert!(colors.0.iter().map(|(number, _)| *number).eq([3, 4]));
-        assert_eq!(pictures.bytes, pictures.kept.values().map(|one| one.len()).sum::<usize>());
     }
 }
