@@ -4,7 +4,7 @@ use super::film::{Film, Locked};
 use super::page_data::data;
 use super::palette::looks;
 use super::player_frames::Pictures;
-use super::scores::{Measured, Scores};
+use super::scores::{Measured, scores};
 use super::trackers::{SENTENCE, TITLE, place_files, titled};
 use crate::front_end::{STYLES, WORDS, import_map};
 use anyhow::{Result, ensure};
@@ -59,7 +59,7 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         words => WORDS,
         looks => Serde(looks()),
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
-        scores => Serde(Scores::new(&measured)),
+        scores => Serde(scores(&measured)),
         data => data(films)?,
         import_map => import_map(),
     };
