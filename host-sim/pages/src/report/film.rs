@@ -97,29 +97,14 @@ pub(super) struct Still {
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
-/// Errors: As [`watch_all`]; no box to start from.
-pub fn watch(
-    sequence: Sequence,
-    methods: &[Variant],
-    refusal: Refusal,
-    stills: &BTreeSet<usize>,
-    budget: Option<usize>,
-    progress: impl Fn(),
-) -> Result<Film> {
-    let start = sequence.start()?;
-    let target = Target { name: None, starts: vec![(sequence.first, Some(start.into()))] };
-    watch_all(sequence, vec![target], methods, refusal, stills, budget, progress)
-}
-
-/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only the `stills`,
+/// Runs all `methods` on all `targets` of the sequence, without any on the box beside it; a method that does not start on a box meets `refusal`. Frames stream: only the `stills`,
 /// of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
 ///
 /// Ground truth is of one target: of several there is none.
-/// Errors: No method, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
-pub fn watch_all(
+/// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
+pub fn watch(
     sequence: Sequence,
-    targets: Vec<Target>,
+    mut targets: Vec<Target>,
     methods: &[Variant],
     refusal: Refusal,
     stills: &BTreeSet<usize>,
@@ -127,6 +112,9 @@ pub fn watch_all(
     progress: impl Fn(),
 ) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
+    if targets.is_empty() {
+        targets.push(Target { name: None, starts: vec![(sequence.first, Some(sequence.start()?.into()))] });
+    }
     let Sequence { name, frames, truth, first, .. } = sequence.in_color(FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
     let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
@@ -312,7 +300,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
+        watch(open(), vec![], &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
     }
 
     #[test]
@@ -333,7 +321,7 @@ mod tests {
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
-        let film = watch(street, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(street, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
         assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
@@ -357,13 +345,13 @@ mod tests {
                 kind.name()
             );
         }
-        assert!(watch(open(), &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
+        assert!(watch(open(), vec![], &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
     }
 
     #[test]
     fn what_counts_adds_up_to_the_ratio() {
         let stills = (0..synthetic::LENGTH).step_by(9).collect();
-        let film = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
+        let film = watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.sights[0].search else { continue };
@@ -382,7 +370,8 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let stills = BTreeSet::from([0, 240]);
-        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
+        let error =
+            watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
@@ -391,7 +380,7 @@ mod tests {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
         let sequence = Sequence { truth, ..open() };
         let methods = variants(&[MethodKind::Smr]);
-        let film = watch(sequence, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(sequence, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }
@@ -404,7 +393,7 @@ mod tests {
             Sequence { init, truth: None, ..Sequence::made("large", frames, vec![]) }
         };
         let watch = |methods: &[MethodKind], refusal| {
-            watch(large(), &variants(methods), refusal, &BTreeSet::new(), None, || ())
+            watch(large(), vec![], &variants(methods), refusal, &BTreeSet::new(), None, || ())
         };
         let methods = [MethodKind::Robust, MethodKind::Smr];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
@@ -423,7 +412,7 @@ mod tests {
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
-        let film = watch_all(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
         assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
@@ -433,7 +422,7 @@ mod tests {
         assert_eq!((answers(2, 8), answers(2, 9)), (None, start(20).1));
         assert_eq!((answers(0, 0), answers(0, 14), answers(0, 19)), (start(11).1, None, start(30).1));
         let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
-        let error = watch_all(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
+        let error = watch(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
     }
 }

@@ -12,5 +12,5 @@ mod scores;
 mod search;
 mod trackers;
 
-pub use film::{Film, Refusal, watch, watch_all};
+pub use film::{Film, Refusal, watch};
 pub use page::{About, page};

@@ -165,7 +165,7 @@ mod tests {
         let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        watch(change(sequence), &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
+        watch(change(sequence), vec![], &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
     }
 
     fn about() -> About {

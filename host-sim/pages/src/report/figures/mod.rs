@@ -107,7 +107,7 @@ mod tests {
     fn watched(name: &str, change: impl FnOnce(Sequence) -> Sequence) -> Film {
         let sequence = change(smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap());
         let methods = METHODS.map(|kind| Variant::new(kind, &Configs::from(Config::paper())));
-        watch(sequence, &methods, Refusal::Fails, &[].into(), None, || ()).unwrap()
+        watch(sequence, vec![], &methods, Refusal::Fails, &[].into(), None, || ()).unwrap()
     }
 
     #[test]
