@@ -3,7 +3,6 @@
 mod difference;
 pub mod figures;
 mod film;
-mod image;
 mod page;
 mod page_data;
 mod palette;

@@ -2,10 +2,10 @@
 
 use super::film::{Film, Locked};
 use super::page_data::data;
-use super::palette::looks;
+use super::palette::{SENTENCE, TITLE, looks};
 use super::player_frames::Pictures;
 use super::scores::{Measured, scores};
-use super::trackers::{SENTENCE, TITLE, place_files, titled};
+use super::trackers::{place_files, titled};
 use crate::front_end::{STYLES, WORDS, import_map};
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};

@@ -1,6 +1,6 @@
-//! Colors and patterns of dashes that tell entrants from each other in boxes, curves and legends.
+//! Words, colors and patterns of dashes that tell entrants from each other in boxes, curves and legends.
 
-use crate::colors::{Color, TRUTH, color_of_method};
+use crate::colors::{Color, TRUTH};
 use serde::Serialize;
 use smr_evaluation::MethodKind;
 
@@ -8,8 +8,21 @@ use smr_evaluation::MethodKind;
 pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
 const LOOKS: usize = METHODS.len() + FILES.len() + 1;
 
-const METHODS: [MethodKind; 6] =
-    [MethodKind::Robust, MethodKind::Smr, MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc, MethodKind::Lk];
+// Places in the words for a method: on the page, where there is little room, in a sentence.
+pub(super) const TITLE: usize = 0;
+pub(super) const SHORT: usize = 1;
+pub(super) const SENTENCE: usize = 2;
+
+/// The color and the words of each method, in the order of the looks. The paper's colors, SMR red and SAD blue, must be told from each other on
+/// any frame, and from the states'.
+const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
+    (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
+    (MethodKind::Smr, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"]),
+    (MethodKind::Sad, [64, 140, 255], ["SAD"; 3]),
+    (MethodKind::Ssd, [0, 205, 220], ["SSD"; 3]),
+    (MethodKind::Ncc, [200, 225, 90], ["NCC"; 3]),
+    (MethodKind::Lk, [235, 235, 235], ["LK"; 3]),
+];
 
 /// The colors of result files, in turn. They were chosen one after the other, each as far as possible from all before.
 const FILES: [Color; 14] = [
@@ -48,7 +61,7 @@ pub(super) struct Look {
 }
 
 pub(super) fn looks() -> Vec<Look> {
-    let colors = METHODS.map(color_of_method).into_iter().chain(FILES).chain([TRUTH]);
+    let colors = METHODS.map(|(_, color, _)| color).into_iter().chain(FILES).chain([TRUTH]);
     let look = |(place, color): (usize, Color)| Look {
         color,
         on_light: seen(color, [0; 3], PANELS[0]),
@@ -59,7 +72,15 @@ pub(super) fn looks() -> Vec<Look> {
 }
 
 pub(super) fn look_of_method(kind: MethodKind) -> usize {
-    METHODS.iter().position(|method| *method == kind).unwrap_or(0)
+    METHODS.iter().position(|(method, ..)| *method == kind).unwrap_or(0)
+}
+
+pub(super) fn color_of_method(kind: MethodKind) -> Color {
+    METHODS[look_of_method(kind)].1
+}
+
+pub(super) fn words_of(kind: MethodKind, words: usize) -> &'static str {
+    METHODS[look_of_method(kind)].2[words]
 }
 
 /// The place of the look of the `index`th result file.

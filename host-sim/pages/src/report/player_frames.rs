@@ -1,7 +1,6 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
-use super::difference::{BARS, Difference};
-use super::image::{differences, patch};
+use super::difference::{BARS, Difference, differences, patch};
 use super::search::Sight;
 use crate::encode;
 use anyhow::Result;

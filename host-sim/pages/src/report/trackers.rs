@@ -1,8 +1,7 @@
 //! Everyone whose boxes are shown: the methods that ran here, then the result files of other trackers.
 
 use super::film::Film;
-use super::palette::{look_of_file, look_of_method};
-use smr_evaluation::MethodKind;
+use super::palette::{SHORT, TITLE, look_of_file, look_of_method, words_of};
 use smr_recordings::BoundingBox;
 
 #[derive(serde::Serialize)]
@@ -21,25 +20,9 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-// Places in the words for a method: on the page, where there is little room, in a sentence.
-pub(super) const TITLE: usize = 0;
-const SHORT: usize = 1;
-pub(super) const SENTENCE: usize = 2;
-
-const fn words_of(kind: MethodKind) -> [&'static str; 3] {
-    match kind {
-        MethodKind::Robust => ["Robust tracker", "Robust", "the robust tracker"],
-        MethodKind::Smr => ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"],
-        MethodKind::Sad => ["SAD"; 3],
-        MethodKind::Ssd => ["SSD"; 3],
-        MethodKind::Ncc => ["NCC"; 3],
-        MethodKind::Lk => ["LK"; 3],
-    }
-}
-
 /// A method in these words, after the name of its target if it has one.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
-    let title = words_of(film.methods[method].kind)[words];
+    let title = words_of(film.methods[method].kind, words);
     let name = film.targets[film.of[method]].name.as_ref();
     name.map_or(title.to_owned(), |name| format!("{name}, {title}"))
 }

@@ -3,9 +3,8 @@
 use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
 use super::{SAD, SMR, choice, compared};
 use crate::colors::{self, WHITE};
-use crate::report::difference::{BAR, BARS, Difference};
+use crate::report::difference::{BAR, BARS, Difference, differences as map, patch};
 use crate::report::film::{Film, Still};
-use crate::report::image::{differences as map, patch};
 use anyhow::{Context, Result};
 use smr_core::{Image, Rect};
 use smr_evaluation::{centre_errors, name_of};
