@@ -3,6 +3,7 @@
 use super::player_frames::Pictures;
 use super::search::{self, Shown, Sight};
 use anyhow::{Context, Result, ensure};
+use serde_json::{Value, json};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
 use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, FrameRange, GrayFrame, Sequence, Target};
@@ -71,14 +72,6 @@ pub enum Refusal {
     Fails,
     /// The film is made without it, with a note.
     LeftOut,
-}
-
-/// Pictures of the film that were kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Kept {
-    pub frames: usize,
-    /// In pixels.
-    pub longest_side: u16,
 }
 
 /// Answers of all methods for one frame.
@@ -205,9 +198,10 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
-    pub fn pictures(&self) -> Option<Kept> {
-        self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
+    /// The pictures of the player: how many there are, and the longest side of one in pixels; `None` if none were asked for.
+    pub fn pictures(&self) -> Option<Value> {
+        let pictures = self.pictures.as_ref()?;
+        Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))
     }
 
     /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a

@@ -105,7 +105,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
         titled(film, best, SENTENCE) + &format!(" follows the target in {all} {visible} frames that show it");
     for other in (0..film.methods.len()).filter(|method| *method != best) {
         let _ = write!(said, "; {} in {}", titled(film, other, SENTENCE), correct(other));
-        if let Some(Parting { index, is_lost }) = parting(film, best, other)? {
+        if let Some((index, is_lost)) = parting(film, best, other)? {
             let place = film.clock(index).unwrap_or_else(|| format!("frame {}", index + film.first));
             let _ = write!(said, ": {} at {place}", if is_lost { "it loses it" } else { "it goes astray" });
         }
@@ -114,15 +114,10 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// The place in which one method leaves the target for the longest time while another follows it.
-pub(super) struct Parting {
-    pub index: usize,
-    is_lost: bool,
-}
-
-/// Returns where `other` parts from the method `best`. A frame in which the target is hidden changes nothing.
+/// Returns the frame in which the method `other` leaves the target for the longest time while `best` follows it, and true if it loses it. A frame in
+/// which the target is hidden changes nothing.
 /// Errors: The ground truth is not that of so many frames.
-pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<Parting>> {
+pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);
     let (best, right) = (of(best)?, of(other)?);
@@ -133,7 +128,7 @@ pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<P
         longest = if span.len() > longest.len() { span.clone() } else { longest };
     }
     let lost = longest.clone().filter(|index| film.moments[*index].reports[other].state == State::Lost).count();
-    Ok((longest.len() >= LEAST_PARTING).then_some(Parting { index: longest.start, is_lost: 2 * lost > longest.len() }))
+    Ok((longest.len() >= LEAST_PARTING).then_some((longest.start, 2 * lost > longest.len())))
 }
 
 /// `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`

@@ -43,7 +43,7 @@ fn recording(film: &Film) -> Result<Value> {
 /// The number of the frame in which the first two methods part.
 fn parted(film: &Film) -> Result<Option<usize>> {
     let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
-    Ok(parting.map(|parting| parting.index + film.first))
+    Ok(parting.map(|(index, _)| index + film.first))
 }
 
 fn truth_of(truth: &[Option<BoundingBox>]) -> Value {

@@ -53,7 +53,7 @@ struct Shared {
 }
 
 struct Came {
-    gray: Arc<GrayFrame>,
+    gray: GrayFrame,
     seconds: f64,
     arrived: Instant,
 }
@@ -61,7 +61,6 @@ struct Came {
 struct State {
     gray: Kept<Came>,
     pictures: Kept<Arc<Vec<u8>>>,
-    /// Number of the newest frame.
     newest: usize,
     /// Frames that came while targets were followed, and that no tracker got.
     dropped: usize,
@@ -91,7 +90,7 @@ impl State {
 
     fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
         self.newest = number;
-        self.gray.keep(number, Came { gray: Arc::new(gray), seconds, arrived: Instant::now() });
+        self.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
     }
 }
 
@@ -159,7 +158,7 @@ impl Shared {
         let next = before.or_else(|| all.range(reader.next..).next());
         let (number, Came { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
-        let (number, seconds, gray) = (reader.next.max(*number), *seconds, GrayFrame::clone(gray));
+        let (number, seconds, gray) = (reader.next.max(*number), *seconds, gray.clone());
         // What came before the pass, nobody followed.
         let missed = reader.arrived.map_or(0, |_| number - reader.next);
         (reader.next, reader.arrived) = (number + 1, Some(*arrived));

@@ -440,13 +440,8 @@ impl Followed {
         });
     }
 
-    pub(super) fn say(&self, line: String) {
-        self.change(|state| state.news.say(line));
-    }
-
-    /// Tells the pages that the file `id`, made for the user, has progressed.
-    pub(super) fn makes(&self, id: u32) {
-        self.change(|state| state.news.makes(id));
+    pub(super) fn tell(&self, tell: impl FnOnce(&mut News)) {
+        self.change(|state| tell(&mut state.news));
     }
 
     /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page gets
@@ -461,8 +456,9 @@ impl Followed {
         let news = &state.news;
         let heard = since;
         // A page that was away for long begins anew.
-        let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
-        let is_told = |at: u64| heard < at;
+        let (is_remembered, all) = (news.remembers(since), state.targets.iter());
+        let since = if is_remembered { since.min(news.end()) } else { 0 };
+        let (void, said, made) = news.after(heard);
         let changed: Vec<_> = state.changed(since).collect();
         let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
         let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
@@ -476,17 +472,13 @@ impl Followed {
         };
         Heard {
             position: news.end(),
-            void: if news.remembers(heard) {
-                news.voided(is_told)
-            } else {
-                state.targets.iter().map(|target| Part::all(target.id)).collect()
-            },
+            void: if is_remembered { void } else { all.map(|target| Part::all(target.id)).collect() },
             rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
             changed: changed.iter().map(part).collect(),
-            said: news.said(is_told),
-            made: news.made(is_told),
-            frames: is_told(news.frames),
-            targets: is_told(news.targets).then(|| (state.targets.clone(), news.targets)),
+            said,
+            made,
+            frames: heard < news.frames,
+            targets: (heard < news.targets).then(|| (state.targets.clone(), news.targets)),
         }
     }
 

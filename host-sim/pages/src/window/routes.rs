@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
 use smr_recordings::BoundingBox;
 use smr_recordings::messages::{self, choice_name};
+use std::str::FromStr;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -56,7 +57,6 @@ pub struct Window {
 
 impl Window {
     /// Runs the trackers and serves the page until the program ends.
-    /// Errors: The server's.
     pub fn serve(self, server: Server) -> Result<()> {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
@@ -91,8 +91,7 @@ impl Window {
             (false, "source", "") => json_reply(&self.told_source()),
             (false, "news", "") => json_reply(&self.news(query)?),
             (false, "answers", "") => {
-                let (from, to) = (place(query, "from")?, place(query, "to")?);
-                let target = number(query, "target")?.try_into().context("target: expected an id")?;
+                let (target, from, to) = (number(query, "target")?, number(query, "from")?, number(query, "to")?);
                 let (rows, to) = self.followed.part(Part { target, from, to });
                 let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
@@ -164,12 +163,10 @@ impl Window {
         }));
     }
 
-    /// Tells the user what has to be told.
     fn told(&self, line: Option<String>) {
-        line.into_iter().for_each(|line| self.followed.say(line));
+        line.into_iter().for_each(|line| self.followed.tell(|news| news.say(line)));
     }
 
-    /// Returns the number of frames and their times, as far as they are known.
     pub fn known(&self) -> Known {
         self.followed.known(self.source.as_ref())
     }
@@ -183,6 +180,7 @@ impl Window {
         let Known { frames, times } = self.known();
         let variant = self.followed.variant();
         let (targets, revision) = self.followed.revision();
+        let offer = |format: &Format| json!({ "name": choice_name(format), "several": format.has_names() });
         let origin = serde_json::to_value(variant.origin()).unwrap_or_default();
         json!({
             "name": self.name,
@@ -281,14 +279,9 @@ impl Window {
     fn make(&self, ending: &str) -> Result<Reply> {
         let job = self.wish.made(self, ending)?;
         let followed = Arc::clone(&self.followed);
-        let id = self.made.begin(job, move |id| followed.makes(id))?;
+        let id = self.made.begin(job, move |id| followed.tell(|news| news.makes(id)))?;
         Ok(json_reply(&json!(self.made.of(id))))
     }
-}
-
-/// A format of boxes, and true if it holds several targets.
-fn offer(format: &Format) -> Value {
-    json!({ "name": choice_name(format), "several": format.has_names() })
 }
 
 fn json_reply(value: &Value) -> Reply {
@@ -327,14 +320,9 @@ fn decoded(text: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-fn number(query: &str, name: &str) -> Result<u64> {
+fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
     let text = value(query, name).with_context(|| format!("expected ?{name}=NUMBER"))?;
-    text.parse().with_context(|| format!("{name}={text}: expected a number"))
-}
-
-/// Returns the number of a frame in a query.
-fn place(query: &str, name: &str) -> Result<usize> {
-    usize::try_from(number(query, name)?).with_context(|| format!("{name}: expected the number of a frame"))
+    text.parse().ok().with_context(|| format!("{name}={text}: expected a number"))
 }
 
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`

@@ -293,7 +293,7 @@ fn a_page_asks_for_many_answers_by_parts() {
     assert_eq!(rows.len(), 4 * FRAMES, "each answer once");
     let all = running.followed.heard(0, Duration::ZERO);
     assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
-    running.followed.makes(7);
+    running.followed.tell(|news| news.makes(7));
     let next = running.followed.heard(all.position, Duration::ZERO);
     assert_eq!((all.made.len(), next.made, next.changed.len()), (0, vec![7], 0), "each change is told once");
     assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
