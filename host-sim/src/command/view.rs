@@ -84,7 +84,7 @@ impl View {
         let given = self.tracker.variant(self.method.unwrap_or(MethodKind::Robust))?;
         let Opened { name, source, pictures, length, beside } = self.open()?;
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
-        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
+        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let is_live = source.live().is_some();
         let (session, work) = Session::open(self.session_file(is_live), &name)?;
         // The file of the targets, for errors.

@@ -5,10 +5,10 @@
 //! the last seconds is followed from there through every frame, until the tracker has caught up.
 
 use super::kept::Kept;
-use super::{Known, LiveState, Numbered, SIDE, Source, lock};
+use super::{Known, LiveState, SIDE, Source, lock};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
-use smr_recordings::{ColorFrame, Frame, GrayFrame, Live, messages};
+use smr_recordings::{ColorFrame, Frame, Frames, GrayFrame, Live, Planes, messages};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -19,29 +19,8 @@ const MOST_GRAY: usize = 64 << 20;
 /// The most bytes of pictures: some minutes.
 const MOST_PICTURES: usize = 160 << 20;
 
-/// A frame that has come from the source.
-struct Seen {
-    /// Number of the frame; the source counts all of its frames from 1.
-    number: usize,
-    gray: GrayFrame,
-    seconds: f64,
-    color: Color,
-}
-
-type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
-
-type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
-
-/// Returns the frames of `live`, then an error with the reason for its end.
-fn seen(live: Live) -> impl Iterator<Item = Result<Seen>> {
-    let arrivals = Arc::clone(&live.arrivals);
-    let of = |Frame { number, seconds, gray, planes, .. }: Frame| {
-        let (seconds, planes) = seconds.zip(planes)?;
-        Some(Ok(Seen { number, gray, seconds, color: Box::new(move || planes.color()) }))
-    };
-    let end = std::iter::once_with(move || arrivals.ended().map(|said| Err(anyhow!(said))));
-    live.map(of).chain(end).flatten()
-}
+/// The number of a frame, and its colors in one of two forms.
+type Colors = (usize, Option<Planes>, Option<ColorFrame>);
 
 /// A camera, read by a thread of its own.
 pub struct Camera(Arc<Shared>);
@@ -54,7 +33,7 @@ struct Shared {
 
 struct Came {
     gray: GrayFrame,
-    seconds: f64,
+    seconds: Option<f64>,
     arrived: Instant,
 }
 
@@ -87,11 +66,6 @@ impl State {
     fn oldest_gray(&self) -> usize {
         self.gray.all().first_key_value().map_or(self.newest + 1, |(first, _)| *first)
     }
-
-    fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
-        self.newest = number;
-        self.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
-    }
 }
 
 impl Shared {
@@ -99,20 +73,21 @@ impl Shared {
         lock(&self.state)
     }
 
-    fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
+    fn read(&self, frames: Frames, pictures: &SyncSender<Colors>) {
         let mut said = None;
         for frame in frames {
             match frame {
-                Ok(Seen { number, gray, seconds, color }) => {
+                Ok(Frame { number, gray, seconds, planes, color, .. }) => {
                     let mut kept = self.kept();
                     if kept.stopped {
                         break;
                     }
-                    kept.add(number, gray, seconds);
+                    kept.newest = number;
+                    kept.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
                     drop(kept);
                     self.came.notify_all();
                     // While one picture is encoded, the pictures of later frames are left out.
-                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, color)) {
+                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, planes, color)) {
                         break;
                     }
                 }
@@ -123,17 +98,18 @@ impl Shared {
         self.came.notify_all();
     }
 
-    fn encode(&self, pictures: &Receiver<(usize, Color)>) {
-        for (number, color) in pictures {
-            let small = encode::within(&color(), SIDE);
-            if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
+    fn encode(&self, pictures: &Receiver<Colors>) {
+        for (number, planes, color) in pictures {
+            let color = planes.map(|planes| planes.color()).or(color);
+            let small = color.map(|color| encode::within(&color, SIDE));
+            if let Some(Ok(picture)) = small.map(|small| encode::color_jpeg(&small, encode::ENOUGH)) {
                 self.kept().pictures.keep(number, Arc::new(picture));
             }
         }
     }
 
     /// Waits for the frame that trackers get next; `None` if there will be none.
-    fn next(&self, reader: &mut Reader) -> Option<Result<(usize, Option<f64>, GrayFrame)>> {
+    fn next(&self, reader: &mut Reader) -> Option<Result<Frame>> {
         let mut kept = self.kept();
         if let Some(arrived) = reader.arrived {
             kept.latency_ms = 0.9 * kept.latency_ms + 0.1 * arrived.elapsed().as_secs_f64() * 1e3;
@@ -158,12 +134,12 @@ impl Shared {
         let next = before.or_else(|| all.range(reader.next..).next());
         let (number, Came { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
-        let (number, seconds, gray) = (reader.next.max(*number), *seconds, gray.clone());
+        let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
         // What came before the pass, nobody followed.
-        let missed = reader.arrived.map_or(0, |_| number - reader.next);
-        (reader.next, reader.arrived) = (number + 1, Some(*arrived));
+        let missed = reader.arrived.map_or(0, |_| frame.number - reader.next);
+        (reader.next, reader.arrived) = (frame.number + 1, Some(*arrived));
         kept.dropped += missed;
-        Some(Ok((number, Some(seconds), gray)))
+        Some(Ok(frame))
     }
 }
 
@@ -179,9 +155,10 @@ struct Reader {
 }
 
 impl Camera {
-    /// Starts to read `live`.
     pub fn new(live: Live) -> Self {
-        Self::of(Box::new(seen(live)))
+        let arrivals = Arc::clone(&live.arrivals);
+        let end = std::iter::once_with(move || arrivals.ended().map(|said| Err(anyhow!(said))));
+        Self::of(Box::new(live.map(Ok).chain(end.flatten())))
     }
 
     fn of(frames: Frames) -> Self {
@@ -199,7 +176,7 @@ impl Source for Camera {
         Known { frames: Some(self.0.kept().newest), times: Vec::new() }
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
+    fn gray_from(&self, number: usize) -> Result<Frames> {
         let kept = self.0.kept();
         let oldest = kept.oldest_gray();
         if number < oldest {
@@ -248,10 +225,9 @@ mod tests {
     use super::*;
     use std::sync::mpsc::channel;
 
-    fn frame(level: u8) -> Seen {
+    fn frame(level: u8) -> Frame {
         let gray = GrayFrame { width: 8, height: 8, pixels: vec![level; 64] };
-        let color = ColorFrame::from(&gray);
-        Seen { number: level.into(), gray, seconds: f64::from(level), color: Box::new(|| color) }
+        Frame { color: Some(ColorFrame::from(&gray)), ..Frame::new(level.into(), Some(level.into()), gray) }
     }
 
     fn wait_for(camera: &Camera, newest: usize) {
@@ -270,8 +246,9 @@ mod tests {
         wait_for(&camera, 3);
         assert_eq!(camera.live().unwrap().dropped, 0, "nobody follows yet");
         let mut seen = camera.gray_from(2).unwrap();
-        let mut next =
-            || seen.next().unwrap().map(|(number, seconds, gray)| (number, gray.pixels[0], seconds.unwrap()));
+        let mut next = || {
+            seen.next().unwrap().map(|Frame { number, seconds, gray, .. }| (number, gray.pixels[0], seconds.unwrap()))
+        };
         // A lock in an older frame is followed through all frames.
         assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
         sender.send(Ok(frame(4))).unwrap();
@@ -294,7 +271,7 @@ mod tests {
         wait_for(&camera, 12);
         assert_eq!((next().unwrap(), camera.live().unwrap().dropped), ((12, 12, 12.0), 5));
         let mut again =
-            camera.gray_from(11).unwrap().map(|frame| frame.map(|(number, _, gray)| (number, gray.pixels[0])));
+            camera.gray_from(11).unwrap().map(|frame| frame.map(|frame| (frame.number, frame.gray.pixels[0])));
         assert_eq!([again.next().unwrap().unwrap(), again.next().unwrap().unwrap()], [(11, 9), (12, 12)]);
         drop(sender);
         assert_eq!(next().unwrap_err().to_string(), "the source has ended");
@@ -308,7 +285,8 @@ mod tests {
         let camera = Camera::of(Box::new(frames.into_iter()));
         let mut kept = camera.0.kept();
         for number in 1..=20 {
-            kept.add(number, GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
+            let gray = GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] };
+            kept.gray.keep(number, Came { gray, seconds: None, arrived: Instant::now() });
             kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
         }
         let all = (kept.gray.all().len(), kept.pictures.all().len());

@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, Damaged, GrayFrame, check_gone, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, Frame, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -571,9 +571,9 @@ impl Following<'_> {
         let (mut last, mut pace) = (start - 1, Pace::new());
         for frame in frames {
             match frame {
-                Ok((number, time, frame)) => {
-                    last = number;
-                    if !self.frame(number, time, &frame, pace.next()) {
+                Ok(frame) => {
+                    last = frame.number;
+                    if !self.frame(&frame, pace.next()) {
                         return None;
                     }
                 }
@@ -608,7 +608,7 @@ impl Following<'_> {
     }
 
     /// Asks the trackers that wait for this frame. Returns false if the pass is not to read the next frame.
-    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame, rate: f64) -> bool {
+    fn frame(&mut self, &Frame { number, seconds: time, ref gray, .. }: &Frame, rate: f64) -> bool {
         let (followed, is_live) = (self.followed, self.is_live);
         let (mut due, variant) = {
             let state = followed.state();
@@ -616,7 +616,7 @@ impl Following<'_> {
         };
         due.retain(|task| task.next == number || is_live && task.has_begun() && task.next < number);
         let answers: Vec<_> =
-            due.into_iter().map(|task| (task, self.answer(task.key, number, frame, &variant))).collect();
+            due.into_iter().map(|task| (task, self.answer(task.key, number, gray, &variant))).collect();
         followed.change(|state| {
             let State { segments, news, .. } = state;
             for (task, answer) in answers {

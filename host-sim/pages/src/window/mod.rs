@@ -31,7 +31,7 @@ pub use server::Server;
 pub use session::{Session, Work};
 
 use anyhow::Result;
-use smr_recordings::{ColorFrame, GrayFrame};
+use smr_recordings::{ColorFrame, Frames};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The longest side of a picture, in pixels.
@@ -42,9 +42,6 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Frames from some number on: each with its number, its time in seconds if it has one, and its gray pixels.
-pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
-
 /// The source of a window: a recording, or a camera.
 pub trait Source: Send + Sync {
     /// Returns the number of frames and their times. Both only grow.
@@ -52,7 +49,7 @@ pub trait Source: Send + Sync {
 
     /// Returns the frames from `number` on.
     /// Errors: The frames cannot be read, or are not kept any more.
-    fn gray_from(&self, number: usize) -> Result<Numbered>;
+    fn gray_from(&self, number: usize) -> Result<Frames>;
 
     /// Returns the number of the oldest frame that a tracker can be locked in.
     fn oldest(&self) -> usize {

@@ -2,10 +2,10 @@
 //! read in order. The last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
 
 use super::kept::Kept;
-use super::{Known, Numbered, SIDE, Source, lock};
+use super::{Known, SIDE, Source, lock};
 use crate::encode;
 use anyhow::Result;
-use smr_recordings::{ColorFrame, INNER, OpenOptions, Seekable, Sequence};
+use smr_recordings::{ColorFrame, Frames, INNER, OpenOptions, Seekable, Sequence};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -105,9 +105,8 @@ impl Source for Growing {
         known.clone()
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
-        let frames = self.recorded().recording.gray_from(number)?;
-        Ok(Box::new(frames.map(|frame| frame.map(|frame| (frame.number, frame.seconds, frame.gray)))))
+    fn gray_from(&self, number: usize) -> Result<Frames> {
+        self.recorded().recording.gray_from(number)
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
@@ -225,7 +224,7 @@ mod tests {
         }
         assert_eq!(source.known().frames, Some(5));
         assert!(begin.elapsed() > LOOKS && source.picture(5).is_some());
-        assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().2.pixels[0], 5);
+        assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().gray.pixels[0], 5);
         let index = Known { frames: Some(7), times: vec![0.5; 7] };
         lock(&source.opened).known = index.clone();
         assert_eq!(source.known(), index, "it does not fall while an index is made");
@@ -246,7 +245,7 @@ mod tests {
         let count = recorded.known().frames.unwrap();
         assert!(recorded.picture(count).is_some() && recorded.picture(count + 1).is_none());
         assert!(recorded.picture(1).is_some());
-        let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().2;
+        let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().gray;
         for number in [150, count, 7] {
             assert_eq!(*recorded.color(number).unwrap(), ColorFrame::from(&gray(number)), "{number}");
         }

@@ -1,9 +1,9 @@
 use super::*;
-use crate::window::{LiveState, Numbered};
+use crate::window::LiveState;
 use anyhow::anyhow;
 use smr_core::paper;
 use smr_evaluation::MethodKind;
-use smr_recordings::synthetic;
+use smr_recordings::{Frames, synthetic};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -32,7 +32,7 @@ impl Source for Scene {
         self.oldest.load(Ordering::SeqCst).max(1)
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
+    fn gray_from(&self, number: usize) -> Result<Frames> {
         let read = AtomicUsize::new(0);
         let (damaged, every) = (self.damaged, self.every.unwrap_or(1));
         self.read.fetch_add(1, Ordering::SeqCst);
@@ -42,7 +42,7 @@ impl Source for Scene {
             if damaged == Some(at) {
                 Err(anyhow!("frame {at} is damaged"))
             } else {
-                Ok((at, None, synthetic::frame(at - 1)))
+                Ok(Frame::new(at, None, synthetic::frame(at - 1)))
             }
         })))
     }
