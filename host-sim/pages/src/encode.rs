@@ -27,12 +27,10 @@ pub(crate) fn palette_png(size: (u16, u16), levels: &[u8], color: impl Fn(u8) ->
     Ok(bytes)
 }
 
-/// The frame as PNG.
 pub fn png(frame: &GrayFrame) -> Result<Vec<u8>> {
     plain_png((frame.width.into(), frame.height.into()), png::ColorType::Grayscale, &frame.pixels)
 }
 
-/// Red, green and blue of each pixel as PNG.
 pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
     plain_png(size, png::ColorType::Rgb, rgb)
 }

@@ -49,7 +49,6 @@ impl Format {
     /// The extensions of files that hold all frames.
     pub const OF_FILES: [&str; 6] = ["y4m", "raw", "gray", "bin", "y8", "h"];
 
-    /// Returns the format that the extension of `path` tells, if it tells one.
     pub fn of_file(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "y4m" => Some(Self::Y4m),
@@ -60,7 +59,6 @@ impl Format {
     }
 }
 
-/// The result of writing a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Written {
     pub frames: usize,
@@ -77,7 +75,6 @@ pub struct Written {
     pub config: Option<PathBuf>,
 }
 
-/// Returns the file name of frame `number`, counted from 1.
 pub(super) fn picture(format: Format, number: usize) -> String {
     match format {
         Format::Vot => format!("color/{number:08}.png"),

@@ -28,7 +28,6 @@ impl Overlay {
         (self.width, self.height)
     }
 
-    /// Red, green and blue of each pixel.
     pub fn rgb(&self) -> &[u8] {
         self.pixels.as_flattened()
     }

@@ -65,7 +65,6 @@ impl<T> Shown for Looking<T> {
     }
 }
 
-/// A tracker without a target.
 /// Errors: A number of the configuration that smr-core cannot use.
 pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
     fn of_core<T: Target + 'static>(

@@ -11,7 +11,6 @@ pub(super) struct Entrant {
     pub title: String,
     /// As it stands where there is little room.
     pub short: String,
-    /// The place of its look.
     pub look: usize,
     /// One a frame.
     #[serde(skip)]

@@ -71,7 +71,6 @@ pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, heigh
     Ok(())
 }
 
-/// The answer for a target in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub report: Report,
@@ -116,7 +115,6 @@ impl Segment {
         place(from)..place(end).max(place(from))
     }
 
-    /// Returns the answers at these indices, each with its frame.
     fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, Row)> + '_ {
         let first = self.first + places.start;
         (first..).zip(self.rows.range(places)).filter_map(|(frame, (_, row))| Some((frame, (*row)?)))
@@ -141,7 +139,6 @@ struct State {
     editions: Vec<Origin>,
     edition: usize,
     segments: HashMap<Key, Segment>,
-    /// Number of changes of the targets so far.
     changes: u64,
     news: News,
     /// Number of the last frame, once a pass has found that no more follow.
@@ -303,7 +300,6 @@ pub(super) struct Heard {
     pub position: u64,
     /// Parts whose answers are void, unless they come again.
     pub void: Vec<Part>,
-    /// Parts with new answers.
     pub changed: Vec<Part>,
     /// New answers; empty if the page asks for them by itself.
     pub rows: Vec<(u32, usize, Row)>,
@@ -363,7 +359,6 @@ impl Followed {
         self.state().variant.clone()
     }
 
-    /// Returns the answers of each target in the order of the frames.
     pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
         let state = self.state();
         state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()

@@ -47,7 +47,6 @@ pub trait Source: Send + Sync {
     /// Returns the number of frames and their times. Both only grow.
     fn known(&self) -> Known;
 
-    /// Returns the frames from `number` on.
     /// Errors: The frames cannot be read, or are not kept any more.
     fn gray_from(&self, number: usize) -> Result<Frames>;
 
@@ -83,14 +82,12 @@ pub struct Known {
 /// The frames of a camera that are kept, and how well trackers keep up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LiveState {
-    /// Number of the oldest frame that is kept.
     pub oldest: usize,
     pub newest: usize,
     /// Frames that came while targets were followed, and that no tracker got.
     pub dropped: usize,
     /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,
-    /// Mean number of frames a second.
     pub rate: f64,
     /// True if no more frames will come.
     pub has_ended: bool,

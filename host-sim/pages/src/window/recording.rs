@@ -13,7 +13,6 @@ use std::{fs, thread};
 
 /// Time between two checks of the size of the file.
 const LOOKS: Duration = Duration::from_secs(1);
-/// The most bytes of pictures that are kept.
 const MOST_BYTES: usize = 96 << 20;
 /// The most pixels of frames that are kept: 64 MB.
 const MOST_PIXELS: usize = (64 << 20) / 3;
@@ -44,7 +43,6 @@ struct Opened {
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
-    /// Frames with all their pixels.
     colors: Mutex<Kept<Arc<ColorFrame>>>,
 }
 
@@ -57,7 +55,6 @@ struct Pictures {
 
 impl Growing {
     /// Opens the recording at `path`. Also returns it as a sequence that is read in order.
-    /// Errors: Those of [`Seekable::open`].
     pub fn open(path: &Path, options: OpenOptions) -> Result<(Self, Sequence)> {
         let size = size(path);
         let (recording, sequence) = Seekable::open(path, &options)?;

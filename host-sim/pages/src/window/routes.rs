@@ -27,7 +27,6 @@ const GATHERING: Duration = Duration::from_millis(40);
 /// Wishes of a page that the command line fulfils.
 pub trait Wish: Send + Sync {
     /// Returns the trackers of a method with these options.
-    /// Errors: Those of the command line.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// Returns the name and the bytes of a file with the boxes.
@@ -42,11 +41,9 @@ pub trait Wish: Send + Sync {
 /// A window: a source, its targets, and the page that shows them.
 pub struct Window {
     pub name: String,
-    /// Width and height of the frames.
     pub size: (u16, u16),
     /// The source and its options, as they are typed.
     pub words: String,
-    /// The formats of videos.
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,

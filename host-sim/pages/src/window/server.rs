@@ -63,7 +63,6 @@ pub(super) struct Request {
 
 pub(super) struct Reply {
     pub status: u16,
-    /// The media type.
     pub kind: &'static str,
     pub body: Vec<u8>,
     /// Name under which a browser saves the body.
@@ -101,7 +100,6 @@ impl Server {
         Ok(Self { listener, port, token, patience: PATIENCE })
     }
 
-    /// The address of the page.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }

@@ -13,17 +13,14 @@ use std::sync::Mutex;
 const VERSION: u32 = 1;
 const KIND: Kind = Kind { expected: "a session of host-sim view", most: 64 };
 
-/// All that a user has done in a window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     smr_session: u32,
-    /// Name of the recording.
     pub recording: String,
     pub method: String,
     /// Options of the method, as they are typed.
     pub options: Map<String, Value>,
     pub targets: Vec<Target>,
-    /// Frame that was shown last.
     pub frame: Option<usize>,
 }
 
@@ -35,7 +32,6 @@ impl Work {
     }
 }
 
-/// The file that the work is kept in.
 pub struct Session {
     /// `None`: the work is not kept.
     path: Option<PathBuf>,
@@ -53,7 +49,6 @@ struct Kept {
 
 impl Session {
     /// Reads the session of the recording at `path`, if there is one.
-    /// Errors: The file cannot be read, or is no session.
     pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
         let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;

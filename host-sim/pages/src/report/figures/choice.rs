@@ -106,7 +106,6 @@ pub(super) fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usiz
     )
 }
 
-/// Before, at the first and the last hidden frame, and after.
 pub(super) fn occlusion(film: &Film, (first, last): (usize, usize)) -> Vec<usize> {
     let most = film.moments.len() - 1;
     let mut frames = vec![first.saturating_sub(BESIDE).max(1), first.max(1), last.max(1), (last + BESIDE).min(most)];
