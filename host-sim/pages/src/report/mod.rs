@@ -5,7 +5,6 @@ pub mod figures;
 mod film;
 mod page;
 mod page_data;
-mod palette;
 mod player_frames;
 mod scores;
 mod search;

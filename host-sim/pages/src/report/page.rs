@@ -2,10 +2,9 @@
 
 use super::film::{Film, Locked};
 use super::page_data::data;
-use super::palette::{SENTENCE, TITLE, looks};
 use super::player_frames::Pictures;
 use super::scores::{Measured, scores};
-use super::trackers::{place_files, titled};
+use super::trackers::{SENTENCE, TITLE, looks, place_files, titled};
 use crate::front_end::{STYLES, WORDS, import_map};
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
@@ -203,13 +202,15 @@ mod tests {
     }
 
     #[test]
-    fn without_ground_truth_there_are_no_scores() {
+    fn without_ground_truth_there_are_no_scores_and_what_was_left_out_is_said() {
         let name = "</script><script>alert(1)</script>";
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
+        let film = Film { notes: vec!["smr is left out: too large".into()], first: 601, ..film };
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
-        assert!(!page.contains("<h2>Scores"));
-        assert!(!page.contains("<script>alert"));
+        assert!(!page.contains("<h2>Scores") && !page.contains("<script>alert"));
+        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
+        assert!(page.contains("\"first\":601,"), "frames have the numbers of the recording");
     }
 
     #[test]
@@ -226,13 +227,6 @@ mod tests {
     }
 
     #[test]
-    fn frames_have_the_numbers_of_the_recording() {
-        let film = Film { first: 601, ..film(|sequence| sequence) };
-        let page = page(&mut [film], &about(), BUDGET).unwrap();
-        assert!(page.contains("\"first\":601,"));
-    }
-
-    #[test]
     fn a_tracker_has_one_look_in_all_recordings() {
         let mut films = [film(|sequence| sequence), film(|sequence| Sequence { name: "two".into(), ..sequence })];
         let file = |name: &str| smr_evaluation::ResultFile { name: name.into(), answers: vec![None; 240], note: None };
@@ -241,13 +235,6 @@ mod tests {
         page(&mut films, &about(), BUDGET).unwrap();
         let looks = films.each_ref().map(|film| entrants(film)[2..].iter().map(|one| one.look).collect::<Vec<_>>());
         assert_eq!(looks, [[6, 7], [7, 8]]);
-    }
-
-    #[test]
-    fn what_was_left_out_is_said() {
-        let film = Film { notes: vec!["smr is left out: too large".into()], ..film(|sequence| sequence) };
-        let page = page(&mut [film], &about(), BUDGET).unwrap();
-        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
     }
 
     #[test]

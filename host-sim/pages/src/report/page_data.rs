@@ -3,9 +3,8 @@
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
 use super::page::parting;
-use super::palette::TRUTH_LOOK;
 use super::player_frames::{Comparison, Picture, Pictures};
-use super::trackers::{Entrant, entrants};
+use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::base64;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};

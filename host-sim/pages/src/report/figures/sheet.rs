@@ -5,7 +5,7 @@ use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
 use crate::encode::{GOOD, data_uri, jpeg};
 use crate::report::difference;
 use crate::report::film::{Film, Still};
-use crate::report::palette::color_of_method;
+use crate::report::trackers::color_of_method;
 use anyhow::Result;
 use minijinja::HtmlEscape;
 
