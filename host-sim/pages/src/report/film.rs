@@ -1,7 +1,7 @@
 //! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
 
 use super::player_frames::Pictures;
-use super::search::{self, Shown, Sight};
+use super::search::{self, Looking, Sight};
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use smr_core::Rect;
@@ -61,7 +61,7 @@ impl Locked {
 }
 
 struct Pair {
-    follower: Follower<dyn Shown>,
+    follower: Follower<Looking>,
     variant: Variant,
     target: usize,
 }
@@ -126,7 +126,7 @@ pub fn watch(
         let look = |Pair { follower, variant, target }: &mut Pair| {
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
-            let begun = report.zip(follower.method.sight());
+            let begun = report.zip(follower.method.sight.take());
             Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
         };
         let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
@@ -176,7 +176,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
             variant.name = format!("{name}, {}", method.name);
         }
         let starts = locked.starts.iter().map(|&(index, start)| (index + first, start)).collect();
-        Ok(Pair { follower: Follower::new(search::shown(method)?, starts), variant, target })
+        Ok(Pair { follower: Follower::new(Box::new(Looking::new(method)?), starts), variant, target })
     };
     all.map(pair).collect()
 }
