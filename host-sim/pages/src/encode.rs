@@ -7,16 +7,16 @@ use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
 
-/// A PNG of levels, row by row, in their colors. Small, and the same bytes every time.
-pub(crate) fn palette_png(size: (u16, u16), levels: &[u8], color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
-    let pixels: Vec<Color> = levels.iter().map(|&level| color(level)).collect();
+/// A PNG of levels in their colors. Small, and the same bytes every time.
+pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
+    let pixels: Vec<Color> = levels.pixels.iter().map(|&level| color(level)).collect();
     let mut palette = pixels.clone();
     palette.sort_unstable();
     palette.dedup();
     let index = |pixel: &Color| palette.partition_point(|color| color < pixel).to_le_bytes()[0];
     let indices: Vec<u8> = pixels.iter().map(index).collect();
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size.0.into(), size.1.into());
+    let mut encoder = png::Encoder::new(&mut bytes, levels.width.into(), levels.height.into());
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.concat());
     encoder.set_compression(png::Compression::High);
@@ -119,7 +119,8 @@ mod tests {
     fn a_picture_reads_back() {
         let color = |level: u8| [[0, 0, 0], [255, 0, 0], [0, 0, 255]][usize::from(level)];
         let levels = [0, 1, 2, 2, 1, 0];
-        let read = decode_colors(&palette_png((3, 2), &levels, color).unwrap()).unwrap();
+        let frame = GrayFrame { width: 3, height: 2, pixels: levels.to_vec() };
+        let read = decode_colors(&palette_png(&frame, color).unwrap()).unwrap();
         assert_eq!((read.width, read.height, read.pixels), (3, 2, levels.map(color).to_vec()));
 
         let frame = GrayFrame { width: 3, height: 2, pixels: vec![0, 10, 255, 13, 35, 128] };

@@ -351,9 +351,9 @@ mod tests {
             let Some(search) = &still.sights[0].search else { continue };
             let evidence = film.moments[still.index].reports[0].evidence.unwrap();
             let alpha = search.alpha.unwrap();
-            let counting = search.difference.pixels.iter().filter(|&&d| u16::from(d) < alpha);
+            let counting = search.difference.pixels.pixels.iter().filter(|&&d| u16::from(d) < alpha);
             let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
-            let ratio = score / search.difference.pixels.len() as f64;
+            let ratio = score / search.difference.pixels.pixels.len() as f64;
             assert_eq!(evidence.alpha, search.alpha);
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
             searched += 1;

@@ -4,7 +4,7 @@ use super::difference::{BARS, Difference, differences, patch};
 use super::search::Sight;
 use crate::encode;
 use anyhow::Result;
-use smr_recordings::{ColorFrame, decode_colors};
+use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
 
 /// The longest side of a frame in a page, however large the budget is.
 const LARGEST: u16 = 960;
@@ -104,29 +104,20 @@ impl Picture {
 
 fn comparison(sight: &Sight) -> Result<Option<Comparison>> {
     let Some(search) = &sight.search else { return Ok(None) };
-    let Difference { size, pixels, template, .. } = &search.difference;
-    let (template, levels, size) = (thinned(template, *size), thinned(pixels, *size), thin_size(*size));
+    let Difference { pixels, template } = &search.difference;
     Ok(Some(Comparison {
-        template: patch(size, &template)?,
-        map: differences(size, &levels, search.alpha)?,
+        template: patch(&thinned(template))?,
+        map: differences(&thinned(pixels), search.alpha)?,
         histogram: search.difference.histogram(),
         counting: search.alpha.map(|alpha| search.difference.counting(alpha)),
     }))
 }
 
-fn thinning((width, height): (u16, u16)) -> u16 {
-    width.max(height).div_ceil(LARGEST_PATCH).max(1)
-}
-
-fn thin_size(size: (u16, u16)) -> (u16, u16) {
-    let every = thinning(size);
-    (size.0.div_ceil(every), size.1.div_ceil(every))
-}
-
-fn thinned(pixels: &[u8], size: (u16, u16)) -> Vec<u8> {
-    let every = usize::from(thinning(size));
-    let rows = pixels.chunks(usize::from(size.0).max(1)).step_by(every);
-    rows.flat_map(|row| row.iter().step_by(every)).copied().collect()
+fn thinned(GrayFrame { width, height, pixels }: &GrayFrame) -> GrayFrame {
+    let every = width.max(height).div_ceil(LARGEST_PATCH).max(1);
+    let rows = pixels.chunks(usize::from(*width).max(1)).step_by(every.into());
+    let pixels = rows.flat_map(|row| row.iter().step_by(every.into())).copied().collect();
+    GrayFrame { width: width.div_ceil(every), height: height.div_ceil(every), pixels }
 }
 
 #[cfg(test)]
@@ -169,9 +160,8 @@ mod tests {
 
     #[test]
     fn of_a_large_template_every_second_pixel_is_shown() {
-        let size = (100, 3);
-        assert_eq!(thin_size(size), (50, 2));
-        let pixels: Vec<u8> = (0..3).flat_map(|row| (0..100).map(move |column| row * 100 + column / 2)).collect();
-        assert_eq!(thinned(&pixels, size), (0..50).chain(200..250).collect::<Vec<u8>>());
+        let pixels = (0..3).flat_map(|row| (0..100).map(move |column| row * 100 + column / 2)).collect();
+        let expected = GrayFrame { width: 50, height: 2, pixels: (0..50).chain(200..250).collect() };
+        assert_eq!(thinned(&GrayFrame { width: 100, height: 3, pixels }), expected);
     }
 }

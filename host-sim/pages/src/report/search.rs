@@ -92,7 +92,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     let work = tracker.work();
     let found = smr_core::unstable::found(tracker.workspace()).context("the update is finished")?;
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
-    let search = Search { difference: Difference::new(frame, peak, template.image()), alpha: answer.alpha };
+    let search = Search { difference: Difference::new(frame, peak, template), alpha: answer.alpha };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
@@ -125,10 +125,10 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
     let byte = |level: f64| level as u8;
     let pairs = seen.pixels.iter().zip(&lit.pixels);
+    let shown = |pixels: Vec<u8>| GrayFrame { width: grid.columns, height: grid.rows, pixels };
     let difference = Difference {
-        size: (grid.columns, grid.rows),
-        pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
-        template: lit.pixels.iter().copied().map(byte).collect(),
+        pixels: shown(pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect()),
+        template: shown(lit.pixels.iter().copied().map(byte).collect()),
     };
     let search = Search { difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
     let report = Report { work: Some(work), ..answer.into() };
@@ -139,6 +139,6 @@ fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(Report, Sigh
     let template = GrayFrame::from(tracker.template().context("there is no template yet")?);
     let report = tracker.update(&frame.frame())?;
     let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
-    let difference = Difference::new(frame, at, template.image());
+    let difference = Difference::new(frame, at, template);
     Ok((report, Sight { bbox, search: Some(Search { difference, alpha: None }) }))
 }

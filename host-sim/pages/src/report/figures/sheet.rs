@@ -138,7 +138,7 @@ impl Sheet {
             self.words((left, 2.0 * GAP + 8.0), "start", &(still.index + 1).to_string(), WHITE);
             self.frame(film, still, (left, TOP), size, margin)?;
             let seen = &compared(still, SMR)?.difference;
-            self.patch((left, TOP + size.1 + GAP), PATCH, &difference::patch(seen.size, &seen.template)?);
+            self.patch((left, TOP + size.1 + GAP), PATCH, &difference::patch(&seen.template)?);
         }
         Ok((lefts, TOP + size.1 + GAP + PATCH.1))
     }
