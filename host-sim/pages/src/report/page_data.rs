@@ -3,7 +3,7 @@
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
 use super::page::parting;
-use super::player_frames::{Comparison, Picture, Pictures};
+use super::player_frames::Pictures;
 use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::base64;
 use anyhow::{Context, Result};
@@ -107,22 +107,10 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     }))
 }
 
-fn pictures(pictures: &Pictures) -> Value {
-    let frames: Vec<String> = pictures.kept.iter().map(|picture| base64(&picture.jpeg)).collect();
-    let compared = |picture: &Picture| {
-        picture.comparisons.iter().map(|one| one.as_ref().map(comparison)).collect::<Vec<Option<Value>>>()
-    };
-    let comparisons: Vec<_> = pictures.kept.iter().map(compared).collect();
-    json!({ "every": pictures.every, "frames": frames, "comparisons": comparisons })
-}
-
-fn comparison(of: &Comparison) -> Value {
-    json!({
-        "template": base64(&of.template),
-        "map": base64(&of.map),
-        "histogram": of.histogram.iter().map(|part| (part * 1000.0).round()).collect::<Vec<f64>>(),
-        "counting": of.counting.map(|part| round(part, 3)),
-    })
+fn pictures(Pictures { every, kept, .. }: &Pictures) -> Value {
+    let frames: Vec<String> = kept.iter().map(|picture| base64(&picture.jpeg)).collect();
+    let comparisons: Vec<_> = kept.iter().map(|picture| &picture.comparisons).collect();
+    json!({ "every": every, "frames": frames, "comparisons": comparisons })
 }
 
 fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
@@ -139,7 +127,7 @@ fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value>
 }
 
 /// Without a fraction where there is none: shorter.
-fn round(value: f64, digits: i32) -> Value {
+pub(super) fn round(value: f64, digits: i32) -> Value {
     let unit = 10_f64.powi(digits);
     let value = (value * unit).round() / unit;
     #[allow(clippy::cast_possible_truncation)] // compared with what it came from
