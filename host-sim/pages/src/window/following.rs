@@ -563,12 +563,18 @@ impl Following<'_> {
             Ok(frames) => frames,
             Err(error) => return Some((start - 1, Some(error))),
         };
-        let (mut last, mut pace) = (start - 1, Pace::new());
+        let mut last = start - 1;
+        // Frames a second, over the last half second.
+        let (mut begin, mut count, mut rate) = (Instant::now(), 0.0, 0.0);
         for frame in frames {
             match frame {
                 Ok(frame) => {
-                    last = frame.number;
-                    if !self.frame(&frame, pace.next()) {
+                    (last, count) = (frame.number, count + 1.0);
+                    let passed = begin.elapsed().as_secs_f64();
+                    if passed > 0.5 {
+                        (begin, count, rate) = (Instant::now(), 0.0, count / passed);
+                    }
+                    if !self.frame(&frame, rate) {
                         return None;
                     }
                 }
@@ -669,28 +675,6 @@ impl Following<'_> {
         let Some(tracker) = self.trackers.get_mut(&key) else { return Ok(None) };
         let report = tracker.step(number, frame)?;
         Ok(report.map(|report| (report, tracker.quality().filter(|_| locks))))
-    }
-}
-
-/// Frames a second, over the last half second.
-struct Pace {
-    begin: Instant,
-    frames: u32,
-    rate: f64,
-}
-
-impl Pace {
-    fn new() -> Self {
-        Self { begin: Instant::now(), frames: 0, rate: 0.0 }
-    }
-
-    fn next(&mut self) -> f64 {
-        self.frames += 1;
-        let passed = self.begin.elapsed().as_secs_f64();
-        if passed > 0.5 {
-            *self = Self { rate: f64::from(self.frames) / passed, ..Self::new() };
-        }
-        self.rate
     }
 }
 

@@ -107,11 +107,35 @@ impl Source for Growing {
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
-        self.recorded().picture(number)
+        let recorded = self.recorded();
+        let mut pictures = lock(&recorded.pictures);
+        if let Some(picture) = pictures.kept.all().get(&number) {
+            return Some(Arc::clone(picture));
+        }
+        let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
+        let steps_back = number < pictures.last && pictures.last - number < NEAR;
+        let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
+        pictures.last = number;
+        // A frame on the way may be gone: then the wanted one is read without it.
+        let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
+        begins.into_iter().find_map(|begin| {
+            if let Some(begin) = begin {
+                // This ends the former ffmpeg before the next one starts.
+                pictures.reader = None;
+                pictures.reader = Some((begin, recorded.recording.color_from(begin, SIDE).ok()?));
+            }
+            pictures.read_to(number, &recorded.colors)
+        })
     }
 
     fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
-        self.recorded().color(number)
+        let recorded = self.recorded();
+        let kept = lock(&recorded.colors).all().get(&number).cloned();
+        kept.or_else(|| {
+            let frame = Arc::new(recorded.recording.color_from(number, u16::MAX).ok()?.next()?);
+            lock(&recorded.colors).keep(number, Arc::clone(&frame));
+            Some(frame)
+        })
     }
 }
 
@@ -130,36 +154,6 @@ impl Recorded {
         let pictures = Pictures { kept: Kept::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
         let colors = Kept::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
         Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
-    }
-
-    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
-        let mut pictures = lock(&self.pictures);
-        if let Some(picture) = pictures.kept.all().get(&number) {
-            return Some(Arc::clone(picture));
-        }
-        let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
-        let steps_back = number < pictures.last && pictures.last - number < NEAR;
-        let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
-        pictures.last = number;
-        // A frame on the way may be gone: then the wanted one is read without it.
-        let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
-        begins.into_iter().find_map(|begin| {
-            if let Some(begin) = begin {
-                // This ends the former ffmpeg before the next one starts.
-                pictures.reader = None;
-                pictures.reader = Some((begin, self.recording.color_from(begin, SIDE).ok()?));
-            }
-            pictures.read_to(number, &self.colors)
-        })
-    }
-
-    fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
-        let kept = lock(&self.colors).all().get(&number).cloned();
-        kept.or_else(|| {
-            let frame = Arc::new(self.recording.color_from(number, u16::MAX).ok()?.next()?);
-            lock(&self.colors).keep(number, Arc::clone(&frame));
-            Some(frame)
-        })
     }
 }
 
