@@ -23,6 +23,7 @@ fn recording(film: &Film) -> Result<Value> {
     let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     entrants.extend(film.truth.as_deref().map(truth_of));
     let margin = film.margin().min(film.overhang());
+    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
@@ -32,17 +33,11 @@ fn recording(film: &Film) -> Result<Value> {
         "frames": film.moments.len(),
         // Null if none is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
-        "parting": parted(film)?,
+        "parting": parting.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
     }))
-}
-
-/// The number of the frame in which the first two methods part.
-fn parted(film: &Film) -> Result<Option<usize>> {
-    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
-    Ok(parting.map(|(index, _)| index + film.first))
 }
 
 fn truth_of(truth: &[Option<BoundingBox>]) -> Value {

@@ -1,13 +1,13 @@
 //! The figures, drawn.
 
 use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
-use super::{SAD, SMR, choice, compared};
+use super::{SAD, SMR, around, compared, overlap, spans};
 use crate::colors::{self, WHITE};
 use crate::report::difference::{BAR, BARS, Difference, differences as map, part, patch};
 use crate::report::film::{Film, Still};
 use anyhow::{Context, Result};
 use smr_core::Rect;
-use smr_evaluation::{centre_errors, name_of};
+use smr_evaluation::{CORRECT, centre_errors, name_of};
 use smr_recordings::{BoundingBox, GrayFrame};
 
 /// The boxes of SMR and SAD in one frame, with what each compared.
@@ -143,7 +143,7 @@ pub(super) fn drift(film: &Film) -> String {
     let most = nice(errors.iter().flatten().flatten().fold(4.0, |most: f64, &error| most.max(error)));
     let across = (1.0, film.moments.len().max(2) as f64);
     let plot = sheet.plot((4.0 * GAP, PLOT), across, most, ["frame", "pixels"], usize::from(most < 20.0));
-    let hidden = choice::spans(film);
+    let hidden = spans(film);
     sheet.hidden(&plot, &hidden);
     for method in [SAD, SMR] {
         sheet.curve(&plot, 1, &errors[method], method);
@@ -171,15 +171,15 @@ pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) 
         sheet.words((left + COLUMN, 2.0 * GAP + 8.0), "end", "hidden", WHITE);
     }
     sheet.words((GAP, bottom + 14.0), "start", "below each frame the template of SMR", WHITE);
-    let (from, to) = choice::around(film, hidden);
+    let (from, to) = around(film, hidden);
     let names = ["frame", "IoU, shaded: hidden, dotted: correct above 0.25"];
     let top = bottom + 14.0 + 2.0 * LINE + 10.0;
     let plot = sheet.plot((top, PLOT), (from as f64 + 1.0, to as f64 + 1.0), 1.0, names, 2);
     sheet.hidden(&plot, &[hidden]);
-    let limit = plot.y(choice::CORRECT);
+    let limit = plot.y(CORRECT);
     sheet.line(&[(Plot::LEFT, limit), (Plot::RIGHT, limit)], WHITE, DOTTED);
     for method in [SAD, SMR] {
-        let values: Vec<Option<f64>> = (from..=to).map(|index| choice::overlap(film, method, index)).collect();
+        let values: Vec<Option<f64>> = (from..=to).map(|index| overlap(film, method, index)).collect();
         sheet.curve(&plot, from + 1, &values, method);
     }
     Ok(sheet.svg(plot.bottom + 3.0 * LINE))
