@@ -365,6 +365,28 @@ mod tests {
     }
 
     #[test]
+    fn cvat_comes_back_as_what_was_drawn() {
+        let seen = Report::locked(Rect::new(1, 2, 30, 40));
+        let evidence = Evidence {
+            confidence: 0.5,
+            ratio: 0.5,
+            runner_up_ratio: None,
+            alpha: None,
+            scale: 1.0,
+            found_again: false,
+        };
+        let answered = Report { evidence: Some(evidence), ..seen };
+        let lost = Report { target: None, bbox: None, state: State::Lost, ..answered };
+        let mut cvat = printer(Format::Cvat, MethodKind::Robust, &[None]);
+        for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
+            cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();
+        }
+        let read = crate::window::read_boxes(&cvat.foot().unwrap()).unwrap();
+        let locks: Vec<_> = read[0].locks.iter().map(|lock| (lock.frame, lock.rect())).collect();
+        assert_eq!(locks, [(1, seen.bbox), (4, None), (6, seen.bbox)]);
+    }
+
+    #[test]
     fn cvat_has_a_track_for_each_target_that_is_outside_while_it_is_lost() {
         let cvat = text(Format::Cvat);
         assert!(cvat.contains("<name>a &amp; b</name>") && cvat.contains("<size>3</size>"), "{cvat}");
