@@ -1,5 +1,5 @@
-//! Finds the front end and its modules. In a clone it is `core/web/page`. A package of this crate holds a copy, because it can hold only its own folder:
-//! `.ci/release` puts it there.
+//! Finds the front end and its modules. In a clone it is `core/web/page`. A package of this crate holds a copy, because it can hold only
+//! its own folder: `.ci/release` puts it there.
 
 use std::path::Path;
 use std::{env, fs, io};

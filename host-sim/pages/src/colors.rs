@@ -1,4 +1,4 @@
-//! The colors of boxes, curves and grounds, in all pictures. `report/trackers.rs` has those of methods and of other trackers' results, and fits all to a page.
+//! The colors of boxes, curves and grounds, in all pictures. `report/trackers.rs` has those of methods and of other trackers' results.
 
 use smr_core::State;
 

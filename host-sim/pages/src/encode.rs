@@ -6,6 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
+use std::ops::Range;
 
 /// A PNG of levels in their colors. Small, and the same bytes every time.
 pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
@@ -36,23 +37,20 @@ pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
 }
 
 /// Most pixels on a side of a part of a frame.
-const MOST_SIDE: i64 = 640;
+const MOST_SIDE: i32 = 640;
 
 /// Returns a part of the frame, left, top, width and height, as PNG; `None` if no pixel of it lies in the frame.
 pub(crate) fn part_png(frame: &ColorFrame, [x, y, width, height]: [i32; 4]) -> Result<Option<Vec<u8>>> {
-    let span = |from: i32, length: i32, end: u16| {
-        let (from, end) = (i64::from(from), i64::from(end));
-        let first = from.clamp(0, end);
-        let last = (from + i64::from(length)).clamp(first, end.min(first + MOST_SIDE));
-        Some((usize::try_from(first).ok()?, usize::try_from(last).ok()?)).filter(|(first, last)| first < last)
+    let span = |from: i32, length: i32, end: u16| -> Result<Range<usize>> {
+        let first = from.clamp(0, end.into());
+        let last = from.saturating_add(length).clamp(first, i32::from(end).min(first + MOST_SIDE));
+        Ok(first.try_into()?..last.try_into()?)
     };
-    let Some(((left, right), (top, bottom))) = span(x, width, frame.width).zip(span(y, height, frame.height)) else {
-        return Ok(None);
-    };
-    let rows = frame.pixels.chunks(frame.width.into()).take(bottom).skip(top);
-    let rgb: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened()).copied().collect();
-    let size = (u32::try_from(right - left)?, u32::try_from(bottom - top)?);
-    rgb_png(size, &rgb).map(Some)
+    let (columns, rows) = (span(x, width, frame.width)?, span(y, height, frame.height)?);
+    let size = (columns.len().try_into()?, rows.len().try_into()?);
+    let rows = frame.pixels.chunks(frame.width.into()).take(rows.end).skip(rows.start);
+    let rgb: Vec<u8> = rows.flat_map(|row| row[columns.clone()].as_flattened()).copied().collect();
+    (!rgb.is_empty()).then(|| rgb_png(size, &rgb)).transpose()
 }
 
 fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8]) -> Result<Vec<u8>> {

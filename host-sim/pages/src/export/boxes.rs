@@ -256,7 +256,7 @@ fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
 }
 
 /// Rounds to six digits: microseconds, and finer than a ratio's 1/65535.
-fn rounded(ratio: f64) -> f64 {
+pub(crate) fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
 }
 

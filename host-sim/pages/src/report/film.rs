@@ -90,8 +90,9 @@ pub(super) struct Still {
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` on all `targets` of the sequence, without any on the box beside it; a method that does not start on a box meets `refusal`. Frames stream: only the `stills`,
-/// of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
+/// Runs all `methods` on all `targets` of the sequence, without any on the box beside it; a method that does not start on a box meets
+/// `refusal`. Frames stream: only the `stills`, of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes.
+/// `progress` is called after each.
 ///
 /// Ground truth is of one target: of several there is none.
 /// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.

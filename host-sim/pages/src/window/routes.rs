@@ -5,7 +5,7 @@ use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Session, Source, read_boxes};
-use crate::export::boxes::Format;
+use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -326,7 +326,6 @@ fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
 fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
-    let figure = |value: f64| (value * 1e6).round() / 1e6;
     json!([
         target,
         frame,
@@ -335,11 +334,11 @@ fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row
         y,
         width,
         height,
-        evidence.map(|evidence| figure(evidence.confidence)),
+        evidence.map(|evidence| rounded(evidence.confidence)),
         evidence.and_then(|evidence| evidence.alpha),
-        evidence.map(|evidence| figure(evidence.ratio)),
-        evidence.map(|evidence| figure(evidence.scale)),
+        evidence.map(|evidence| rounded(evidence.ratio)),
+        evidence.map(|evidence| rounded(evidence.scale)),
         work,
-        time.map(figure),
+        time.map(rounded),
     ])
 }
