@@ -135,7 +135,7 @@ impl Shared {
         let (number, Came { gray, seconds, arrived }) =
             next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
         let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
-        // What came before the pass, nobody followed.
+        // Nobody followed the frames that came before the pass.
         let missed = reader.arrived.map_or(0, |_| frame.number - reader.next);
         (reader.next, reader.arrived) = (frame.number + 1, Some(*arrived));
         kept.dropped += missed;

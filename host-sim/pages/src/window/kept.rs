@@ -1,4 +1,4 @@
-//! What is kept of frames, by their numbers and up to a size: then what is farthest from the newest goes.
+//! A cache of frames by their numbers, up to a size: then those farthest from the newest go.
 
 use std::collections::BTreeMap;
 
