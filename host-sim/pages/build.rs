@@ -1,12 +1,36 @@
-//! Finds the front end. In a clone it is `core/web/page`. A package of this crate holds a copy, because it can hold only its own folder:
-//! `.ci/release` puts it there.
+//! Finds the front end and its modules. In a clone it is `core/web/page`. A package of this crate holds a copy, because it can hold only
+//! its own folder: `.ci/release` puts it there.
 
 use std::path::Path;
+use std::{env, fs, io};
 
-fn main() {
+fn main() -> io::Result<()> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let copy = here.join("front-end");
     let folder = if copy.is_dir() { copy } else { here.join("../../core/web/page") };
     println!("cargo::rustc-env=SMR_FRONT_END={}", folder.display());
     println!("cargo::rerun-if-changed=build.rs");
+    let lists = [modules(&folder, "window.js")?, modules(&folder, "report.js")?];
+    fs::write(
+        Path::new(&env::var_os("OUT_DIR").unwrap_or_default()).join("modules.rs"),
+        format!("[{}]", lists.join(",")),
+    )
+}
+
+/// The name and the text of a module and of all that it imports, as a slice in Rust.
+fn modules(folder: &Path, first: &str) -> io::Result<String> {
+    let (mut names, mut list) = (vec![first.to_owned()], String::new());
+    while let Some(name) = names.get(list.lines().count()) {
+        let file = folder.join(name);
+        println!("cargo::rerun-if-changed={}", file.display());
+        list += &format!("({name:?}, include_str!({file:?})),\n");
+        let text =
+            fs::read_to_string(&file).map_err(|error| io::Error::other(format!("{}: {error}", file.display())))?;
+        for import in text.lines().filter_map(|line| line.split_once("from \"./")?.1.split('"').next()) {
+            if names.iter().all(|name| name != import) {
+                names.push(import.to_owned());
+            }
+        }
+    }
+    Ok(format!("&[{list}]"))
 }

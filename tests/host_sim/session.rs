@@ -73,8 +73,8 @@ fn every_frame_is_answered_as_it_comes() {
     from.read_to_string(&mut rest).unwrap();
     assert_eq!((rest.as_str(), live.wait().unwrap().code()), ("", Some(0)));
 
-    let mut refused = Command::new(PROGRAM);
-    let refused = refused.args(["track", "-"]).stdin(fs::File::open(&file).unwrap()).output().unwrap();
+    let frames = fs::File::open(&file).unwrap();
+    let refused = Command::new(PROGRAM).args(["track", "-"]).stdin(frames).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("standard input: no box to start from: give --init"));
 }

@@ -1,7 +1,6 @@
-//! The colors of boxes, curves and grounds, in all pictures. `report/palette.rs` has the colors of other trackers' results, and fits all to a page.
+//! The colors of boxes, curves and grounds, in all pictures. `report/trackers.rs` has those of methods and of other trackers' results.
 
 use smr_core::State;
-use smr_evaluation::MethodKind;
 
 /// A color as red, green, blue.
 pub type Color = [u8; 3];
@@ -27,21 +26,7 @@ pub const TARGETS: [Color; 8] = [
     [255, 110, 110],
 ];
 
-// The paper's colors: SMR red, SAD blue. They must be told from each other on any frame, and from the states'.
-pub const SMR: Color = [255, 64, 64];
-pub const SAD: Color = [64, 140, 255];
 pub const TRUTH: Color = [0, 230, 90];
-
-pub(crate) const fn color_of_method(method: MethodKind) -> Color {
-    match method {
-        MethodKind::Smr => SMR,
-        MethodKind::Robust => [255, 130, 220],
-        MethodKind::Sad => SAD,
-        MethodKind::Ssd => [0, 205, 220],
-        MethodKind::Ncc => [200, 225, 90],
-        MethodKind::Lk => [235, 235, 235],
-    }
-}
 
 /// The color of a state. Tracking is what is expected: it does not catch the eye.
 pub const fn color_of(state: State) -> Color {

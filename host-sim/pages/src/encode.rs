@@ -6,17 +6,18 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType, Encoder};
 use smr_recordings::{ColorFrame, GrayFrame, Raster, Scalable, resized};
+use std::ops::Range;
 
-/// A PNG of levels, row by row, in their colors. Small, and the same bytes every time.
-pub(crate) fn palette_png(size: (u16, u16), levels: &[u8], color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
-    let pixels: Vec<Color> = levels.iter().map(|&level| color(level)).collect();
+/// A PNG of levels in their colors. Small, and the same bytes every time.
+pub(crate) fn palette_png(levels: &GrayFrame, color: impl Fn(u8) -> Color) -> Result<Vec<u8>> {
+    let pixels: Vec<Color> = levels.pixels.iter().map(|&level| color(level)).collect();
     let mut palette = pixels.clone();
     palette.sort_unstable();
     palette.dedup();
     let index = |pixel: &Color| palette.partition_point(|color| color < pixel).to_le_bytes()[0];
     let indices: Vec<u8> = pixels.iter().map(index).collect();
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size.0.into(), size.1.into());
+    let mut encoder = png::Encoder::new(&mut bytes, levels.width.into(), levels.height.into());
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(palette.concat());
     encoder.set_compression(png::Compression::High);
@@ -27,34 +28,29 @@ pub(crate) fn palette_png(size: (u16, u16), levels: &[u8], color: impl Fn(u8) ->
     Ok(bytes)
 }
 
-/// The frame as PNG.
 pub fn png(frame: &GrayFrame) -> Result<Vec<u8>> {
     plain_png((frame.width.into(), frame.height.into()), png::ColorType::Grayscale, &frame.pixels)
 }
 
-/// Red, green and blue of each pixel as PNG.
 pub(crate) fn rgb_png(size: (u32, u32), rgb: &[u8]) -> Result<Vec<u8>> {
     plain_png(size, png::ColorType::Rgb, rgb)
 }
 
 /// Most pixels on a side of a part of a frame.
-const MOST_SIDE: i64 = 640;
+const MOST_SIDE: i32 = 640;
 
 /// Returns a part of the frame, left, top, width and height, as PNG; `None` if no pixel of it lies in the frame.
 pub(crate) fn part_png(frame: &ColorFrame, [x, y, width, height]: [i32; 4]) -> Result<Option<Vec<u8>>> {
-    let span = |from: i32, length: i32, end: u16| {
-        let (from, end) = (i64::from(from), i64::from(end));
-        let first = from.clamp(0, end);
-        let last = (from + i64::from(length)).clamp(first, end.min(first + MOST_SIDE));
-        Some((usize::try_from(first).ok()?, usize::try_from(last).ok()?)).filter(|(first, last)| first < last)
+    let span = |from: i32, length: i32, end: u16| -> Result<Range<usize>> {
+        let first = from.clamp(0, end.into());
+        let last = from.saturating_add(length).clamp(first, i32::from(end).min(first + MOST_SIDE));
+        Ok(first.try_into()?..last.try_into()?)
     };
-    let Some(((left, right), (top, bottom))) = span(x, width, frame.width).zip(span(y, height, frame.height)) else {
-        return Ok(None);
-    };
-    let rows = frame.pixels.chunks(frame.width.into()).take(bottom).skip(top);
-    let rgb: Vec<u8> = rows.flat_map(|row| row[left..right].as_flattened()).copied().collect();
-    let size = (u32::try_from(right - left)?, u32::try_from(bottom - top)?);
-    rgb_png(size, &rgb).map(Some)
+    let (columns, rows) = (span(x, width, frame.width)?, span(y, height, frame.height)?);
+    let size = (columns.len().try_into()?, rows.len().try_into()?);
+    let rows = frame.pixels.chunks(frame.width.into()).take(rows.end).skip(rows.start);
+    let rgb: Vec<u8> = rows.flat_map(|row| row[columns.clone()].as_flattened()).copied().collect();
+    (!rgb.is_empty()).then(|| rgb_png(size, &rgb)).transpose()
 }
 
 fn plain_png((width, height): (u32, u32), color: png::ColorType, samples: &[u8]) -> Result<Vec<u8>> {
@@ -121,7 +117,8 @@ mod tests {
     fn a_picture_reads_back() {
         let color = |level: u8| [[0, 0, 0], [255, 0, 0], [0, 0, 255]][usize::from(level)];
         let levels = [0, 1, 2, 2, 1, 0];
-        let read = decode_colors(&palette_png((3, 2), &levels, color).unwrap()).unwrap();
+        let frame = GrayFrame { width: 3, height: 2, pixels: levels.to_vec() };
+        let read = decode_colors(&palette_png(&frame, color).unwrap()).unwrap();
         assert_eq!((read.width, read.height, read.pixels), (3, 2, levels.map(color).to_vec()));
 
         let frame = GrayFrame { width: 3, height: 2, pixels: vec![0, 10, 255, 13, 35, 128] };

@@ -1,53 +1,12 @@
-//! The modules of the front end, from core/web/page, for the pages of host-sim.
+//! The modules of the front end, from core/web/page, for the pages of host-sim. `build.rs` finds those that each page imports.
 //!
 //! `view` serves each module under its own address ([`module`]). A page that is one file carries those that it needs in an import map
-//! ([`import_map`]) and begins with `import "smr/NAME.js"`.
+//! ([`import_map`]) and begins with `import "smr/report.js"`.
 
 use crate::encode::base64;
-use std::fmt::Write;
 
-macro_rules! modules {
-    ($($name:literal)*) => {
-        /// File name and text of each.
-        pub const MODULES: &[(&str, &str)] = &[$(($name, include_str!(concat!(env!("SMR_FRONT_END"), "/", $name)))),*];
-    };
-}
-
-modules! {
-    "answers.js"
-    "application.js"
-    "command-lines.js"
-    "command.js"
-    "connection.js"
-    "cost.js"
-    "curves.js"
-    "detail.js"
-    "dom.js"
-    "download.js"
-    "drag.js"
-    "edits.js"
-    "events.js"
-    "exports.js"
-    "figures.js"
-    "graph.js"
-    "legend.js"
-    "list.js"
-    "methods.js"
-    "palette.js"
-    "playback.js"
-    "preview.js"
-    "report-compared.js"
-    "report-tables.js"
-    "report.js"
-    "stage.js"
-    "timeline.js"
-    "tracker-settings.js"
-    "trail.js"
-    "viewport.js"
-    "window-pictures.js"
-    "window.js"
-}
-
+/// File name and text of the modules of the window, and of the report.
+const MODULES: [&[(&str, &str)]; 2] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 const WINDOW: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/window.html"));
 /// Explanations of the words on pages, for a list.
 pub const WORDS: &str = include_str!(concat!(env!("SMR_FRONT_END"), "/words.html"));
@@ -61,49 +20,31 @@ pub fn window(scripts: &str) -> String {
     WINDOW.replace("{{style}}", &(STYLES.concat() + WINDOW_STYLE)).replace("{{scripts}}", scripts)
 }
 
-/// The text of the module with this file name.
+/// The text of the window's module with this file name.
 pub fn module(name: &str) -> Option<&'static str> {
-    MODULES.iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
+    MODULES[0].iter().find(|(module, _)| *module == name).map(|(_, text)| *text)
 }
 
-fn imports(text: &str) -> impl Iterator<Item = &str> {
-    text.lines().filter_map(|line| line.split_once("from \"./")?.1.split('"').next())
-}
-
-/// The element `<script type="importmap">` for a page that is one file and begins with the module `first`. Modules import one another by
+/// The element `<script type="importmap">` for the report, which is one file and begins with its module. Modules import one another by
 /// `./NAME.js`, which has no meaning in a page without an address, so each gets the name `smr/NAME.js`.
-pub fn import_map(first: &str) -> String {
-    let mut needed = vec![first];
-    let mut map = String::from("<script type=\"importmap\">{\"imports\":{");
-    let mut index = 0;
-    while let Some(&name) = needed.get(index) {
-        let text = module(name).unwrap_or_default();
-        needed.extend(imports(text).filter(|other| !needed.contains(other)).collect::<Vec<_>>());
-        let comma = if index == 0 { "" } else { "," };
+pub fn import_map() -> String {
+    let module = |(name, text): &(&str, &str)| {
         let text = base64(text.replace("from \"./", "from \"smr/").as_bytes());
-        let _ = write!(map, "{comma}\"smr/{name}\":\"data:text/javascript;base64,{text}\"");
-        index += 1;
-    }
-    map + "}}</script>"
+        format!("\"smr/{name}\":\"data:text/javascript;base64,{text}\"")
+    };
+    let map: Vec<_> = MODULES[1].iter().map(module).collect();
+    format!("<script type=\"importmap\">{{\"imports\":{{{}}}}}</script>", map.join(","))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
-    fn what_a_module_imports_is_there() {
-        for (name, text) in MODULES {
-            assert_eq!(text.matches("from \"").count(), imports(text).count(), "{name}");
-            for import in imports(text) {
-                assert!(
-                    module(import).is_some(),
-                    "{name} imports {import}: expected a module of the list in front_end.rs"
-                );
-            }
+    fn each_import_of_a_module_is_found_once() {
+        for (name, text) in super::MODULES.concat() {
+            assert_eq!(text.matches("from \"").count(), text.matches("from \"./").count(), "{name}");
         }
-        let map = import_map("report.js");
+        let map = super::import_map();
         assert!(map.contains("\"smr/dom.js\":\"data:text/javascript;base64,") && !map.contains("smr/window.js"));
-        assert_eq!(map.matches("\"smr/").count(), map.matches("data:").count(), "each once");
+        assert_eq!(map.matches("\"smr/").count(), map.matches("data:").count());
     }
 }

@@ -135,7 +135,7 @@ impl Report {
             // Figures are gray.
             let sequence = Sequence { source: Source::Once, ..self.recording.open(path)? };
             let bar = progress::bar(&sequence.name, sequence.length);
-            let film = report::watch(sequence, &methods, Refusal::Fails, stills, None, || bar.inc());
+            let film = report::watch(sequence, vec![], &methods, Refusal::Fails, stills, None, || bar.inc());
             bar.clear();
             film
         };
@@ -185,7 +185,7 @@ impl Report {
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
-            let mut film = report::watch_all(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
+            let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
             // The results of others are of the target with the ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;

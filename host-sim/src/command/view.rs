@@ -36,7 +36,7 @@ pub struct View {
     /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video
     ///
     /// Of CSV, the boxes without a confidence are locks: the others are answers, which follow from these. In a file with states a target is
-    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone.
+    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone, but for those of a tracker (source="auto").
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
     /// The file in which the targets, the method and its options are kept [default: SEQ.smr.json, beside the recording]
@@ -84,7 +84,7 @@ impl View {
         let given = self.tracker.variant(self.method.unwrap_or(MethodKind::Robust))?;
         let Opened { name, source, pictures, length, beside } = self.open()?;
         let targets = self.targets(beside, length).with_context(|| name.clone())?;
-        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.2;
+        let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let is_live = source.live().is_some();
         let (session, work) = Session::open(self.session_file(is_live), &name)?;
         // The file of the targets, for errors.

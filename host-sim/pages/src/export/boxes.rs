@@ -14,7 +14,6 @@ use smr_recordings::BoundingBox;
 use smr_recordings::boxes::Form;
 use std::path::Path;
 
-/// A format of boxes as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// x1,y1,x2,y2; NaN,NaN,NaN,NaN if the target is lost, or in frames before its box
@@ -64,7 +63,6 @@ impl Format {
         ending.is_some_and(|ending| self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)))
     }
 
-    /// Returns the format that the extension of `file` tells, if it tells one.
     pub fn of_file(file: &Path) -> Option<Self> {
         [Self::Csv, Self::Json, Self::Cvat].into_iter().find(|format| format.is_called(file))
     }
@@ -94,7 +92,6 @@ pub struct Answer<'a> {
     pub frame: usize,
     /// Time of the frame in seconds, if that is known.
     pub time: Option<f64>,
-    /// Width and height of the frame.
     pub size: (u16, u16),
     /// `None` before the target's first box, and while it is gone.
     pub report: Option<&'a Report>,
@@ -115,7 +112,6 @@ impl Printer {
         Self { format, about, coco: coco::Images::default(), cvat }
     }
 
-    /// The text before the first line.
     pub fn head(&self) -> String {
         match self.format {
             Format::Csv => format!("{}{CSV_NAMES}", if self.is_named() { "target," } else { "" }),
@@ -155,7 +151,6 @@ impl Printer {
         Ok(form.line(answer.report.and_then(|report| report.target).as_ref()) + "\n")
     }
 
-    /// The text behind the last line.
     pub fn foot(&self) -> Result<String> {
         match self.format {
             Format::Coco => self.coco.foot(&self.about),
@@ -204,7 +199,6 @@ struct JsonLine<'a> {
     state: &'static str,
     #[serde(rename = "box")]
     bbox: Option<Whole>,
-    /// Box in pixels, with fractions.
     fine: Option<BoundingBox>,
     confidence: Option<f64>,
     ratio: Option<f64>,
@@ -262,7 +256,7 @@ fn csv_line(answer: &Answer<'_>, report: &Report) -> String {
 }
 
 /// Rounds to six digits: microseconds, and finer than a ratio's 1/65535.
-fn rounded(ratio: f64) -> f64 {
+pub(crate) fn rounded(ratio: f64) -> f64 {
     (ratio * 1e6).round() / 1e6
 }
 
@@ -368,6 +362,28 @@ mod tests {
             (&last["bbox"], &last["area"]),
             (&serde_json::json!([1.0, 2.0, 30.0, 40.0]), &serde_json::json!(1200.0))
         );
+    }
+
+    #[test]
+    fn cvat_comes_back_as_what_was_drawn() {
+        let seen = Report::locked(Rect::new(1, 2, 30, 40));
+        let evidence = Evidence {
+            confidence: 0.5,
+            ratio: 0.5,
+            runner_up_ratio: None,
+            alpha: None,
+            scale: 1.0,
+            found_again: false,
+        };
+        let answered = Report { evidence: Some(evidence), ..seen };
+        let lost = Report { target: None, bbox: None, state: State::Lost, ..answered };
+        let mut cvat = printer(Format::Cvat, MethodKind::Robust, &[None]);
+        for (frame, report) in [Some(seen), Some(answered), Some(lost), None, None, Some(seen)].iter().enumerate() {
+            cvat.line(&answer(0, frame + 1, report.as_ref())).unwrap();
+        }
+        let read = crate::window::read_boxes(&cvat.foot().unwrap()).unwrap();
+        let locks: Vec<_> = read[0].locks.iter().map(|lock| (lock.frame, lock.rect())).collect();
+        assert_eq!(locks, [(1, seen.bbox), (4, None), (6, seen.bbox)]);
     }
 
     #[test]

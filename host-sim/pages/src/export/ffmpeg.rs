@@ -8,23 +8,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::{Duration, Instant, SystemTime};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-/// The most frames that wait for ffmpeg.
-const WAITING: usize = 2;
 /// Bytes of a chunk; each chunk that ffmpeg takes is a sign of life.
 const CHUNK: usize = 1 << 16;
 
 pub(super) struct Ffmpeg {
     process: Process,
     said: Receiver<String>,
-    /// Channel to the thread that writes into ffmpeg and may block.
-    frames: Sender<Vec<u8>>,
-    /// A message for each frame that ffmpeg took.
-    taken: Receiver<()>,
-    waiting: usize,
+    /// Channel to the thread that writes into ffmpeg and may block; one frame waits in it.
+    frames: SyncSender<Vec<u8>>,
     /// Number of chunks that ffmpeg took.
     chunks: Arc<AtomicU64>,
     file: PathBuf,
@@ -44,7 +39,7 @@ impl Ffmpeg {
         };
         let said = process.said();
         let mut pipe = process.input().context("standard input is piped")?;
-        let ((frames, to_write), (written, taken)) = (channel::<Vec<u8>>(), channel());
+        let (frames, to_write) = sync_channel::<Vec<u8>>(1);
         let chunks = Arc::new(AtomicU64::new(0));
         let count = Arc::clone(&chunks);
         thread::spawn(move || {
@@ -54,46 +49,35 @@ impl Ffmpeg {
                     let Ok(()) = pipe.write_all(chunk) else { return };
                     count.fetch_add(1, Ordering::Relaxed);
                 }
-                let Ok(()) = written.send(()) else { return };
             }
         });
-        Ok(Self { process, said, frames, taken, waiting: 0, chunks, file: file.to_owned(), patience })
+        Ok(Self { process, said, frames, chunks, file: file.to_owned(), patience })
     }
 
-    pub fn write(&mut self, frame: Vec<u8>) -> Result<()> {
-        while self.waiting >= WAITING {
-            let before = self.chunks.load(Ordering::Relaxed);
-            match self.taken.recv_timeout(self.patience) {
-                Ok(()) => self.waiting -= 1,
-                Err(RecvTimeoutError::Disconnected) => return self.verdict(),
-                Err(RecvTimeoutError::Timeout) => {
-                    ensure!(before != self.chunks.load(Ordering::Relaxed), silent(self.patience));
-                }
+    pub fn write(&self, mut frame: Vec<u8>) -> Result<()> {
+        let mut is_alive = self.watch();
+        loop {
+            match self.frames.try_send(frame) {
+                Ok(()) => return Ok(()),
+                Err(TrySendError::Disconnected(_)) => return self.verdict(),
+                Err(TrySendError::Full(waits)) => frame = waits,
             }
+            ensure!(is_alive(), silent(self.patience));
+            thread::sleep(Duration::from_millis(1));
         }
-        self.waiting += 1;
-        // If nobody takes the frame, the next call waits in vain and learns the reason.
-        let _ = self.frames.send(frame);
-        Ok(())
     }
 
     pub fn end(mut self) -> Result<()> {
         // The thread writes the frames that wait, then closes the pipe.
-        self.frames = channel().0;
+        self.frames = sync_channel(0).0;
         self.verdict()
     }
 
     /// Waits for the end of ffmpeg.
     /// Errors: ffmpeg failed, or shows no sign of life for longer than `patience`.
     fn verdict(&self) -> Result<()> {
-        let (mut last, mut since) = (self.signs_of_life(), Instant::now());
-        let status = self.process.wait_while(|_| {
-            let now = self.signs_of_life();
-            if now != last {
-                (last, since) = (now, Instant::now());
-            }
-            since.elapsed() <= self.patience
-        });
+        let mut is_alive = self.watch();
+        let status = self.process.wait_while(|_| is_alive());
         let status = status.context("cannot wait for ffmpeg")?.ok_or_else(|| silent(self.patience))?;
         let said = self.said.recv_timeout(self.patience).unwrap_or_default();
         let reason = said.trim().lines().next_back().unwrap_or("it gives no reason");
@@ -101,9 +85,19 @@ impl Ffmpeg {
         Ok(())
     }
 
-    /// Returns values that change as long as ffmpeg reads frames or writes its file.
-    fn signs_of_life(&self) -> (u64, Option<(u64, SystemTime)>) {
-        let file = fs::metadata(&self.file).ok().and_then(|data| Some((data.len(), data.modified().ok()?)));
-        (self.chunks.load(Ordering::Relaxed), file)
+    /// Returns a check that fails once ffmpeg has neither read frames nor written its file for longer than `patience`.
+    fn watch(&self) -> impl FnMut() -> bool {
+        let signs = || {
+            let file = fs::metadata(&self.file).ok().and_then(|data| Some((data.len(), data.modified().ok()?)));
+            (self.chunks.load(Ordering::Relaxed), file)
+        };
+        let (mut last, mut since) = (signs(), Instant::now());
+        move || {
+            let now = signs();
+            if now != last {
+                (last, since) = (now, Instant::now());
+            }
+            since.elapsed() <= self.patience
+        }
     }
 }

@@ -7,13 +7,11 @@
 pub mod boxes;
 mod c_array;
 mod ffmpeg;
-mod layout;
 mod matroska;
 mod overlay;
 mod video;
 mod writer;
 
-pub use layout::{Format, Written};
 pub use overlay::Overlay;
 pub use video::{ENDINGS as FILM_ENDINGS, Film, Plan};
-pub use writer::{Writer, is_whole};
+pub use writer::{Format, Writer, Written, is_whole};

@@ -4,10 +4,11 @@ use crate::colors::{BLACK, Color};
 use embedded_graphics::geometry::{OriginDimensions, Point, Size};
 use embedded_graphics::mono_font::{MonoTextStyle, iso_8859_1::FONT_6X10};
 use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
-use embedded_graphics::primitives::{Line, Primitive};
-use embedded_graphics::primitives::{PointsIter, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment};
+use embedded_graphics::primitives::{
+    Line, Primitive, PrimitiveStyle, PrimitiveStyleBuilder, Rectangle, StrokeAlignment,
+};
 use embedded_graphics::text::{Baseline, Text};
-use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget, geometry::Dimensions};
+use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget};
 use smr_recordings::{BoundingBox, ColorFrame};
 use std::convert::Infallible;
 
@@ -27,7 +28,6 @@ impl Overlay {
         (self.width, self.height)
     }
 
-    /// Red, green and blue of each pixel.
     pub fn rgb(&self) -> &[u8] {
         self.pixels.as_flattened()
     }
@@ -161,12 +161,6 @@ impl DrawTarget for Overlay {
             }
         }
         Ok(())
-    }
-
-    /// Visits only the pixels of the frame: boxes may be far larger.
-    fn fill_solid(&mut self, area: &Rectangle, color: Rgb888) -> Result<(), Infallible> {
-        let seen = area.intersection(&self.bounding_box());
-        self.draw_iter(seen.points().map(|point| Pixel(point, color)))
     }
 }
 

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// The extensions of videos that can be written.
 pub const ENDINGS: [&str; 4] = ["mp4", "mov", "mkv", "webm"];
 
 /// Options of ffmpeg for each of [`ENDINGS`]: codecs and container; a codec not named is ffmpeg's usual one. Players
@@ -92,7 +91,6 @@ impl Film {
         }
     }
 
-    /// Ends the film, and gives it its name.
     pub fn finish(self) -> Result<()> {
         match self.way {
             Way::Pictures(folder) => folder.finish(),

@@ -1,16 +1,15 @@
-//! Difference of a winner from its template, pixel by pixel: |F - G|.
+//! Difference of a winner from its template, pixel by pixel, |F - G|, and its picture, in which pixels that count are green.
 
-use smr_core::{Image, Rect};
+use crate::colors::Color;
+use crate::encode::palette_png;
+use anyhow::Result;
+use smr_core::Rect;
 use smr_recordings::GrayFrame;
 
-/// The absolute difference of every pixel of a box to the template's.
+/// The absolute difference of every pixel of a box to the template's, which may have another resolution than the frame.
 pub(super) struct Difference {
-    /// Width and height of the template, which may have another resolution than the frame.
-    pub size: (u16, u16),
-    /// Row by row.
-    pub pixels: Vec<u8>,
-    /// Pixels of the template, row by row.
-    pub template: Vec<u8>,
+    pub pixels: GrayFrame,
+    pub template: GrayFrame,
 }
 
 /// Gray levels that one bar of a histogram spans.
@@ -20,34 +19,65 @@ pub(super) const BAR: usize = 2;
 pub(super) const BARS: usize = 64;
 
 impl Difference {
-    /// Outside the frame there are zeroes, as the trackers see it.
-    pub fn new(frame: &GrayFrame, at: Rect, template: Image<'_>) -> Self {
-        let row = |(y, row): (i32, &[u8])| {
-            let of = |(x, &g): (i32, &u8)| frame.level(x, y).abs_diff(g);
-            (at.x..).zip(row).map(of).collect::<Vec<u8>>()
-        };
-        let size = (template.width(), template.height());
-        Self {
-            size,
-            pixels: (at.y..).zip(template.rows()).flat_map(row).collect(),
-            template: template.rows().flatten().copied().collect(),
-        }
+    pub fn new(frame: &GrayFrame, at: Rect, template: GrayFrame) -> Self {
+        let GrayFrame { width, height, .. } = template;
+        let mut pixels = part(frame, Rect { width, height, ..at });
+        pixels.pixels.iter_mut().zip(&template.pixels).for_each(|(f, g)| *f = f.abs_diff(*g));
+        Self { pixels, template }
     }
 
     /// The share of the pixels in each bar.
     pub fn histogram(&self) -> [f64; BARS] {
         let mut counts = [0_u32; BARS];
-        for &difference in &self.pixels {
+        for &difference in &self.pixels.pixels {
             counts[(usize::from(difference) / BAR).min(BARS - 1)] += 1;
         }
-        counts.map(|count| f64::from(count) / self.pixels.len().max(1) as f64)
+        counts.map(|count| f64::from(count) / self.pixels.pixels.len().max(1) as f64)
     }
 
     /// The share of the pixels that count with a threshold of `alpha`.
     pub fn counting(&self, alpha: u16) -> f64 {
-        let counting = self.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
-        counting as f64 / self.pixels.len().max(1) as f64
+        let counting = self.pixels.pixels.iter().filter(|&&difference| u16::from(difference) < alpha).count();
+        counting as f64 / self.pixels.pixels.len().max(1) as f64
     }
+}
+
+/// A part of a frame. Outside the frame there are zeroes, as the trackers see it.
+pub(super) fn part(frame: &GrayFrame, Rect { x, y, width, height }: Rect) -> GrayFrame {
+    let rows = (y..).take(height.into());
+    let pixels = rows.flat_map(|y| (x..).take(width.into()).map(move |x| frame.level(x, y))).collect();
+    GrayFrame { width, height, pixels }
+}
+
+pub(super) fn patch(levels: &GrayFrame) -> Result<Vec<u8>> {
+    palette_png(levels, coarse)
+}
+
+/// Differences, brighter than they are, because most are small. Those below `alpha` count, and are green.
+pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<u8>> {
+    palette_png(levels, |level| match alpha {
+        Some(alpha) if u16::from(level) < alpha => counting_color(level),
+        _ => coarse(gray(level)),
+    })
+}
+
+/// Half of the gray levels are enough for the eye, and noise makes up most of a file.
+fn coarse(gray: u8) -> Color {
+    [gray / 2 * 2 + gray / 128; 3]
+}
+
+/// The difference with the brightest shade. Larger ones look the same.
+const BRIGHTEST: u8 = 127;
+
+/// The shade of a difference. It rises steeply at first, because most differences are small.
+fn gray(level: u8) -> u8 {
+    let shade = (255 * 255 * u32::from(level) / u32::from(BRIGHTEST)).isqrt();
+    u8::try_from(shade).unwrap_or(u8::MAX)
+}
+
+fn counting_color(level: u8) -> Color {
+    let shade = gray(level) / 3;
+    [shade, 105 + shade, 65 + shade]
 }
 
 #[cfg(test)]
@@ -57,20 +87,25 @@ mod tests {
     #[test]
     fn outside_the_frame_are_zeroes() {
         let frame = GrayFrame { width: 2, height: 2, pixels: vec![10, 20, 30, 40] };
-        let template = [9, 9, 9, 9, 9, 9];
-        let template = Image::new(&template, 3, 2).unwrap();
-        let at = |x, y| Difference::new(&frame, Rect::new(x, y, 3, 2), template).pixels;
+        let template = GrayFrame { width: 3, height: 2, pixels: vec![9; 6] };
+        let at = |x, y| Difference::new(&frame, Rect::new(x, y, 3, 2), template.clone()).pixels.pixels;
         assert_eq!(at(0, 0), [1, 11, 9, 21, 31, 9]);
         assert_eq!(at(-1, 1), [9, 21, 31, 9, 9, 9]);
     }
 
     #[test]
     fn the_last_bar_has_the_rest() {
-        let difference =
-            Difference { size: (4, 2), pixels: vec![0, 1, 2, 125, 126, 127, 200, 255], template: vec![0; 8] };
+        let pixels = GrayFrame { width: 4, height: 2, pixels: vec![0, 1, 2, 125, 126, 127, 200, 255] };
+        let difference = Difference { template: pixels.clone(), pixels };
         let histogram = difference.histogram();
         assert_eq!([0, 1, 62, 63].map(|bar| histogram[bar]), [0.25, 0.125, 0.125, 0.5]);
         assert_eq!(histogram.iter().sum::<f64>(), 1.0);
         assert_eq!(difference.counting(2), 0.25);
+    }
+
+    #[test]
+    fn brightness_grows_with_the_difference() {
+        assert!((1..=BRIGHTEST).all(|level| gray(level) >= gray(level - 1)));
+        assert_eq!((gray(0), gray(BRIGHTEST)), (0, 255));
     }
 }

@@ -1,8 +1,9 @@
 //! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
 
 use super::player_frames::Pictures;
-use super::search::{self, Shown, Sight};
+use super::search::{self, Looking, Sight};
 use anyhow::{Context, Result, ensure};
+use serde_json::{Value, json};
 use smr_core::Rect;
 use smr_evaluation::{Contestant, Evaluation, Follower, MethodKind, Refused, Report, ResultFile, Score, Variant, lock};
 use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, FrameRange, GrayFrame, Sequence, Target};
@@ -60,7 +61,7 @@ impl Locked {
 }
 
 struct Pair {
-    follower: Follower<dyn Shown>,
+    follower: Follower<Looking>,
     variant: Variant,
     target: usize,
 }
@@ -71,14 +72,6 @@ pub enum Refusal {
     Fails,
     /// The film is made without it, with a note.
     LeftOut,
-}
-
-/// Pictures of the film that were kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Kept {
-    pub frames: usize,
-    /// In pixels.
-    pub longest_side: u16,
 }
 
 /// Answers of all methods for one frame.
@@ -97,29 +90,15 @@ pub(super) struct Still {
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` over the sequence, from the box beside it: see [`watch_all`].
-/// Errors: As [`watch_all`]; no box to start from.
-pub fn watch(
-    sequence: Sequence,
-    methods: &[Variant],
-    refusal: Refusal,
-    stills: &BTreeSet<usize>,
-    budget: Option<usize>,
-    progress: impl Fn(),
-) -> Result<Film> {
-    let start = sequence.start()?;
-    let target = Target { name: None, starts: vec![(sequence.first, Some(start.into()))] };
-    watch_all(sequence, vec![target], methods, refusal, stills, budget, progress)
-}
-
-/// Runs all `methods` on all `targets` of the sequence; a method that does not start on a box meets `refusal`. Frames stream: only the `stills`,
-/// of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes. `progress` is called after each.
+/// Runs all `methods` on all `targets` of the sequence, without any on the box beside it; a method that does not start on a box meets
+/// `refusal`. Frames stream: only the `stills`, of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes.
+/// `progress` is called after each.
 ///
 /// Ground truth is of one target: of several there is none.
-/// Errors: No method, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
-pub fn watch_all(
+/// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
+pub fn watch(
     sequence: Sequence,
-    targets: Vec<Target>,
+    mut targets: Vec<Target>,
     methods: &[Variant],
     refusal: Refusal,
     stills: &BTreeSet<usize>,
@@ -127,6 +106,9 @@ pub fn watch_all(
     progress: impl Fn(),
 ) -> Result<Film> {
     ensure!(!methods.is_empty(), "there is no method to show");
+    if targets.is_empty() {
+        targets.push(Target { name: None, starts: vec![(sequence.first, Some(sequence.start()?.into()))] });
+    }
     let Sequence { name, frames, truth, first, .. } = sequence.in_color(FFMPEG_PATIENCE);
     let locked = |target| Locked::new(target, first).with_context(|| name.clone());
     let targets: Vec<Locked> = targets.into_iter().map(locked).collect::<Result<_>>()?;
@@ -145,7 +127,7 @@ pub fn watch_all(
         let look = |Pair { follower, variant, target }: &mut Pair| {
             let report = follower.step(index + first, &frame);
             let report = report.with_context(|| format!("{name}: {}", variant.name))?;
-            let begun = report.zip(follower.method.sight());
+            let begun = report.zip(follower.method.sight.take());
             Ok(begun.unwrap_or_else(|| search::not_begun(targets[*target].start())))
         };
         let looks: Result<Vec<(Report, Sight)>> = pairs.iter_mut().map(look).collect();
@@ -195,7 +177,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
             variant.name = format!("{name}, {}", method.name);
         }
         let starts = locked.starts.iter().map(|&(index, start)| (index + first, start)).collect();
-        Ok(Pair { follower: Follower::new(search::shown(method)?, starts), variant, target })
+        Ok(Pair { follower: Follower::new(Box::new(Looking::new(method)?), starts), variant, target })
     };
     all.map(pair).collect()
 }
@@ -217,9 +199,10 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// The pictures of the player: how many there are, and the longest side of one; `None` if none were asked for.
-    pub fn pictures(&self) -> Option<Kept> {
-        self.pictures.as_ref().map(|pictures| Kept { frames: pictures.kept.len(), longest_side: pictures.side() })
+    /// The pictures of the player: how many there are, and the longest side of one in pixels; `None` if none were asked for.
+    pub fn pictures(&self) -> Option<Value> {
+        let pictures = self.pictures.as_ref()?;
+        Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))
     }
 
     /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a
@@ -312,7 +295,7 @@ mod tests {
     }
 
     fn film(methods: &[MethodKind]) -> Film {
-        watch(open(), &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
+        watch(open(), vec![], &variants(methods), Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap()
     }
 
     #[test]
@@ -333,7 +316,7 @@ mod tests {
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
-        let film = watch(street, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(street, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let scores = film.evaluation().unwrap().unwrap().scores;
         let [robust, papers] = [0, 1].map(|method| scores[method].1.mean_iou.unwrap());
         assert!(robust > 0.75 && papers < 0.3, "{robust} {papers}");
@@ -357,21 +340,21 @@ mod tests {
                 kind.name()
             );
         }
-        assert!(watch(open(), &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
+        assert!(watch(open(), vec![], &[], Refusal::Fails, &BTreeSet::new(), None, || ()).is_err());
     }
 
     #[test]
     fn what_counts_adds_up_to_the_ratio() {
         let stills = (0..synthetic::LENGTH).step_by(9).collect();
-        let film = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
+        let film = watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).unwrap();
         let mut searched = 0;
         for still in &film.stills {
             let Some(search) = &still.sights[0].search else { continue };
             let evidence = film.moments[still.index].reports[0].evidence.unwrap();
             let alpha = search.alpha.unwrap();
-            let counting = search.difference.pixels.iter().filter(|&&d| u16::from(d) < alpha);
+            let counting = search.difference.pixels.pixels.iter().filter(|&&d| u16::from(d) < alpha);
             let score: f64 = counting.map(|&d| (-f64::from(d) / 255.0).exp()).sum();
-            let ratio = score / search.difference.pixels.len() as f64;
+            let ratio = score / search.difference.pixels.pixels.len() as f64;
             assert_eq!(evidence.alpha, search.alpha);
             assert!((ratio - evidence.ratio).abs() < 3e-5, "frame {}: {ratio} {}", still.index, evidence.ratio);
             searched += 1;
@@ -382,7 +365,8 @@ mod tests {
     #[test]
     fn a_frame_that_there_is_not_is_named() {
         let stills = BTreeSet::from([0, 240]);
-        let error = watch(open(), &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
+        let error =
+            watch(open(), vec![], &variants(&[MethodKind::Smr]), Refusal::Fails, &stills, None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 241: expected 1 to 240");
     }
 
@@ -391,7 +375,7 @@ mod tests {
         let truth = open().truth.map(|truth| truth[..9].to_vec());
         let sequence = Sequence { truth, ..open() };
         let methods = variants(&[MethodKind::Smr]);
-        let film = watch(sequence, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(sequence, vec![], &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let error = format!("{:#}", film.evaluation().err().unwrap());
         assert_eq!(error, "synthetic: there are 240 frames, but the ground truth has 9 boxes");
     }
@@ -404,7 +388,7 @@ mod tests {
             Sequence { init, truth: None, ..Sequence::made("large", frames, vec![]) }
         };
         let watch = |methods: &[MethodKind], refusal| {
-            watch(large(), &variants(methods), refusal, &BTreeSet::new(), None, || ())
+            watch(large(), vec![], &variants(methods), refusal, &BTreeSet::new(), None, || ())
         };
         let methods = [MethodKind::Robust, MethodKind::Smr];
         let film = watch(&methods, Refusal::LeftOut).unwrap();
@@ -423,7 +407,7 @@ mod tests {
         let targets = || vec![target("a", vec![start(11), (25, None), start(30)]), target("b", vec![start(20)])];
         let part = || open().part("11..50".parse().unwrap(), "--frames");
         let methods = variants(&[MethodKind::Robust, MethodKind::Smr]);
-        let film = watch_all(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
+        let film = watch(part(), targets(), &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).unwrap();
         let names: Vec<_> = film.methods.iter().map(|method| method.name.as_str()).collect();
         assert_eq!(names, ["a, robust", "a, smr", "b, robust", "b, smr"]);
         assert_eq!((film.first, film.truth.is_none(), film.moments.len()), (11, true, 40));
@@ -433,7 +417,7 @@ mod tests {
         assert_eq!((answers(2, 8), answers(2, 9)), (None, start(20).1));
         assert_eq!((answers(0, 0), answers(0, 14), answers(0, 19)), (start(11).1, None, start(30).1));
         let late = vec![target("a", vec![start(11)]), target("b", vec![start(60)])];
-        let error = watch_all(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
+        let error = watch(part(), late, &methods, Refusal::Fails, &BTreeSet::new(), None, || ()).err().unwrap();
         assert_eq!(error.to_string(), "synthetic: there is no frame 60: expected 11 to 50");
     }
 }

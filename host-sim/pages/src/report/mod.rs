@@ -3,14 +3,12 @@
 mod difference;
 pub mod figures;
 mod film;
-mod image;
 mod page;
 mod page_data;
-mod palette;
 mod player_frames;
 mod scores;
 mod search;
 mod trackers;
 
-pub use film::{Film, Refusal, watch, watch_all};
+pub use film::{Film, Refusal, watch};
 pub use page::{About, page};

@@ -2,10 +2,9 @@
 
 use super::film::{Film, Locked};
 use super::page_data::data;
-use super::palette::looks;
 use super::player_frames::Pictures;
-use super::scores::{Measured, Scores};
-use super::trackers::{SENTENCE, TITLE, place_files, titled};
+use super::scores::{Measured, scores};
+use super::trackers::{SENTENCE, TITLE, looks, place_files, titled};
 use crate::front_end::{STYLES, WORDS, import_map};
 use anyhow::{Result, ensure};
 use minijinja::value::{Serde, Value};
@@ -59,9 +58,9 @@ fn whole(films: &[Film], about: &About) -> Result<String> {
         words => WORDS,
         looks => Serde(looks()),
         recordings => films.iter().map(recording).collect::<Result<Vec<_>>>()?,
-        scores => Serde(Scores::new(&measured)),
+        scores => Serde(scores(&measured)),
         data => data(films)?,
-        import_map => import_map("report.js"),
+        import_map => import_map(),
     };
     let mut templates = Environment::new();
     templates.add_template("page.html", PAGE)?;
@@ -105,7 +104,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
         titled(film, best, SENTENCE) + &format!(" follows the target in {all} {visible} frames that show it");
     for other in (0..film.methods.len()).filter(|method| *method != best) {
         let _ = write!(said, "; {} in {}", titled(film, other, SENTENCE), correct(other));
-        if let Some(Parting { index, is_lost }) = parting(film, best, other)? {
+        if let Some((index, is_lost)) = parting(film, best, other)? {
             let place = film.clock(index).unwrap_or_else(|| format!("frame {}", index + film.first));
             let _ = write!(said, ": {} at {place}", if is_lost { "it loses it" } else { "it goes astray" });
         }
@@ -114,15 +113,10 @@ fn lead(film: &Film) -> Result<Option<String>> {
     Ok(letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str() + "."))
 }
 
-/// The place in which one method leaves the target for the longest time while another follows it.
-pub(super) struct Parting {
-    pub index: usize,
-    is_lost: bool,
-}
-
-/// Returns where `other` parts from the method `best`. A frame in which the target is hidden changes nothing.
+/// Returns the frame in which the method `other` leaves the target for the longest time while `best` follows it, and true if it loses it. A frame in
+/// which the target is hidden changes nothing.
 /// Errors: The ground truth is not that of so many frames.
-pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<Parting>> {
+pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);
     let (best, right) = (of(best)?, of(other)?);
@@ -133,7 +127,7 @@ pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<P
         longest = if span.len() > longest.len() { span.clone() } else { longest };
     }
     let lost = longest.clone().filter(|index| film.moments[*index].reports[other].state == State::Lost).count();
-    Ok((longest.len() >= LEAST_PARTING).then_some(Parting { index: longest.start, is_lost: 2 * lost > longest.len() }))
+    Ok((longest.len() >= LEAST_PARTING).then_some((longest.start, 2 * lost > longest.len())))
 }
 
 /// `car: 40x48 at (150, 100), gone in frame 200, 40x48 at (170, 90) in frame 300`
@@ -165,7 +159,7 @@ mod tests {
         let sequence = smr_recordings::open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
         let variant = |kind| Variant::new(kind, &Config::paper().into());
         let methods = [MethodKind::Smr, MethodKind::Sad].map(variant);
-        watch(change(sequence), &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
+        watch(change(sequence), vec![], &methods, Refusal::Fails, &BTreeSet::new(), Some(BUDGET), || ()).unwrap()
     }
 
     fn about() -> About {
@@ -208,13 +202,15 @@ mod tests {
     }
 
     #[test]
-    fn without_ground_truth_there_are_no_scores() {
+    fn without_ground_truth_there_are_no_scores_and_what_was_left_out_is_said() {
         let name = "</script><script>alert(1)</script>";
         let film = film(|sequence| Sequence { truth: None, name: name.to_owned(), ..sequence });
+        let film = Film { notes: vec!["smr is left out: too large".into()], first: 601, ..film };
         let page = page(&mut [film], &about(), BUDGET).unwrap();
         nests(&page);
-        assert!(!page.contains("<h2>Scores"));
-        assert!(!page.contains("<script>alert"));
+        assert!(!page.contains("<h2>Scores") && !page.contains("<script>alert"));
+        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
+        assert!(page.contains("\"first\":601,"), "frames have the numbers of the recording");
     }
 
     #[test]
@@ -231,13 +227,6 @@ mod tests {
     }
 
     #[test]
-    fn frames_have_the_numbers_of_the_recording() {
-        let film = Film { first: 601, ..film(|sequence| sequence) };
-        let page = page(&mut [film], &about(), BUDGET).unwrap();
-        assert!(page.contains("\"first\":601,"));
-    }
-
-    #[test]
     fn a_tracker_has_one_look_in_all_recordings() {
         let mut films = [film(|sequence| sequence), film(|sequence| Sequence { name: "two".into(), ..sequence })];
         let file = |name: &str| smr_evaluation::ResultFile { name: name.into(), answers: vec![None; 240], note: None };
@@ -246,13 +235,6 @@ mod tests {
         page(&mut films, &about(), BUDGET).unwrap();
         let looks = films.each_ref().map(|film| entrants(film)[2..].iter().map(|one| one.look).collect::<Vec<_>>());
         assert_eq!(looks, [[6, 7], [7, 8]]);
-    }
-
-    #[test]
-    fn what_was_left_out_is_said() {
-        let film = Film { notes: vec!["smr is left out: too large".into()], ..film(|sequence| sequence) };
-        let page = page(&mut [film], &about(), BUDGET).unwrap();
-        assert!(page.contains("<p class=\"note\">smr is left out: too large.</p>"));
     }
 
     #[test]

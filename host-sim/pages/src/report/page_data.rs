@@ -3,9 +3,8 @@
 use super::difference::{BAR, BARS};
 use super::film::{Film, Locked, Moment};
 use super::page::parting;
-use super::palette::TRUTH_LOOK;
-use super::player_frames::{Comparison, Picture, Pictures};
-use super::trackers::{Entrant, entrants};
+use super::player_frames::Pictures;
+use super::trackers::{Entrant, TRUTH_LOOK, entrants};
 use crate::encode::base64;
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
@@ -24,6 +23,7 @@ fn recording(film: &Film) -> Result<Value> {
     let mut entrants = entrants(film).iter().map(|entrant| figures(film, entrant)).collect::<Result<Vec<_>>>()?;
     entrants.extend(film.truth.as_deref().map(truth_of));
     let margin = film.margin().min(film.overhang());
+    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
     Ok(json!({
         "name": film.name,
         "width": film.size.0,
@@ -33,17 +33,11 @@ fn recording(film: &Film) -> Result<Value> {
         "frames": film.moments.len(),
         // Null if none is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
-        "parting": parted(film)?,
+        "parting": parting.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
         "entrants": entrants,
         "pictures": film.pictures.as_ref().map(pictures),
     }))
-}
-
-/// The number of the frame in which the first two methods part.
-fn parted(film: &Film) -> Result<Option<usize>> {
-    let parting = if film.methods.len() > 1 { parting(film, 0, 1)? } else { None };
-    Ok(parting.map(|parting| parting.index + film.first))
 }
 
 fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
@@ -108,22 +102,10 @@ fn figures(film: &Film, entrant: &Entrant) -> Result<Value> {
     }))
 }
 
-fn pictures(pictures: &Pictures) -> Value {
-    let frames: Vec<String> = pictures.kept.iter().map(|picture| base64(&picture.jpeg)).collect();
-    let compared = |picture: &Picture| {
-        picture.comparisons.iter().map(|one| one.as_ref().map(comparison)).collect::<Vec<Option<Value>>>()
-    };
-    let comparisons: Vec<_> = pictures.kept.iter().map(compared).collect();
-    json!({ "every": pictures.every, "frames": frames, "comparisons": comparisons })
-}
-
-fn comparison(of: &Comparison) -> Value {
-    json!({
-        "template": base64(&of.template),
-        "map": base64(&of.map),
-        "histogram": of.histogram.iter().map(|part| (part * 1000.0).round()).collect::<Vec<f64>>(),
-        "counting": of.counting.map(|part| round(part, 3)),
-    })
+fn pictures(Pictures { every, kept, .. }: &Pictures) -> Value {
+    let frames: Vec<String> = kept.iter().map(|picture| base64(&picture.jpeg)).collect();
+    let comparisons: Vec<_> = kept.iter().map(|picture| &picture.comparisons).collect();
+    json!({ "every": every, "frames": frames, "comparisons": comparisons })
 }
 
 fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
@@ -140,7 +122,7 @@ fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value>
 }
 
 /// Without a fraction where there is none: shorter.
-fn round(value: f64, digits: i32) -> Value {
+pub(super) fn round(value: f64, digits: i32) -> Value {
     let unit = 10_f64.powi(digits);
     let value = (value * unit).round() / unit;
     #[allow(clippy::cast_possible_truncation)] // compared with what it came from

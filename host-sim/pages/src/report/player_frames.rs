@@ -1,11 +1,12 @@
 //! Every frame of a recording as small pictures, within a number of bytes: beyond it frames get smaller, then fewer.
 
-use super::difference::{BARS, Difference};
-use super::image::{differences, patch};
-use super::search::Sight;
-use crate::encode;
+use super::difference::{BARS, differences, patch};
+use super::page_data::round;
+use super::search::{Search, Sight};
+use crate::encode::{self, base64};
 use anyhow::Result;
-use smr_recordings::{ColorFrame, decode_colors};
+use serde_json::{Value, json};
+use smr_recordings::{ColorFrame, GrayFrame, decode_colors};
 
 /// The longest side of a frame in a page, however large the budget is.
 const LARGEST: u16 = 960;
@@ -29,17 +30,9 @@ pub(super) struct Picture {
     /// The longest side of the frame as it is kept.
     side: u16,
     pub jpeg: Vec<u8>,
-    /// Of each method; `None` where nothing was compared.
-    pub comparisons: Vec<Option<Comparison>>,
-}
-
-pub(super) struct Comparison {
-    /// PNG files.
-    pub template: Vec<u8>,
-    pub map: Vec<u8>,
-    /// The share of the pixels in each bar, and of those that count if there is a threshold.
-    pub histogram: [f64; BARS],
-    pub counting: Option<f64>,
+    /// Of each method, for the script of the page; null where nothing was compared. `compared` are the bytes of all.
+    pub comparisons: Vec<Value>,
+    compared: usize,
 }
 
 impl Pictures {
@@ -52,17 +45,18 @@ impl Pictures {
         if !index.is_multiple_of(self.every) {
             return Ok(());
         }
-        let comparisons = sights.iter().map(comparison).collect::<Result<_>>()?;
+        let compared = sights.iter().map(comparison).collect::<Result<Vec<_>>>()?;
+        let (comparisons, sizes): (Vec<_>, Vec<usize>) = compared.into_iter().unzip();
         let jpeg = small(frame, self.side)?;
         let side = frame.width.max(frame.height).min(self.side);
-        self.kept.push(Picture { index, side, jpeg, comparisons });
+        self.kept.push(Picture { index, side, jpeg, comparisons, compared: sizes.iter().sum() });
         while self.bytes() > self.limit && self.shrink()? {}
         Ok(())
     }
 
     /// In the page, where 3 bytes become 4 characters.
     pub fn bytes(&self) -> usize {
-        self.kept.iter().map(Picture::bytes).sum()
+        self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
     }
 
     /// The longest side of the frames that are kept; 0 if there are none.
@@ -94,40 +88,26 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
-impl Picture {
-    fn bytes(&self) -> usize {
-        let comparisons = self.comparisons.iter().flatten();
-        // Six characters for each bar of a histogram.
-        let compared = comparisons.map(|one| (one.template.len() + one.map.len()).div_ceil(3) * 4 + 6 * BARS);
-        self.jpeg.len().div_ceil(3) * 4 + compared.sum::<usize>()
-    }
+/// Returns the template, the difference and its figures, and their bytes in the page.
+fn comparison(sight: &Sight) -> Result<(Value, usize)> {
+    let Some(Search { difference, alpha }) = &sight.search else { return Ok((Value::Null, 0)) };
+    let template = patch(&thinned(&difference.template))?;
+    let map = differences(&thinned(&difference.pixels), *alpha)?;
+    let compared = json!({
+        "template": base64(&template),
+        "map": base64(&map),
+        "histogram": difference.histogram().map(|part| (part * 1000.0).round()).to_vec(),
+        "counting": alpha.map(|alpha| round(difference.counting(alpha), 3)),
+    });
+    // Six characters for each bar of a histogram.
+    Ok((compared, (template.len() + map.len()).div_ceil(3) * 4 + 6 * BARS))
 }
 
-fn comparison(sight: &Sight) -> Result<Option<Comparison>> {
-    let Some(search) = &sight.search else { return Ok(None) };
-    let Difference { size, pixels, template, .. } = &search.difference;
-    let (template, levels, size) = (thinned(template, *size), thinned(pixels, *size), thin_size(*size));
-    Ok(Some(Comparison {
-        template: patch(size, &template)?,
-        map: differences(size, &levels, search.alpha)?,
-        histogram: search.difference.histogram(),
-        counting: search.alpha.map(|alpha| search.difference.counting(alpha)),
-    }))
-}
-
-fn thinning((width, height): (u16, u16)) -> u16 {
-    width.max(height).div_ceil(LARGEST_PATCH).max(1)
-}
-
-fn thin_size(size: (u16, u16)) -> (u16, u16) {
-    let every = thinning(size);
-    (size.0.div_ceil(every), size.1.div_ceil(every))
-}
-
-fn thinned(pixels: &[u8], size: (u16, u16)) -> Vec<u8> {
-    let every = usize::from(thinning(size));
-    let rows = pixels.chunks(usize::from(size.0).max(1)).step_by(every);
-    rows.flat_map(|row| row.iter().step_by(every)).copied().collect()
+fn thinned(GrayFrame { width, height, pixels }: &GrayFrame) -> GrayFrame {
+    let every = width.max(height).div_ceil(LARGEST_PATCH).max(1);
+    let rows = pixels.chunks(usize::from(*width).max(1)).step_by(every.into());
+    let pixels = rows.flat_map(|row| row.iter().step_by(every.into())).copied().collect();
+    GrayFrame { width: width.div_ceil(every), height: height.div_ceil(every), pixels }
 }
 
 #[cfg(test)]
@@ -170,9 +150,8 @@ mod tests {
 
     #[test]
     fn of_a_large_template_every_second_pixel_is_shown() {
-        let size = (100, 3);
-        assert_eq!(thin_size(size), (50, 2));
-        let pixels: Vec<u8> = (0..3).flat_map(|row| (0..100).map(move |column| row * 100 + column / 2)).collect();
-        assert_eq!(thinned(&pixels, size), (0..50).chain(200..250).collect::<Vec<u8>>());
+        let pixels = (0..3).flat_map(|row| (0..100).map(move |column| row * 100 + column / 2)).collect();
+        let expected = GrayFrame { width: 50, height: 2, pixels: (0..50).chain(200..250).collect() };
+        assert_eq!(thinned(&GrayFrame { width: 100, height: 3, pixels }), expected);
     }
 }

@@ -3,54 +3,8 @@
 use super::film::Film;
 use super::trackers::{Entrant, entrants};
 use anyhow::Result;
-use serde::Serialize;
+use serde_json::{Value, json};
 use smr_evaluation::{Curves, FARTHEST, NEAR, Otb, Score};
-
-#[derive(Serialize)]
-pub(super) struct Scores<'a> {
-    table: Table<'a>,
-    plots: [Plot<'a>; 2],
-    /// The tables of several recordings, by their names.
-    each: Vec<(&'a str, Table<'a>)>,
-}
-
-#[derive(Serialize)]
-struct Table<'a> {
-    caption: String,
-    columns: Vec<Column>,
-    lines: Vec<Line<'a>>,
-}
-
-#[derive(Serialize)]
-struct Column {
-    title: String,
-    digits: usize,
-    /// `None` where nobody is better than another.
-    best: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct Line<'a> {
-    entrant: &'a Entrant,
-    values: Vec<Option<f64>>,
-}
-
-#[derive(Serialize)]
-struct Plot<'a> {
-    title: &'static str,
-    axis: &'static str,
-    most: f64,
-    digits: usize,
-    mark: Option<f64>,
-    lines: Vec<Curve<'a>>,
-}
-
-#[derive(Serialize)]
-struct Curve<'a> {
-    entrant: &'a Entrant,
-    area: f64,
-    values: Vec<f64>,
-}
 
 pub(super) struct Measured<'a> {
     film: &'a Film,
@@ -88,32 +42,24 @@ impl<'a> Measured<'a> {
         self.scored.iter().find(|scored| scored.entrant.name == entrant.name)
     }
 
-    fn table(&'a self) -> Table<'a> {
+    fn table(&'a self) -> Value {
         let figures = || Score::FIGURES.iter().filter(|figure| !figure.page.is_empty());
-        let line = |scored: &'a Scored| Line {
-            entrant: &scored.entrant,
-            values: figures().map(|figure| (figure.of)(&scored.score)).collect(),
-        };
+        let line = |one: &'a Scored| (&one.entrant, figures().map(|figure| (figure.of)(&one.score)).collect());
         let caption = format!("{} frames, the target is visible in {}", self.film.moments.len(), self.visible);
-        Table::new(
-            caption,
-            figures().map(|figure| (figure.page.to_owned(), figure.digits, figure.is_ranked)),
-            self.scored.iter().map(line).collect(),
-        )
+        let columns = figures().map(|figure| (figure.page.to_owned(), figure.digits, figure.is_ranked));
+        table(&caption, columns, &self.scored.iter().map(line).collect::<Vec<_>>())
     }
 }
 
-impl<'a> Scores<'a> {
-    /// `None` without a recording.
-    pub fn new(measured: &'a [Measured<'a>]) -> Option<Self> {
-        let rows = rows(measured);
-        let (table, each) = match measured {
-            [] => return None,
-            [one] => (one.table(), Vec::new()),
-            all => (across(all, &rows), all.iter().map(|one| (one.film.name.as_str(), one.table())).collect()),
-        };
-        Some(Self { table, plots: plots(&rows), each })
-    }
+/// Returns the tables and plots: of all recordings, and of each of several by its name. `None` without a recording.
+pub(super) fn scores<'a>(measured: &'a [Measured<'a>]) -> Option<Value> {
+    let rows = rows(measured);
+    let (table, each) = match measured {
+        [] => return None,
+        [one] => (one.table(), Vec::new()),
+        all => (across(all, &rows), all.iter().map(|one| (one.film.name.as_str(), one.table())).collect()),
+    };
+    Some(json!({ "table": table, "plots": plots(&rows), "each": each }))
 }
 
 fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
@@ -126,7 +72,7 @@ fn rows<'a>(measured: &'a [Measured<'a>]) -> Vec<Row<'a>> {
     rows
 }
 
-fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Table<'a> {
+fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Value {
     let correct = measured.iter().map(|one| (format!("{} (of {})", one.film.name, one.visible), 0, true));
     let visible: usize = measured.iter().map(|one| one.visible).sum();
     let all = [(format!("all (of {visible})"), 0), ("OTB AUC".to_owned(), 3), ("OTB P20".to_owned(), 3)];
@@ -139,56 +85,58 @@ fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Table<'a> {
         let mean =
             |figure: fn(&Otb) -> f64| otb.as_ref().map(|otb| otb.iter().map(figure).sum::<f64>() / otb.len() as f64);
         values.extend([all, mean(|otb| otb.otb_auc), mean(|otb| otb.otb_precision)]);
-        Line { entrant, values }
+        (*entrant, values)
     };
     let caption = "Correct frames of each recording; OTB AUC and OTB P20 are means over the recordings";
-    Table::new(caption.to_owned(), columns, rows.iter().map(line).collect())
+    table(caption, columns, &rows.iter().map(line).collect::<Vec<_>>())
 }
 
-impl<'a> Table<'a> {
-    /// Columns by title, digits, and whether a larger value is better.
-    fn new(caption: String, columns: impl IntoIterator<Item = (String, usize, bool)>, lines: Vec<Line<'a>>) -> Self {
-        let best = |column: usize| lines.iter().filter_map(|line| line.values[column]).max_by(f64::total_cmp);
-        let column = |(at, (title, digits, ranked))| {
-            let best = best(at).filter(|_| ranked && lines.len() > 1);
-            Column { title, digits, best }
-        };
-        let columns = columns.into_iter().enumerate().map(column).collect();
-        Self { caption, columns, lines }
-    }
+/// A table of columns by title, digits, and whether a larger value is better.
+fn table(
+    caption: &str,
+    columns: impl Iterator<Item = (String, usize, bool)>,
+    lines: &[(&Entrant, Vec<Option<f64>>)],
+) -> Value {
+    let best = |column: usize| lines.iter().filter_map(|(_, values)| values[column]).max_by(f64::total_cmp);
+    let column = |(at, (title, digits, ranked))| {
+        // Nobody is better than another where there is no other.
+        json!({ "title": title, "digits": digits, "best": best(at).filter(|_| ranked && lines.len() > 1) })
+    };
+    let line = |(entrant, values): &(&Entrant, Vec<_>)| json!({ "entrant": entrant, "values": values });
+    json!({
+        "caption": caption,
+        "columns": columns.enumerate().map(column).collect::<Value>(),
+        "lines": lines.iter().map(line).collect::<Value>(),
+    })
 }
 
 /// Means over the recordings, of those who are in all.
-fn plots<'a>(rows: &[Row<'a>]) -> [Plot<'a>; 2] {
+fn plots<'a>(rows: &[Row<'a>]) -> [Value; 2] {
     let mean = |(entrant, scored): &Row<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
     let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();
     let lines = |area: fn(&Curves) -> f64, values: fn(&Curves) -> &Vec<f64>| {
-        let curve = |(entrant, curves): &(&'a Entrant, Curves)| Curve {
-            entrant,
-            area: area(curves),
-            values: values(curves).clone(),
-        };
-        let mut lines: Vec<Curve<'_>> = means.iter().map(curve).collect();
-        lines.sort_by(|a, b| b.area.total_cmp(&a.area));
-        lines
+        let mut lines: Vec<_> = means.iter().map(|(entrant, curves)| (area(curves), entrant, values(curves))).collect();
+        lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let line = |(area, entrant, values)| json!({ "entrant": entrant, "area": area, "values": values });
+        lines.into_iter().map(line).collect::<Value>()
     };
     [
-        Plot {
-            title: "Success: visible frames with an IoU above",
-            axis: "IoU",
-            most: 1.0,
-            digits: 1,
-            mark: None,
-            lines: lines(Curves::auc, |curves| &curves.success),
-        },
-        Plot {
-            title: "Precision: visible frames within a distance",
-            axis: "centre error in pixels",
-            most: FARTHEST as f64,
-            digits: 0,
-            mark: Some(NEAR as f64),
-            lines: lines(Curves::precision_area, |curves| &curves.precision),
-        },
+        json!({
+            "title": "Success: visible frames with an IoU above",
+            "axis": "IoU",
+            "most": 1.0,
+            "digits": 1,
+            "mark": null,
+            "lines": lines(Curves::auc, |curves| &curves.success),
+        }),
+        json!({
+            "title": "Precision: visible frames within a distance",
+            "axis": "centre error in pixels",
+            "most": FARTHEST as f64,
+            "digits": 0,
+            "mark": NEAR as f64,
+            "lines": lines(Curves::precision_area, |curves| &curves.precision),
+        }),
     ]
 }
 
@@ -215,8 +163,9 @@ mod tests {
         let row =
             |scored: usize| (&all[scored].entrant, vec![Some(&all[scored]), (scored < 2).then_some(&all[scored])]);
         for plot in plots(&[0, 1, 2].map(row)) {
-            let lines: Vec<_> = plot.lines.iter().map(|line| (line.entrant.name.as_str(), line.area)).collect();
-            assert_eq!(lines, [("high", 0.75), ("low", 0.25)]);
+            let lines = plot["lines"].as_array().unwrap().iter();
+            let lines: Vec<_> = lines.map(|line| (&line["entrant"]["name"], &line["area"])).collect();
+            assert_eq!(lines, [(&json!("high"), &json!(0.75)), (&json!("low"), &json!(0.25))]);
         }
     }
 }

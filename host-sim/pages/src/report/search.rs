@@ -3,7 +3,7 @@
 use super::difference::Difference;
 use anyhow::{Context, Result};
 use smr_core::unstable::followed;
-use smr_core::{Frame, Rect, Robust, State, Target, Tracker};
+use smr_core::{Frame, Rect, Robust, State, Tracker};
 use smr_evaluation::{Method, MethodKind, Paper, Report, Variant};
 use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
@@ -23,72 +23,59 @@ pub struct Search {
     pub alpha: Option<u16>,
 }
 
-/// A tracker whose sight can be shown.
-pub trait Shown: Method {
-    /// Takes the sight of the last frame; `None` before the first lock, and the second time.
-    fn sight(&mut self) -> Option<Sight>;
-}
-
-type Update<T> = fn(&mut T, &GrayFrame) -> Result<(Report, Sight)>;
-
 /// A tracker that keeps what it looks at.
-struct Looking<T> {
+pub(super) struct Looking {
     kind: MethodKind,
-    tracker: T,
-    lock: fn(&mut T, &Frame<'_>, Rect) -> Result<()>,
-    update: Update<T>,
-    sight: Option<Sight>,
+    tracker: Looked,
+    /// Of the last frame, until it is taken.
+    pub sight: Option<Sight>,
 }
 
-impl<T> Method for Looking<T> {
+enum Looked {
+    Paper(Box<Tracker<Paper>>),
+    Robust(Box<Tracker<Robust>>),
+    Baseline(Box<dyn Method>),
+}
+
+impl Looking {
+    /// Errors: A number of the configuration that smr-core cannot use.
+    pub fn new(variant: &Variant) -> Result<Self> {
+        let mut configs = variant.configs;
+        // It is drawn; where nothing depends on it, looking for it changes nothing else.
+        configs.paper.runner_up_always = true;
+        let tracker = match variant.kind {
+            MethodKind::Smr => Looked::Paper(Box::new(Tracker::with(configs.paper)?)),
+            MethodKind::Robust => Looked::Robust(Box::new(Tracker::with(configs.robust)?)),
+            _ => Looked::Baseline(variant.build()?),
+        };
+        Ok(Self { kind: variant.kind, tracker, sight: None })
+    }
+}
+
+impl Method for Looking {
     fn kind(&self) -> MethodKind {
         self.kind
     }
 
     fn lock(&mut self, frame: &Frame<'_>, start: Rect) -> Result<()> {
-        (self.lock)(&mut self.tracker, frame, start)?;
+        match &mut self.tracker {
+            Looked::Paper(tracker) => tracker.lock(frame, start).map(|_| ())?,
+            Looked::Robust(tracker) => tracker.lock(frame, start).map(|_| ())?,
+            Looked::Baseline(tracker) => tracker.lock(frame, start)?,
+        }
         self.sight = Some(Sight { bbox: start.into(), search: None });
         Ok(())
     }
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report> {
-        let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?;
-        let (report, sight) = (self.update)(&mut self.tracker, &image.into())?;
+        let image = frame.patch(frame.bounds()).context("a frame to be shown is wholly in memory")?.into();
+        let (report, sight) = match &mut self.tracker {
+            Looked::Paper(tracker) => paper(tracker, &image)?,
+            Looked::Robust(tracker) => robust(tracker, &image)?,
+            Looked::Baseline(tracker) => baseline(tracker.as_mut(), &image)?,
+        };
         self.sight = Some(sight);
         Ok(report)
-    }
-}
-
-impl<T> Shown for Looking<T> {
-    fn sight(&mut self) -> Option<Sight> {
-        self.sight.take()
-    }
-}
-
-/// A tracker without a target.
-/// Errors: A number of the configuration that smr-core cannot use.
-pub fn shown(variant: &Variant) -> Result<Box<dyn Shown>> {
-    fn of_core<T: Target + 'static>(
-        kind: MethodKind,
-        config: T::Config,
-        update: Update<Tracker<T>>,
-    ) -> Result<Box<dyn Shown>> {
-        let lock = |tracker: &mut Tracker<T>, frame: &Frame<'_>, start| Ok(tracker.lock(frame, start).map(|_| ())?);
-        Ok(Box::new(Looking { kind, tracker: Tracker::with(config)?, lock, update, sight: None }))
-    }
-    let (kind, configs) = (variant.kind, &variant.configs);
-    match kind {
-        MethodKind::Smr => {
-            let mut config = configs.paper;
-            // It is drawn; where nothing depends on it, looking for it changes nothing else.
-            config.runner_up_always = true;
-            of_core(kind, config, paper)
-        }
-        MethodKind::Robust => of_core(kind, configs.robust, robust),
-        MethodKind::Sad | MethodKind::Ssd | MethodKind::Ncc | MethodKind::Lk => {
-            let lock = |tracker: &mut Box<dyn Method>, frame: &Frame<'_>, start| tracker.lock(frame, start);
-            Ok(Box::new(Looking { kind, tracker: variant.build()?, lock, update: baseline, sight: None }))
-        }
     }
 }
 
@@ -105,7 +92,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     let work = tracker.work();
     let found = smr_core::unstable::found(tracker.workspace()).context("the update is finished")?;
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
-    let search = Search { difference: Difference::new(frame, peak, template.image()), alpha: answer.alpha };
+    let search = Search { difference: Difference::new(frame, peak, template), alpha: answer.alpha };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
@@ -138,20 +125,20 @@ fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, S
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // gray levels, and a threshold of them
     let byte = |level: f64| level as u8;
     let pairs = seen.pixels.iter().zip(&lit.pixels);
+    let shown = |pixels: Vec<u8>| GrayFrame { width: grid.columns, height: grid.rows, pixels };
     let difference = Difference {
-        size: (grid.columns, grid.rows),
-        pixels: pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect(),
-        template: lit.pixels.iter().copied().map(byte).collect(),
+        pixels: shown(pairs.map(|(seen, lit)| byte((seen - lit).abs())).collect()),
+        template: shown(lit.pixels.iter().copied().map(byte).collect()),
     };
     let search = Search { difference, alpha: Some(byte(threshold(&numbers, &early, &seen, gain)).into()) };
     let report = Report { work: Some(work), ..answer.into() };
     Ok((report, Sight { bbox: target, search: Some(search) }))
 }
 
-fn baseline(tracker: &mut Box<dyn Method>, frame: &GrayFrame) -> Result<(Report, Sight)> {
+fn baseline(tracker: &mut dyn Method, frame: &GrayFrame) -> Result<(Report, Sight)> {
     let template = GrayFrame::from(tracker.template().context("there is no template yet")?);
     let report = tracker.update(&frame.frame())?;
     let (bbox, at) = report.target.zip(report.bbox).context("a baseline always answers")?;
-    let difference = Difference::new(frame, at, template.image());
+    let difference = Difference::new(frame, at, template);
     Ok((report, Sight { bbox, search: Some(Search { difference, alpha: None }) }))
 }

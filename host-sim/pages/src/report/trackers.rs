@@ -1,18 +1,19 @@
-//! Everyone whose boxes are shown: the methods that ran here, then the result files of other trackers.
+//! Everyone whose boxes are shown, the methods that ran here, then the result files of other trackers: words, and the colors and patterns of dashes
+//! that tell them from each other in boxes, curves and legends.
 
 use super::film::Film;
-use super::palette::{look_of_file, look_of_method};
+use crate::colors::{Color, TRUTH};
+use serde::Serialize;
 use smr_evaluation::MethodKind;
 use smr_recordings::BoundingBox;
 
-#[derive(serde::Serialize)]
+#[derive(Serialize)]
 pub(super) struct Entrant {
     pub name: String,
     /// As it stands on the page.
     pub title: String,
     /// As it stands where there is little room.
     pub short: String,
-    /// The place of its look.
     pub look: usize,
     /// One a frame.
     #[serde(skip)]
@@ -21,25 +22,9 @@ pub(super) struct Entrant {
     pub method: Option<usize>,
 }
 
-// Places in the words for a method: on the page, where there is little room, in a sentence.
-pub(super) const TITLE: usize = 0;
-const SHORT: usize = 1;
-pub(super) const SENTENCE: usize = 2;
-
-const fn words_of(kind: MethodKind) -> [&'static str; 3] {
-    match kind {
-        MethodKind::Robust => ["Robust tracker", "Robust", "the robust tracker"],
-        MethodKind::Smr => ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"],
-        MethodKind::Sad => ["SAD"; 3],
-        MethodKind::Ssd => ["SSD"; 3],
-        MethodKind::Ncc => ["NCC"; 3],
-        MethodKind::Lk => ["LK"; 3],
-    }
-}
-
 /// A method in these words, after the name of its target if it has one.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
-    let title = words_of(film.methods[method].kind)[words];
+    let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.of[method]].name.as_ref();
     name.map_or(title.to_owned(), |name| format!("{name}, {title}"))
 }
@@ -76,5 +61,138 @@ pub(super) fn place_files(films: &mut [Film]) {
             })
         };
         film.places = film.files.iter().map(|file| &file.name).map(place).collect();
+    }
+}
+
+/// The look of the ground truth has this place in the list of looks.
+pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
+const LOOKS: usize = METHODS.len() + FILES.len() + 1;
+
+// Places in the words for a method: on the page, where there is little room, in a sentence.
+pub(super) const TITLE: usize = 0;
+const SHORT: usize = 1;
+pub(super) const SENTENCE: usize = 2;
+
+/// The color and the words of each method, in the order of the looks. The paper's colors, SMR red and SAD blue, must be told from each other on
+/// any frame, and from the states'.
+const METHODS: [(MethodKind, Color, [&str; 3]); 6] = [
+    (MethodKind::Robust, [255, 130, 220], ["Robust tracker", "Robust", "the robust tracker"]),
+    (MethodKind::Smr, [255, 64, 64], ["Paper's tracker (SMR, 2013)", "Paper", "the paper's tracker of 2013"]),
+    (MethodKind::Sad, [64, 140, 255], ["SAD"; 3]),
+    (MethodKind::Ssd, [0, 205, 220], ["SSD"; 3]),
+    (MethodKind::Ncc, [200, 225, 90], ["NCC"; 3]),
+    (MethodKind::Lk, [235, 235, 235], ["LK"; 3]),
+];
+
+/// The colors of result files, in turn. They were chosen one after the other, each as far as possible from all before.
+const FILES: [Color; 14] = [
+    [165, 0, 240],
+    [150, 90, 30],
+    [195, 0, 120],
+    [120, 90, 165],
+    [255, 0, 255],
+    [255, 150, 60],
+    [75, 120, 15],
+    [90, 75, 255],
+    [180, 120, 255],
+    [0, 120, 135],
+    [255, 60, 165],
+    [195, 90, 105],
+    [150, 165, 240],
+    [15, 105, 195],
+];
+
+/// Dashes and gaps in pixels of the screen. Shorter ones mean something else: a lost target, a runner-up.
+const DASHES: [&[u8]; 5] = [&[], &[14, 5], &[12, 4, 2, 4], &[22, 4, 8, 4], &[12, 3, 2, 3, 2, 3]];
+
+/// Background of curves, in the light and in the dark: see base.css.
+const PANELS: [Color; 2] = [[244, 246, 247], [30, 34, 38]];
+/// The least contrast of a curve with what it is drawn on, as WCAG 2 asks for graphics.
+const CONTRAST: f64 = 3.0;
+
+#[derive(Serialize)]
+pub(super) struct Look {
+    color: Color,
+    /// The color, changed as little as a light page needs.
+    on_light: Color,
+    /// The color, changed as little as a dark page needs.
+    on_dark: Color,
+    dashes: &'static [u8],
+}
+
+pub(super) fn looks() -> Vec<Look> {
+    let colors = METHODS.map(|(_, color, _)| color).into_iter().chain(FILES).chain([TRUTH]);
+    let look = |(place, color): (usize, Color)| Look {
+        color,
+        on_light: seen(color, [0; 3], PANELS[0]),
+        on_dark: seen(color, [255; 3], PANELS[1]),
+        dashes: if place == TRUTH_LOOK { &[] } else { DASHES[place % DASHES.len()] },
+    };
+    colors.enumerate().map(look).collect()
+}
+
+fn look_of_method(kind: MethodKind) -> usize {
+    METHODS.iter().position(|(method, ..)| *method == kind).unwrap_or(0)
+}
+
+pub(super) fn color_of_method(kind: MethodKind) -> Color {
+    METHODS[look_of_method(kind)].1
+}
+
+/// The place of the look of the `index`th result file.
+const fn look_of_file(index: usize) -> usize {
+    METHODS.len() + index % FILES.len()
+}
+
+/// `color`, as little nearer to `end` as makes it stand out from `panel`.
+fn seen(color: Color, end: Color, panel: Color) -> Color {
+    let nearer = |percent: u32| {
+        let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;
+        [0, 1, 2].map(|at| u8::try_from(mixed(at)).unwrap_or(u8::MAX))
+    };
+    (0..=100).map(nearer).find(|color| contrast(*color, panel) >= CONTRAST).unwrap_or(end)
+}
+
+/// As WCAG 2 has it: 1 of equal colors, 21 of black and white.
+fn contrast(one: Color, other: Color) -> f64 {
+    let (one, other) = (luminance(one), luminance(other));
+    (one.max(other) + 0.05) / (one.min(other) + 0.05)
+}
+
+fn luminance(color: Color) -> f64 {
+    let linear = color.map(|channel| {
+        let channel = f64::from(channel) / 255.0;
+        if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) }
+    });
+    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_entrants_look_different_and_are_seen_in_light_and_dark() {
+        let looks = looks();
+        assert_eq!(looks.len(), 21, "and the ground truth");
+        let colors: [fn(&Look) -> Color; 3] = [|look| look.color, |look| look.on_light, |look| look.on_dark];
+        for color in colors {
+            let all: Vec<Color> = looks.iter().map(color).collect();
+            for (at, one) in all.iter().enumerate() {
+                let apart = |other: &Color| one.iter().zip(other).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>();
+                let near = all[..at].iter().map(apart).min();
+                assert!(near.is_none_or(|near| near >= 40), "{one:?} of {at} is {near:?} from one before");
+            }
+        }
+        for look in &looks {
+            assert!(contrast(look.on_light, PANELS[0]) >= CONTRAST && contrast(look.on_dark, PANELS[1]) >= CONTRAST);
+        }
+        assert!(looks.windows(2).take(19).all(|pair| pair[0].dashes != pair[1].dashes));
+    }
+
+    #[test]
+    fn contrast_is_that_of_wcag() {
+        assert_eq!((contrast([0; 3], [255; 3]), contrast([7; 3], [7; 3])), (21.0, 1.0));
+        assert!((contrast([119; 3], [255; 3]) - 4.48).abs() < 0.01);
     }
 }

@@ -1,7 +1,7 @@
 //! Boxes that are read in as locks: CSV as `track` writes it, and CVAT XML for video.
 
 use super::{Lock, Target};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use smr_recordings::{BoundingBox, checked_name};
 
 /// Returns the targets in a text.
@@ -51,54 +51,29 @@ impl Reading {
     }
 }
 
-struct Columns {
-    count: usize,
-    frame: usize,
-    bbox: [usize; 4],
-    target: Option<usize>,
-    state: Option<usize>,
-    confidence: Option<usize>,
-}
+/// The columns that CSV must have.
+const COLUMNS: [&str; 5] = ["frame", "x", "y", "width", "height"];
 
-impl Columns {
-    fn of(head: &str) -> Result<Self> {
-        let names: Vec<_> = head.split(',').map(str::trim).collect();
-        let place = |name: &str| names.iter().position(|one| *one == name);
-        let needed = |name: &str| {
-            let expected = "expected CSV with the columns frame, x, y, width and height, or CVAT XML";
-            place(name).with_context(|| format!("there is no column {name}: {expected}"))
-        };
-        Ok(Self {
-            count: names.len(),
-            frame: needed("frame")?,
-            bbox: [needed("x")?, needed("y")?, needed("width")?, needed("height")?],
-            target: place("target"),
-            state: place("state"),
-            confidence: place("confidence"),
-        })
+fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
+    let fields: Vec<_> = line.split(',').map(str::trim).collect();
+    let (count, found) = (names.len(), fields.len());
+    ensure!(count == found, "expected {count} fields as in line 1, found {found}");
+    let field = |name: &str| names.iter().position(|one| *one == name).map(|at| fields[at]);
+    let [number, bbox @ ..] = COLUMNS.map(|name| field(name).unwrap_or_default());
+    let frame = number.parse().ok().filter(|&frame: &usize| frame > 0);
+    let frame = frame.with_context(|| format!("expected the number of a frame, found {number:?}"))?;
+    let name = field("target").map_or_else(|| Ok("target".to_owned()), checked_name)?;
+    let at = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
+        all.push(Reading::new(name));
+        all.len() - 1
+    });
+    let before = all[at].go_to(frame)?;
+    if field("state").is_some() && before + 1 < frame {
+        all[at].leave(before + 1);
     }
-
-    fn read(&self, line: &str, all: &mut Vec<Reading>) -> Result<()> {
-        let fields: Vec<_> = line.split(',').map(str::trim).collect();
-        let (count, found) = (self.count, fields.len());
-        ensure!(count == found, "expected {count} fields as in line 1, found {found}");
-        let number = fields[self.frame].parse().ok().filter(|&frame: &usize| frame > 0);
-        let frame =
-            number.with_context(|| format!("expected the number of a frame, found {:?}", fields[self.frame]))?;
-        let name = self.target.map_or_else(|| Ok("target".to_owned()), |at| checked_name(fields[at]))?;
-        let at = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
-            all.push(Reading::new(name));
-            all.len() - 1
-        });
-        let before = all[at].go_to(frame)?;
-        if self.state.is_some() && before + 1 < frame {
-            all[at].leave(before + 1);
-        }
-        let is_lost = self.state.is_some_and(|at| fields[at] == "lost");
-        let is_answer = self.confidence.is_some_and(|at| !fields[at].is_empty());
-        let bbox = self.bbox.map(|at| fields[at]);
-        if is_lost || is_answer || bbox == [""; 4] { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
-    }
+    let is_answer = field("confidence").is_some_and(|confidence| !confidence.is_empty());
+    let has_none = field("state") == Some("lost") || is_answer || bbox == [""; 4];
+    if has_none { Ok(()) } else { all[at].lock(frame, bbox.join(",").parse()?) }
 }
 
 /// Reads CSV. A row with a confidence is a tracker's answer: it follows from the boxes before it, and a lock there would end
@@ -107,16 +82,20 @@ impl Columns {
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;
-    let columns = Columns::of(head).with_context(|| format!("line {number}"))?;
+    let names: Vec<_> = head.split(',').map(str::trim).collect();
+    if let Some(name) = COLUMNS.iter().find(|name| !names.contains(name)) {
+        let expected = "expected CSV with the columns frame, x, y, width and height, or CVAT XML";
+        bail!("line {number}: there is no column {name}: {expected}");
+    }
     let mut all = Vec::new();
-    lines.try_for_each(|(number, line)| columns.read(line, &mut all).with_context(|| format!("line {number}")))?;
+    lines.try_for_each(|(number, line)| row(&names, line, &mut all).with_context(|| format!("line {number}")))?;
     let end = all.iter().map(|one| one.last).max().unwrap_or(0);
-    let ended = all.iter_mut().filter(|one| columns.state.is_some() && one.last < end);
+    let ended = all.iter_mut().filter(|one| names.contains(&"state") && one.last < end);
     ended.for_each(|one| one.leave(one.last + 1));
     Ok(all)
 }
 
-/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone.
+/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone. The `source` of what a tracker answered is auto.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {
@@ -145,7 +124,8 @@ fn track(tag: &str, others: &[Reading]) -> Result<Reading> {
 }
 
 fn key(tag: &str, track: &mut Reading) -> Result<()> {
-    if attribute(tag, "keyframe").is_ok_and(|key| key == "0") {
+    let has = |name: &str, value: &str| attribute(tag, name).is_ok_and(|found| found == value);
+    if has("keyframe", "0") || has("source", "auto") {
         return Ok(());
     }
     let number = |name: &str| -> Result<f64> {
@@ -156,7 +136,7 @@ fn key(tag: &str, track: &mut Reading) -> Result<()> {
     let frame = index.parse().ok().and_then(|index: usize| index.checked_add(1));
     let frame = frame.with_context(|| format!("frame={index:?}: expected the number of a frame"))?;
     track.go_to(frame)?;
-    if attribute(tag, "outside").is_ok_and(|outside| outside == "1") {
+    if has("outside", "1") {
         track.leave(frame);
         return Ok(());
     }

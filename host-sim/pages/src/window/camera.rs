@@ -4,11 +4,11 @@
 //! frame; a frame that comes while they are busy is dropped and counted, but its picture is kept. A lock in a frame of
 //! the last seconds is followed from there through every frame, until the tracker has caught up.
 
-use super::{Known, LiveState, Numbered, SIDE, Source, lock};
+use super::kept::Kept;
+use super::{Known, LiveState, SIDE, Source, lock};
 use crate::encode;
 use anyhow::{Result, anyhow, bail};
-use smr_recordings::{ColorFrame, Frame, GrayFrame, Live, messages};
-use std::collections::{BTreeMap, VecDeque};
+use smr_recordings::{ColorFrame, Frame, Frames, GrayFrame, Live, Planes, messages};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -19,58 +19,29 @@ const MOST_GRAY: usize = 64 << 20;
 /// The most bytes of pictures: some minutes.
 const MOST_PICTURES: usize = 160 << 20;
 
-/// A frame that has come from the source.
-struct Seen {
-    /// Number of the frame; the source counts all of its frames from 1.
-    number: usize,
-    gray: GrayFrame,
-    seconds: f64,
-    color: Color,
-}
-
-type Color = Box<dyn FnOnce() -> ColorFrame + Send>;
-
-type Frames = Box<dyn Iterator<Item = Result<Seen>> + Send>;
-
-/// Returns the frames of `live`, then an error with the reason for its end.
-fn seen(live: Live) -> impl Iterator<Item = Result<Seen>> {
-    let arrivals = Arc::clone(&live.arrivals);
-    let of = |Frame { number, seconds, gray, planes, .. }: Frame| {
-        let (seconds, planes) = seconds.zip(planes)?;
-        Some(Ok(Seen { number, gray, seconds, color: Box::new(move || planes.color()) }))
-    };
-    let end = std::iter::once_with(move || arrivals.ended().map(|said| Err(anyhow!(said))));
-    live.map(of).chain(end).flatten()
-}
+/// The number of a frame, and its colors in one of two forms.
+type Colors = (usize, Option<Planes>, Option<ColorFrame>);
 
 /// A camera, read by a thread of its own.
 pub struct Camera(Arc<Shared>);
 
 struct Shared {
     begin: Instant,
-    kept: Mutex<Kept>,
+    state: Mutex<State>,
     came: Condvar,
 }
 
 struct Came {
-    number: usize,
-    /// Frames taken from the source, this one included.
-    count: usize,
-    gray: Arc<GrayFrame>,
-    seconds: f64,
+    gray: GrayFrame,
+    seconds: Option<f64>,
     arrived: Instant,
 }
 
-#[derive(Default)]
-struct Kept {
-    gray: VecDeque<Came>,
-    gray_bytes: usize,
-    pictures: BTreeMap<usize, Arc<Vec<u8>>>,
-    picture_bytes: usize,
-    /// Number of the newest frame; `taken` counts the frames taken from the source.
+struct State {
+    gray: Kept<Came>,
+    pictures: Kept<Arc<Vec<u8>>>,
     newest: usize,
-    taken: usize,
-    /// Frames taken from the source that no tracker got.
+    /// Frames that came while targets were followed, and that no tracker got.
     dropped: usize,
     latency_ms: f64,
     /// Reason why the source ended; `None` while frames come.
@@ -78,49 +49,45 @@ struct Kept {
     stopped: bool,
 }
 
-impl Kept {
+impl State {
+    fn new() -> Self {
+        Self {
+            gray: Kept::new(MOST_GRAY, |came: &Came| came.gray.pixels.len()),
+            pictures: Kept::new(MOST_PICTURES, |picture| picture.len()),
+            newest: 0,
+            dropped: 0,
+            latency_ms: 0.0,
+            ended: None,
+            stopped: false,
+        }
+    }
+
     /// Returns the number of the oldest gray frame that is kept.
     fn oldest_gray(&self) -> usize {
-        self.gray.front().map_or(self.newest + 1, |came| came.number)
-    }
-
-    fn add(&mut self, number: usize, gray: GrayFrame, seconds: f64) {
-        (self.newest, self.taken) = (number, self.taken + 1);
-        self.gray_bytes += gray.pixels.len();
-        self.gray.push_back(Came { number, count: self.taken, gray: Arc::new(gray), seconds, arrived: Instant::now() });
-        while self.gray_bytes > MOST_GRAY && self.gray.len() > 1 {
-            self.gray_bytes -= self.gray.pop_front().map_or(0, |came| came.gray.pixels.len());
-        }
-    }
-
-    fn add_picture(&mut self, number: usize, picture: Vec<u8>) {
-        self.picture_bytes += picture.len();
-        self.pictures.insert(number, Arc::new(picture));
-        while self.picture_bytes > MOST_PICTURES && self.pictures.len() > 1 {
-            self.picture_bytes -= self.pictures.pop_first().map_or(0, |(_, picture)| picture.len());
-        }
+        self.gray.all().first_key_value().map_or(self.newest + 1, |(first, _)| *first)
     }
 }
 
 impl Shared {
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        lock(&self.kept)
+    fn kept(&self) -> MutexGuard<'_, State> {
+        lock(&self.state)
     }
 
-    fn read(&self, frames: Frames, pictures: &SyncSender<(usize, Color)>) {
+    fn read(&self, frames: Frames, pictures: &SyncSender<Colors>) {
         let mut said = None;
         for frame in frames {
             match frame {
-                Ok(Seen { number, gray, seconds, color }) => {
+                Ok(Frame { number, gray, seconds, planes, color, .. }) => {
                     let mut kept = self.kept();
                     if kept.stopped {
                         break;
                     }
-                    kept.add(number, gray, seconds);
+                    kept.newest = number;
+                    kept.gray.keep(number, Came { gray, seconds, arrived: Instant::now() });
                     drop(kept);
                     self.came.notify_all();
                     // While one picture is encoded, the pictures of later frames are left out.
-                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, color)) {
+                    if let Err(TrySendError::Disconnected(_)) = pictures.try_send((number, planes, color)) {
                         break;
                     }
                 }
@@ -131,17 +98,18 @@ impl Shared {
         self.came.notify_all();
     }
 
-    fn encode(&self, pictures: &Receiver<(usize, Color)>) {
-        for (number, color) in pictures {
-            let small = encode::within(&color(), SIDE);
-            if let Ok(picture) = encode::color_jpeg(&small, encode::ENOUGH) {
-                self.kept().add_picture(number, picture);
+    fn encode(&self, pictures: &Receiver<Colors>) {
+        for (number, planes, color) in pictures {
+            let color = planes.map(|planes| planes.color()).or(color);
+            let small = color.map(|color| encode::within(&color, SIDE));
+            if let Some(Ok(picture)) = small.map(|small| encode::color_jpeg(&small, encode::ENOUGH)) {
+                self.kept().pictures.keep(number, Arc::new(picture));
             }
         }
     }
 
     /// Waits for the frame that trackers get next; `None` if there will be none.
-    fn next(&self, reader: &mut Reader) -> Option<Result<(usize, Option<f64>, GrayFrame)>> {
+    fn next(&self, reader: &mut Reader) -> Option<Result<Frame>> {
         let mut kept = self.kept();
         if let Some(arrived) = reader.arrived {
             kept.latency_ms = 0.9 * kept.latency_ms + 0.1 * arrived.elapsed().as_secs_f64() * 1e3;
@@ -160,19 +128,18 @@ impl Shared {
             }
             kept = self.came.wait_timeout(kept, Duration::from_secs(1)).unwrap_or_else(PoisonError::into_inner).0;
         }
-        let behind = kept.gray.partition_point(|came| came.number < reader.next);
-        let place = match reader.count {
-            _ if reader.has_caught_up => kept.gray.len() - 1,
-            // The source has dropped the wanted frame: the tracker gets the one before it.
-            None if behind > 0 && kept.gray[behind].number > reader.next => behind - 1,
-            _ => behind,
-        };
-        let Came { number, count, gray, seconds, arrived } = &kept.gray[place];
-        let (number, count, seconds, gray) = (reader.next.max(*number), *count, *seconds, GrayFrame::clone(gray));
-        let missed = reader.count.map_or(0, |before| count - before - 1);
-        (reader.next, reader.count, reader.arrived) = (number + 1, Some(count), Some(*arrived));
+        let all = kept.gray.all();
+        // If the source has dropped the frame of a lock, the tracker gets the one before it.
+        let before = all.range(..=reader.next).next_back().filter(|_| reader.arrived.is_none());
+        let next = before.or_else(|| all.range(reader.next..).next());
+        let (number, Came { gray, seconds, arrived }) =
+            next.filter(|_| !reader.has_caught_up).or(all.last_key_value())?;
+        let frame = Frame::new(reader.next.max(*number), *seconds, gray.clone());
+        // Nobody followed the frames that came before the pass.
+        let missed = reader.arrived.map_or(0, |_| frame.number - reader.next);
+        (reader.next, reader.arrived) = (frame.number + 1, Some(*arrived));
         kept.dropped += missed;
-        Some(Ok((number, Some(seconds), gray)))
+        Some(Ok(frame))
     }
 }
 
@@ -180,8 +147,6 @@ impl Shared {
 #[derive(Default)]
 struct Reader {
     next: usize,
-    /// [`Came::count`] of the frame that was answered last.
-    count: Option<usize>,
     /// True once the pass has waited for a frame: from then on it gets only the newest.
     has_caught_up: bool,
     /// Arrival of the frame that was answered last.
@@ -190,13 +155,14 @@ struct Reader {
 }
 
 impl Camera {
-    /// Starts to read `live`.
     pub fn new(live: Live) -> Self {
-        Self::of(Box::new(seen(live)))
+        let arrivals = Arc::clone(&live.arrivals);
+        let end = std::iter::once_with(move || arrivals.ended().map(|said| Err(anyhow!(said))));
+        Self::of(Box::new(live.map(Ok).chain(end.flatten())))
     }
 
     fn of(frames: Frames) -> Self {
-        let shared = Arc::new(Shared { begin: Instant::now(), kept: Mutex::default(), came: Condvar::new() });
+        let shared = Arc::new(Shared { begin: Instant::now(), state: Mutex::new(State::new()), came: Condvar::new() });
         let (sender, pictures) = sync_channel(1);
         let (reader, encoder) = (Arc::clone(&shared), Arc::clone(&shared));
         thread::spawn(move || reader.read(frames, &sender));
@@ -210,7 +176,7 @@ impl Source for Camera {
         Known { frames: Some(self.0.kept().newest), times: Vec::new() }
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
+    fn gray_from(&self, number: usize) -> Result<Frames> {
         let kept = self.0.kept();
         let oldest = kept.oldest_gray();
         if number < oldest {
@@ -229,7 +195,7 @@ impl Source for Camera {
     /// Returns the picture of the frame, or of the one before if it has none.
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
         let kept = self.0.kept();
-        let nearest = kept.pictures.range(..=number).next_back();
+        let nearest = kept.pictures.all().range(..=number).next_back();
         nearest.filter(|_| number <= kept.newest).map(|(_, picture)| Arc::clone(picture))
     }
 
@@ -239,9 +205,9 @@ impl Source for Camera {
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let rate = kept.newest as f64 / seconds.max(0.001);
         Some(LiveState {
-            oldest: kept.pictures.first_key_value().map_or(1, |(first, _)| *first),
+            oldest: kept.pictures.all().first_key_value().map_or(1, |(first, _)| *first),
             newest: kept.newest,
-            dropped: kept.newest - kept.taken + kept.dropped,
+            dropped: kept.dropped,
             latency_ms: (kept.latency_ms * 10.0).round() / 10.0,
             rate: (rate * 100.0).round() / 100.0,
             has_ended: kept.ended.is_some() || kept.stopped,
@@ -259,15 +225,14 @@ mod tests {
     use super::*;
     use std::sync::mpsc::channel;
 
-    fn frame(level: u8) -> Seen {
+    fn frame(level: u8) -> Frame {
         let gray = GrayFrame { width: 8, height: 8, pixels: vec![level; 64] };
-        let color = ColorFrame::from(&gray);
-        Seen { number: level.into(), gray, seconds: f64::from(level), color: Box::new(|| color) }
+        Frame { color: Some(ColorFrame::from(&gray)), ..Frame::new(level.into(), Some(level.into()), gray) }
     }
 
     fn wait_for(camera: &Camera, newest: usize) {
         let begin = Instant::now();
-        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.is_empty() {
+        while camera.live().unwrap().newest < newest || camera.0.kept().pictures.all().is_empty() {
             assert!(begin.elapsed() < Duration::from_secs(20));
             thread::sleep(Duration::from_millis(2));
         }
@@ -277,11 +242,13 @@ mod tests {
     fn trackers_get_the_newest_frame_and_what_they_miss_is_counted() {
         let (sender, frames) = channel();
         let camera = Camera::of(Box::new(frames.into_iter()));
-        (1..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
+        (2..=3).for_each(|level| sender.send(Ok(frame(level))).unwrap());
         wait_for(&camera, 3);
+        assert_eq!(camera.live().unwrap().dropped, 0, "nobody follows yet");
         let mut seen = camera.gray_from(2).unwrap();
-        let mut next =
-            || seen.next().unwrap().map(|(number, seconds, gray)| (number, gray.pixels[0], seconds.unwrap()));
+        let mut next = || {
+            seen.next().unwrap().map(|Frame { number, seconds, gray, .. }| (number, gray.pixels[0], seconds.unwrap()))
+        };
         // A lock in an older frame is followed through all frames.
         assert_eq!((next().unwrap(), next().unwrap()), ((2, 2, 2.0), (3, 3, 3.0)));
         sender.send(Ok(frame(4))).unwrap();
@@ -304,7 +271,7 @@ mod tests {
         wait_for(&camera, 12);
         assert_eq!((next().unwrap(), camera.live().unwrap().dropped), ((12, 12, 12.0), 5));
         let mut again =
-            camera.gray_from(11).unwrap().map(|frame| frame.map(|(number, _, gray)| (number, gray.pixels[0])));
+            camera.gray_from(11).unwrap().map(|frame| frame.map(|frame| (frame.number, frame.gray.pixels[0])));
         assert_eq!([again.next().unwrap().unwrap(), again.next().unwrap().unwrap()], [(11, 9), (12, 12)]);
         drop(sender);
         assert_eq!(next().unwrap_err().to_string(), "the source has ended");
@@ -318,10 +285,12 @@ mod tests {
         let camera = Camera::of(Box::new(frames.into_iter()));
         let mut kept = camera.0.kept();
         for number in 1..=20 {
-            kept.add(number, GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] }, 0.0);
-            kept.add_picture(number, vec![0; 20 << 20]);
+            let gray = GrayFrame { width: 1 << 12, height: 1 << 11, pixels: vec![0; 1 << 23] };
+            kept.gray.keep(number, Came { gray, seconds: None, arrived: Instant::now() });
+            kept.pictures.keep(number, Arc::new(vec![0; 20 << 20]));
         }
-        assert_eq!((kept.gray.len(), kept.pictures.len()), (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
+        let all = (kept.gray.all().len(), kept.pictures.all().len());
+        assert_eq!(all, (MOST_GRAY >> 23, MOST_PICTURES / (20 << 20)));
         drop(kept);
         let error = camera.gray_from(3).err().unwrap().to_string();
         assert_eq!(error, "trackers can go back to frame 13 only: lock in a newer frame");

@@ -13,7 +13,7 @@ use anyhow::{Error, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use smr_core::{Quality, Rect};
 use smr_evaluation::{Follower, Origin, Report, Variant};
-use smr_recordings::{BoundingBox, Damaged, GrayFrame, check_gone, checked_name, messages};
+use smr_recordings::{BoundingBox, Damaged, Frame, GrayFrame, check_gone, checked_name, messages};
 use std::cmp::Reverse;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
@@ -71,7 +71,6 @@ pub fn check_inside<'a>(locks: impl IntoIterator<Item = &'a Lock>, (width, heigh
     Ok(())
 }
 
-/// The answer for a target in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub report: Report,
@@ -116,7 +115,6 @@ impl Segment {
         place(from)..place(end).max(place(from))
     }
 
-    /// Returns the answers at these indices, each with its frame.
     fn answers(&self, places: Range<usize>) -> impl Iterator<Item = (usize, Row)> + '_ {
         let first = self.first + places.start;
         (first..).zip(self.rows.range(places)).filter_map(|(frame, (_, row))| Some((frame, (*row)?)))
@@ -141,7 +139,6 @@ struct State {
     editions: Vec<Origin>,
     edition: usize,
     segments: HashMap<Key, Segment>,
-    /// Number of changes of the targets so far.
     changes: u64,
     news: News,
     /// Number of the last frame, once a pass has found that no more follow.
@@ -303,7 +300,6 @@ pub(super) struct Heard {
     pub position: u64,
     /// Parts whose answers are void, unless they come again.
     pub void: Vec<Part>,
-    /// Parts with new answers.
     pub changed: Vec<Part>,
     /// New answers; empty if the page asks for them by itself.
     pub rows: Vec<(u32, usize, Row)>,
@@ -363,7 +359,6 @@ impl Followed {
         self.state().variant.clone()
     }
 
-    /// Returns the answers of each target in the order of the frames.
     pub fn rows(&self) -> Vec<(Target, Vec<(usize, Row)>)> {
         let state = self.state();
         state.targets.iter().map(|target| (target.clone(), state.rows(Part::all(target.id)).collect())).collect()
@@ -440,13 +435,8 @@ impl Followed {
         });
     }
 
-    pub(super) fn say(&self, line: String) {
-        self.change(|state| state.news.say(line));
-    }
-
-    /// Tells the pages that the file `id`, made for the user, has progressed.
-    pub(super) fn makes(&self, id: u32) {
-        self.change(|state| state.news.makes(id));
+    pub(super) fn tell(&self, tell: impl FnOnce(&mut News)) {
+        self.change(|state| tell(&mut state.news));
     }
 
     /// Waits at most `patience` for changes after position `since`. If there are more answers than a portion, a page gets
@@ -461,8 +451,9 @@ impl Followed {
         let news = &state.news;
         let heard = since;
         // A page that was away for long begins anew.
-        let since = if news.remembers(since) { since.min(news.end()) } else { 0 };
-        let is_told = |at: u64| heard < at;
+        let (is_remembered, all) = (news.remembers(since), state.targets.iter());
+        let since = if is_remembered { since.min(news.end()) } else { 0 };
+        let (void, said, made) = news.after(heard);
         let changed: Vec<_> = state.changed(since).collect();
         let is_short = changed.iter().map(|(.., places)| places.len()).sum::<usize>() <= PORTION;
         let rows = |(target, segment, places): &(u32, &Segment, Range<usize>)| {
@@ -476,17 +467,13 @@ impl Followed {
         };
         Heard {
             position: news.end(),
-            void: if news.remembers(heard) {
-                news.voided(is_told)
-            } else {
-                state.targets.iter().map(|target| Part::all(target.id)).collect()
-            },
+            void: if is_remembered { void } else { all.map(|target| Part::all(target.id)).collect() },
             rows: if is_short { changed.iter().flat_map(rows).collect() } else { Vec::new() },
             changed: changed.iter().map(part).collect(),
-            said: news.said(is_told),
-            made: news.made(is_told),
-            frames: is_told(news.frames),
-            targets: is_told(news.targets).then(|| (state.targets.clone(), news.targets)),
+            said,
+            made,
+            frames: heard < news.frames,
+            targets: (heard < news.targets).then(|| (state.targets.clone(), news.targets)),
         }
     }
 
@@ -576,12 +563,18 @@ impl Following<'_> {
             Ok(frames) => frames,
             Err(error) => return Some((start - 1, Some(error))),
         };
-        let (mut last, mut pace) = (start - 1, Pace::new());
+        let mut last = start - 1;
+        // Frames a second, over the last half second.
+        let (mut begin, mut count, mut rate) = (Instant::now(), 0.0, 0.0);
         for frame in frames {
             match frame {
-                Ok((number, time, frame)) => {
-                    last = number;
-                    if !self.frame(number, time, &frame, pace.next()) {
+                Ok(frame) => {
+                    (last, count) = (frame.number, count + 1.0);
+                    let passed = begin.elapsed().as_secs_f64();
+                    if passed > 0.5 {
+                        (begin, count, rate) = (Instant::now(), 0.0, count / passed);
+                    }
+                    if !self.frame(&frame, rate) {
                         return None;
                     }
                 }
@@ -616,7 +609,7 @@ impl Following<'_> {
     }
 
     /// Asks the trackers that wait for this frame. Returns false if the pass is not to read the next frame.
-    fn frame(&mut self, number: usize, time: Option<f64>, frame: &GrayFrame, rate: f64) -> bool {
+    fn frame(&mut self, &Frame { number, seconds: time, ref gray, .. }: &Frame, rate: f64) -> bool {
         let (followed, is_live) = (self.followed, self.is_live);
         let (mut due, variant) = {
             let state = followed.state();
@@ -624,7 +617,7 @@ impl Following<'_> {
         };
         due.retain(|task| task.next == number || is_live && task.has_begun() && task.next < number);
         let answers: Vec<_> =
-            due.into_iter().map(|task| (task, self.answer(task.key, number, frame, &variant))).collect();
+            due.into_iter().map(|task| (task, self.answer(task.key, number, gray, &variant))).collect();
         followed.change(|state| {
             let State { segments, news, .. } = state;
             for (task, answer) in answers {
@@ -682,28 +675,6 @@ impl Following<'_> {
         let Some(tracker) = self.trackers.get_mut(&key) else { return Ok(None) };
         let report = tracker.step(number, frame)?;
         Ok(report.map(|report| (report, tracker.quality().filter(|_| locks))))
-    }
-}
-
-/// Frames a second, over the last half second.
-struct Pace {
-    begin: Instant,
-    frames: u32,
-    rate: f64,
-}
-
-impl Pace {
-    fn new() -> Self {
-        Self { begin: Instant::now(), frames: 0, rate: 0.0 }
-    }
-
-    fn next(&mut self) -> f64 {
-        self.frames += 1;
-        let passed = self.begin.elapsed().as_secs_f64();
-        if passed > 0.5 {
-            *self = Self { rate: f64::from(self.frames) / passed, ..Self::new() };
-        }
-        self.rate
     }
 }
 

@@ -31,7 +31,6 @@ pub(super) struct Progress {
     name: String,
     /// Part that is done, 0 to 1; `None` if it is not known.
     done: Option<f64>,
-    /// Name of the file, once it is ready.
     file: Option<String>,
     error: Option<String>,
     cancelled: bool,
@@ -40,7 +39,6 @@ pub(super) struct Progress {
     process: Option<Arc<Process>>,
 }
 
-/// The most files that are made at a time.
 const MOST: usize = 2;
 
 /// The files of a window. They are removed when the program ends.
@@ -50,7 +48,6 @@ pub struct Made {
 }
 
 impl Made {
-    /// Errors: There is no place for temporary files.
     pub fn new() -> Result<Self> {
         Ok(Self { folder: Exchange::create()?, progress: Mutex::default() })
     }
@@ -77,7 +74,6 @@ impl Made {
     }
 
     /// Writes a page that leads to `address`, for this user alone: all users can see the arguments of a program.
-    /// Errors: The page cannot be written.
     pub fn door(&self, address: &str) -> Result<PathBuf> {
         let head = "<!DOCTYPE html><title>host-sim</title><meta name=\"referrer\" content=\"no-referrer\">";
         let lead = format!(
@@ -155,7 +151,9 @@ impl Made {
         }
         let status = process.wait_while(|_| true)?.context("host-sim does not end")?;
         let said = said.recv().unwrap_or_default();
-        ensure!(status.success(), "{}", said.trim().trim_start_matches("error: "));
+        // Notes and warnings stand before it.
+        let complaint = said.lines().find_map(|line| line.strip_prefix("error: ")).or(said.lines().next_back());
+        ensure!(status.success(), "{}", complaint.unwrap_or("host-sim gives no reason"));
         Ok(())
     }
 }

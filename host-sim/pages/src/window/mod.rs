@@ -13,6 +13,7 @@
 mod boxes;
 mod camera;
 mod following;
+mod kept;
 mod made;
 mod news;
 mod recording;
@@ -30,7 +31,7 @@ pub use server::Server;
 pub use session::{Session, Work};
 
 use anyhow::Result;
-use smr_recordings::{ColorFrame, GrayFrame};
+use smr_recordings::{ColorFrame, Frames};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The longest side of a picture, in pixels.
@@ -41,17 +42,13 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Frames from some number on: each with its number, its time in seconds if it has one, and its gray pixels.
-pub type Numbered = Box<dyn Iterator<Item = Result<(usize, Option<f64>, GrayFrame)>>>;
-
 /// The source of a window: a recording, or a camera.
 pub trait Source: Send + Sync {
     /// Returns the number of frames and their times. Both only grow.
     fn known(&self) -> Known;
 
-    /// Returns the frames from `number` on.
     /// Errors: The frames cannot be read, or are not kept any more.
-    fn gray_from(&self, number: usize) -> Result<Numbered>;
+    fn gray_from(&self, number: usize) -> Result<Frames>;
 
     /// Returns the number of the oldest frame that a tracker can be locked in.
     fn oldest(&self) -> usize {
@@ -85,14 +82,12 @@ pub struct Known {
 /// The frames of a camera that are kept, and how well trackers keep up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LiveState {
-    /// Number of the oldest frame that is kept.
     pub oldest: usize,
     pub newest: usize,
-    /// Frames of the source that no tracker got.
+    /// Frames that came while targets were followed, and that no tracker got.
     pub dropped: usize,
     /// Milliseconds from the arrival of a frame to its answer.
     pub latency_ms: f64,
-    /// Mean number of frames a second.
     pub rate: f64,
     /// True if no more frames will come.
     pub has_ended: bool,

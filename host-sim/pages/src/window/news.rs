@@ -1,6 +1,6 @@
 //! Numbers all changes by positions. A page says which position it has seen, and gets the later changes.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Frames of a target, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub(super) struct News {
     /// Position of the last change of the number of frames, or of their times.
     pub frames: u64,
     said: VecDeque<(u64, String)>,
-    made: BTreeMap<u32, u64>,
+    made: VecDeque<(u64, u32)>,
     void: VecDeque<(u64, Part)>,
     /// Position of the last void part that is no longer remembered.
     forgotten: u64,
@@ -56,7 +56,6 @@ impl News {
         }
     }
 
-    /// Adds a line for the user.
     pub fn say(&mut self, line: String) {
         let at = self.next();
         self.said.push_back((at, line));
@@ -68,7 +67,8 @@ impl News {
     /// Records that a file made for the user has progressed.
     pub fn makes(&mut self, id: u32) {
         let at = self.next();
-        self.made.insert(id, at);
+        self.made.retain(|(_, other)| *other != id);
+        self.made.push_back((at, id));
     }
 
     /// True if all parts that became void after `since` are remembered.
@@ -76,24 +76,14 @@ impl News {
         since == 0 || since >= self.forgotten
     }
 
-    pub fn voided(&self, is_told: impl Fn(u64) -> bool) -> Vec<Part> {
-        told(&self.void, is_told)
-    }
-
-    pub fn said(&self, is_told: impl Fn(u64) -> bool) -> Vec<String> {
-        told(&self.said, is_told)
-    }
-
-    /// Returns the files that have progressed, the latest one at the end.
-    pub fn made(&self, is_told: impl Fn(u64) -> bool) -> Vec<u32> {
-        let mut made: Vec<_> = self.made.iter().filter(|(_, at)| is_told(**at)).map(|(id, at)| (*at, *id)).collect();
-        made.sort_unstable();
-        made.into_iter().map(|(_, id)| id).collect()
+    /// Returns the void parts, the lines, and the files that have progressed, all that came after `since` in its order.
+    pub fn after(&self, since: u64) -> (Vec<Part>, Vec<String>, Vec<u32>) {
+        (after(&self.void, since), after(&self.said, since), after(&self.made, since))
     }
 }
 
-fn told<T: Clone>(all: &VecDeque<(u64, T)>, is_told: impl Fn(u64) -> bool) -> Vec<T> {
-    all.iter().filter(|(at, _)| is_told(*at)).map(|(_, one)| one.clone()).collect()
+fn after<T: Clone>(all: &VecDeque<(u64, T)>, since: u64) -> Vec<T> {
+    all.iter().filter(|(at, _)| since < *at).map(|(_, one)| one.clone()).collect()
 }
 
 #[cfg(test)]
@@ -108,14 +98,13 @@ mod tests {
         news.void(Part::all(1));
         news.makes(3);
         news.makes(7);
-        let within = |since, to| move |at| since < at && at <= to;
-        assert_eq!((news.said(within(0, 5)), news.said(within(1, 5))), (vec!["one".to_owned()], vec![]));
-        assert_eq!((news.made(within(0, 5)), news.made(within(4, 5))), (vec![3, 7], vec![7]));
-        assert_eq!((news.made(within(0, 4)), news.made(within(5, 5)), news.end()), (vec![3], vec![], 5));
-        assert_eq!((news.voided(within(2, 5)), news.voided(within(3, 5))), (vec![Part::all(1)], vec![]));
+        assert_eq!(news.after(0), (vec![Part::all(1)], vec!["one".to_owned()], vec![3, 7]));
+        assert_eq!(news.after(1), (vec![Part::all(1)], vec![], vec![3, 7]));
+        assert_eq!((news.after(4), news.after(5), news.end()), ((vec![], vec![], vec![7]), Default::default(), 5));
         (0..2 * MOST_VOID).for_each(|_| news.void(Part::all(2)));
         (0..9).for_each(|_| news.say("more".to_owned()));
-        assert_eq!((news.voided(|_| true).len(), news.said(|_| true).len()), (MOST_VOID, MOST_SAID));
+        let (void, said, _) = news.after(0);
+        assert_eq!((void.len(), said.len()), (MOST_VOID, MOST_SAID));
         assert!(news.remembers(0) && !news.remembers(3) && news.remembers(news.forgotten));
     }
 }

@@ -1,11 +1,11 @@
 //! A recording as the source of a window. Any frame is soon a JPEG: the latest pictures are kept, and the next ones are
 //! read in order. The last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
 
-use super::{Known, Numbered, SIDE, Source, lock};
+use super::kept::Kept;
+use super::{Known, SIDE, Source, lock};
 use crate::encode;
 use anyhow::Result;
-use smr_recordings::{ColorFrame, INNER, OpenOptions, Seekable, Sequence};
-use std::collections::{BTreeMap, VecDeque};
+use smr_recordings::{ColorFrame, Frames, INNER, OpenOptions, Seekable, Sequence};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -13,7 +13,6 @@ use std::{fs, thread};
 
 /// Time between two checks of the size of the file.
 const LOOKS: Duration = Duration::from_secs(1);
-/// The most bytes of pictures that are kept.
 const MOST_BYTES: usize = 96 << 20;
 /// The most pixels of frames that are kept: 64 MB.
 const MOST_PIXELS: usize = (64 << 20) / 3;
@@ -44,28 +43,11 @@ struct Opened {
 struct Recorded {
     recording: Seekable,
     pictures: Mutex<Pictures>,
-    colors: Mutex<Colors>,
+    colors: Mutex<Kept<Arc<ColorFrame>>>,
 }
 
-/// Frames with all their pixels, each with its number.
-#[derive(Default)]
-struct Colors(VecDeque<(usize, Arc<ColorFrame>)>);
-
-impl Colors {
-    fn keep(&mut self, number: usize, frame: ColorFrame) -> Arc<ColorFrame> {
-        let frame = Arc::new(frame);
-        self.0.push_back((number, Arc::clone(&frame)));
-        while self.0.len() > 1 && self.0.iter().map(|(_, frame)| frame.pixels.len()).sum::<usize>() > MOST_PIXELS {
-            self.0.pop_front();
-        }
-        frame
-    }
-}
-
-#[derive(Default)]
 struct Pictures {
-    kept: BTreeMap<usize, Arc<Vec<u8>>>,
-    bytes: usize,
+    kept: Kept<Arc<Vec<u8>>>,
     /// The number of the next frame, and the frames from there on.
     reader: Option<(usize, Box<dyn Iterator<Item = ColorFrame> + Send>)>,
     last: usize,
@@ -73,7 +55,6 @@ struct Pictures {
 
 impl Growing {
     /// Opens the recording at `path`. Also returns it as a sequence that is read in order.
-    /// Errors: Those of [`Seekable::open`].
     pub fn open(path: &Path, options: OpenOptions) -> Result<(Self, Sequence)> {
         let size = size(path);
         let (recording, sequence) = Seekable::open(path, &options)?;
@@ -121,17 +102,40 @@ impl Source for Growing {
         known.clone()
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
-        let frames = self.recorded().recording.gray_from(number)?;
-        Ok(Box::new(frames.map(|frame| frame.map(|frame| (frame.number, frame.seconds, frame.gray)))))
+    fn gray_from(&self, number: usize) -> Result<Frames> {
+        self.recorded().recording.gray_from(number)
     }
 
     fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
-        self.recorded().picture(number)
+        let recorded = self.recorded();
+        let mut pictures = lock(&recorded.pictures);
+        if let Some(picture) = pictures.kept.all().get(&number) {
+            return Some(Arc::clone(picture));
+        }
+        let is_near = pictures.reader.as_ref().is_some_and(|(next, _)| (*next..next + NEAR).contains(&number));
+        let steps_back = number < pictures.last && pictures.last - number < NEAR;
+        let begin = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
+        pictures.last = number;
+        // A frame on the way may be gone: then the wanted one is read without it.
+        let begins = [Some(begin).filter(|_| !is_near), Some(number).filter(|_| is_near || begin < number)];
+        begins.into_iter().find_map(|begin| {
+            if let Some(begin) = begin {
+                // This ends the former ffmpeg before the next one starts.
+                pictures.reader = None;
+                pictures.reader = Some((begin, recorded.recording.color_from(begin, SIDE).ok()?));
+            }
+            pictures.read_to(number, &recorded.colors)
+        })
     }
 
     fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
-        self.recorded().color(number)
+        let recorded = self.recorded();
+        let kept = lock(&recorded.colors).all().get(&number).cloned();
+        kept.or_else(|| {
+            let frame = Arc::new(recorded.recording.color_from(number, u16::MAX).ok()?.next()?);
+            lock(&recorded.colors).keep(number, Arc::clone(&frame));
+            Some(frame)
+        })
     }
 }
 
@@ -147,37 +151,14 @@ fn size(path: &Path) -> u64 {
 
 impl Recorded {
     fn new(recording: Seekable) -> Arc<Self> {
-        Arc::new(Self { recording, pictures: Mutex::default(), colors: Mutex::default() })
-    }
-
-    fn picture(&self, number: usize) -> Option<Arc<Vec<u8>>> {
-        let mut pictures = lock(&self.pictures);
-        if let Some(picture) = pictures.kept.get(&number) {
-            return Some(Arc::clone(picture));
-        }
-        let next = pictures.reader.as_ref().map(|(next, _)| *next);
-        if !next.is_some_and(|next| (next..next + NEAR).contains(&number)) {
-            let steps_back = number < pictures.last && pictures.last - number < NEAR;
-            let from = if steps_back { number.saturating_sub(BEFORE).max(1) } else { number };
-            // This ends the former ffmpeg before the next one starts.
-            pictures.reader = None;
-            pictures.reader = Some((from, self.recording.color_from(from, SIDE).ok()?));
-        }
-        pictures.last = number;
-        pictures.read_to(number, &self.colors)
-    }
-
-    fn color(&self, number: usize) -> Option<Arc<ColorFrame>> {
-        let kept = lock(&self.colors).0.iter().find(|(at, _)| *at == number).map(|(_, frame)| Arc::clone(frame));
-        kept.or_else(|| {
-            let frame = self.recording.color_from(number, u16::MAX).ok()?.next()?;
-            Some(lock(&self.colors).keep(number, frame))
-        })
+        let pictures = Pictures { kept: Kept::new(MOST_BYTES, |picture| picture.len()), reader: None, last: 0 };
+        let colors = Kept::new(MOST_PIXELS, |frame: &Arc<ColorFrame>| frame.pixels.len());
+        Arc::new(Self { recording, pictures: Mutex::new(pictures), colors: Mutex::new(colors) })
     }
 }
 
 impl Pictures {
-    fn read_to(&mut self, number: usize, colors: &Mutex<Colors>) -> Option<Arc<Vec<u8>>> {
+    fn read_to(&mut self, number: usize, colors: &Mutex<Kept<Arc<ColorFrame>>>) -> Option<Arc<Vec<u8>>> {
         loop {
             let (next, frames) = self.reader.as_mut()?;
             let at = *next;
@@ -187,27 +168,14 @@ impl Pictures {
             };
             *next += 1;
             let picture = Arc::new(encode::color_jpeg(&encode::within(&frame, SIDE), encode::GOOD).ok()?);
-            self.keep(at, &picture);
+            self.kept.keep(at, Arc::clone(&picture));
             // ffmpeg may have made a larger one smaller.
             if frame.width.max(frame.height) < SIDE {
-                lock(colors).keep(at, frame);
+                lock(colors).keep(at, Arc::new(frame));
             }
             if at == number {
                 return Some(picture);
             }
-        }
-    }
-
-    /// Keeps a picture. If pictures have too many bytes together, those farthest from it are dropped.
-    fn keep(&mut self, number: usize, picture: &Arc<Vec<u8>>) {
-        self.bytes += picture.len();
-        if let Some(before) = self.kept.insert(number, Arc::clone(picture)) {
-            self.bytes -= before.len();
-        }
-        while self.bytes > MOST_BYTES && self.kept.len() > 1 {
-            let (&first, &last) = (self.kept.keys().next().unwrap_or(&0), self.kept.keys().next_back().unwrap_or(&0));
-            let farthest = if number - first > last - number { first } else { last };
-            self.bytes -= self.kept.remove(&farthest).map_or(0, |picture| picture.len());
         }
     }
 }
@@ -234,7 +202,12 @@ mod tests {
         (1..=3).try_for_each(write).unwrap();
         let (source, sequence) = Growing::open(folder.path(), OpenOptions::default()).unwrap();
         assert_eq!((sequence.frames.count(), source.known().frames), (3, Some(3)));
-        (4..=5).try_for_each(write).unwrap();
+        fs::remove_file(folder.path().join("2.pgm")).unwrap();
+        assert_eq!(
+            [1, 3, 2, 1, 3, 2].map(|number| source.picture(number).is_some()),
+            [true, true, false, true, true, false]
+        );
+        (2..=5).try_for_each(write).unwrap();
         let begin = Instant::now();
         while source.known().frames == Some(3) {
             assert!(begin.elapsed() < Duration::from_secs(20));
@@ -242,7 +215,7 @@ mod tests {
         }
         assert_eq!(source.known().frames, Some(5));
         assert!(begin.elapsed() > LOOKS && source.picture(5).is_some());
-        assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().2.pixels[0], 5);
+        assert_eq!(source.gray_from(5).unwrap().next().unwrap().unwrap().gray.pixels[0], 5);
         let index = Known { frames: Some(7), times: vec![0.5; 7] };
         lock(&source.opened).known = index.clone();
         assert_eq!(source.known(), index, "it does not fall while an index is made");
@@ -263,25 +236,10 @@ mod tests {
         let count = recorded.known().frames.unwrap();
         assert!(recorded.picture(count).is_some() && recorded.picture(count + 1).is_none());
         assert!(recorded.picture(1).is_some());
-        let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().2;
+        let gray = |number| recorded.gray_from(number).unwrap().next().unwrap().unwrap().gray;
         for number in [150, count, 7] {
             assert_eq!(*recorded.color(number).unwrap(), ColorFrame::from(&gray(number)), "{number}");
         }
         assert!(recorded.color(count + 1).is_none());
-    }
-
-    #[test]
-    fn what_is_kept_is_bounded() {
-        let mut pictures = Pictures::default();
-        let picture = Arc::new(vec![0; 10 << 20]);
-        for number in (1..20).chain([3]) {
-            pictures.keep(number, &picture);
-            assert!(pictures.bytes <= MOST_BYTES && pictures.kept.contains_key(&number));
-        }
-        let (mut colors, large) =
-            (Colors::default(), ColorFrame { width: 4000, height: 2000, pixels: vec![[0; 3]; 8_000_000] });
-        (1..=4).for_each(|number| drop(colors.keep(number, large.clone())));
-        assert!(colors.0.iter().map(|(number, _)| *number).eq([3, 4]));
-        assert_eq!(pictures.bytes, pictures.kept.values().map(|one| one.len()).sum::<usize>());
     }
 }

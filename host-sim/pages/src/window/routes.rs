@@ -5,7 +5,7 @@ use super::made::{Job, Made};
 use super::news::Part;
 use super::server::{Reply, Request, Server};
 use super::{Known, Session, Source, read_boxes};
-use crate::export::boxes::Format;
+use crate::export::boxes::{Format, rounded};
 use crate::{encode, front_end};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use smr_evaluation::{Report, Variant, name_of};
 use smr_recordings::BoundingBox;
 use smr_recordings::messages::{self, choice_name};
+use std::str::FromStr;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -26,7 +27,6 @@ const GATHERING: Duration = Duration::from_millis(40);
 /// Wishes of a page that the command line fulfils.
 pub trait Wish: Send + Sync {
     /// Returns the trackers of a method with these options.
-    /// Errors: Those of the command line.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// Returns the name and the bytes of a file with the boxes.
@@ -41,11 +41,9 @@ pub trait Wish: Send + Sync {
 /// A window: a source, its targets, and the page that shows them.
 pub struct Window {
     pub name: String,
-    /// Width and height of the frames.
     pub size: (u16, u16),
     /// The source and its options, as they are typed.
     pub words: String,
-    /// The formats of videos.
     pub films: Vec<&'static str>,
     pub source: Arc<dyn Source>,
     pub followed: Arc<Followed>,
@@ -56,7 +54,6 @@ pub struct Window {
 
 impl Window {
     /// Runs the trackers and serves the page until the program ends.
-    /// Errors: The server's.
     pub fn serve(self, server: Server) -> Result<()> {
         let (source, followed) = (Arc::clone(&self.source), Arc::clone(&self.followed));
         thread::spawn(move || followed.run(source.as_ref()));
@@ -91,8 +88,7 @@ impl Window {
             (false, "source", "") => json_reply(&self.told_source()),
             (false, "news", "") => json_reply(&self.news(query)?),
             (false, "answers", "") => {
-                let (from, to) = (place(query, "from")?, place(query, "to")?);
-                let target = number(query, "target")?.try_into().context("target: expected an id")?;
+                let (target, from, to) = (number(query, "target")?, number(query, "from")?, number(query, "to")?);
                 let (rows, to) = self.followed.part(Part { target, from, to });
                 let rows: Vec<_> = rows.into_iter().map(|(frame, row)| told_row(&(target, frame, row))).collect();
                 json_reply(&json!({ "rows": rows, "to": to }))
@@ -164,12 +160,10 @@ impl Window {
         }));
     }
 
-    /// Tells the user what has to be told.
     fn told(&self, line: Option<String>) {
-        line.into_iter().for_each(|line| self.followed.say(line));
+        line.into_iter().for_each(|line| self.followed.tell(|news| news.say(line)));
     }
 
-    /// Returns the number of frames and their times, as far as they are known.
     pub fn known(&self) -> Known {
         self.followed.known(self.source.as_ref())
     }
@@ -183,6 +177,7 @@ impl Window {
         let Known { frames, times } = self.known();
         let variant = self.followed.variant();
         let (targets, revision) = self.followed.revision();
+        let offer = |format: &Format| json!({ "name": choice_name(format), "several": format.has_names() });
         let origin = serde_json::to_value(variant.origin()).unwrap_or_default();
         json!({
             "name": self.name,
@@ -255,10 +250,16 @@ impl Window {
     }
 
     fn picture(&self, name: &str) -> Reply {
-        match frame(name, ".jpg").and_then(|number| self.source.picture(number)) {
-            Some(picture) => Reply::new("image/jpeg", picture.to_vec()),
-            None => Reply::error(404, "there is no such frame, or it is not kept any more"),
+        let number = frame(name, ".jpg");
+        if let Some(picture) = number.and_then(|number| self.source.picture(number)) {
+            return Reply::new("image/jpeg", picture.to_vec());
         }
+        let is_recording = self.source.live().is_none();
+        let error =
+            number.filter(|_| is_recording).and_then(|number| self.source.gray_from(number).ok()?.next()?.err());
+        let said =
+            error.map_or("there is no such frame, or it is not kept any more".to_owned(), |error| messages::of(&error));
+        Reply::error(404, &said)
     }
 
     /// Returns the pixels of a part of a frame as they are.
@@ -275,14 +276,9 @@ impl Window {
     fn make(&self, ending: &str) -> Result<Reply> {
         let job = self.wish.made(self, ending)?;
         let followed = Arc::clone(&self.followed);
-        let id = self.made.begin(job, move |id| followed.makes(id))?;
+        let id = self.made.begin(job, move |id| followed.tell(|news| news.makes(id)))?;
         Ok(json_reply(&json!(self.made.of(id))))
     }
-}
-
-/// A format of boxes, and true if it holds several targets.
-fn offer(format: &Format) -> Value {
-    json!({ "name": choice_name(format), "several": format.has_names() })
 }
 
 fn json_reply(value: &Value) -> Reply {
@@ -321,21 +317,15 @@ fn decoded(text: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-fn number(query: &str, name: &str) -> Result<u64> {
+fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
     let text = value(query, name).with_context(|| format!("expected ?{name}=NUMBER"))?;
-    text.parse().with_context(|| format!("{name}={text}: expected a number"))
-}
-
-/// Returns the number of a frame in a query.
-fn place(query: &str, name: &str) -> Result<usize> {
-    usize::try_from(number(query, name)?).with_context(|| format!("{name}: expected the number of a frame"))
+    text.parse().ok().with_context(|| format!("{name}={text}: expected a number"))
 }
 
 /// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`
 fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
-    let figure = |value: f64| (value * 1e6).round() / 1e6;
     json!([
         target,
         frame,
@@ -344,11 +334,11 @@ fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row
         y,
         width,
         height,
-        evidence.map(|evidence| figure(evidence.confidence)),
+        evidence.map(|evidence| rounded(evidence.confidence)),
         evidence.and_then(|evidence| evidence.alpha),
-        evidence.map(|evidence| figure(evidence.ratio)),
-        evidence.map(|evidence| figure(evidence.scale)),
+        evidence.map(|evidence| rounded(evidence.ratio)),
+        evidence.map(|evidence| rounded(evidence.scale)),
         work,
-        time.map(figure),
+        time.map(rounded),
     ])
 }

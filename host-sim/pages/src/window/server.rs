@@ -63,7 +63,6 @@ pub(super) struct Request {
 
 pub(super) struct Reply {
     pub status: u16,
-    /// The media type.
     pub kind: &'static str,
     pub body: Vec<u8>,
     /// Name under which a browser saves the body.
@@ -101,7 +100,6 @@ impl Server {
         Ok(Self { listener, port, token, patience: PATIENCE })
     }
 
-    /// The address of the page.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
@@ -109,8 +107,8 @@ impl Server {
     /// Answers requests until the program ends. `answer` runs on a thread of its own and may wait.
     pub(super) fn run(self, answer: impl Fn(Request) -> Reply + Send + Sync + 'static) -> Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let Self { listener, port, token, patience } = self;
-        let door = Arc::new(Door { port, token, patience, answer: Box::new(answer), strangers: Mutex::default() });
+        let (listener, patience) = (self.listener.try_clone()?, self.patience);
+        let door = Arc::new(Door { server: self, answer: Box::new(answer), strangers: Mutex::default() });
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             for id in 0_u64.. {
@@ -149,9 +147,7 @@ impl Server {
 
 /// Lets in those who have the token and come from this server's own page.
 struct Door {
-    port: u16,
-    token: String,
-    patience: Duration,
+    server: Server,
     answer: Box<dyn Fn(Request) -> Reply + Send + Sync>,
     /// The connections that have not shown the token, the oldest first.
     strangers: Mutex<BTreeMap<u64, AbortHandle>>,
@@ -179,7 +175,7 @@ impl Door {
         let seen = request.headers().get(IF_MATCH).and_then(|value| value.to_str().ok());
         let revision = seen.and_then(|value| value.trim_matches('"').parse().ok());
         let read = Limited::new(request.into_body(), MOST_BYTES).collect();
-        let body = match tokio::time::timeout(self.patience, read).await {
+        let body = match tokio::time::timeout(self.server.patience, read).await {
             Ok(Ok(body)) => body.to_bytes().to_vec(),
             Ok(Err(_)) => return reply(Reply::error(413, "the request has more than 16 MiB")),
             Err(_) => return reply(Reply::error(408, "the request does not end")),
@@ -191,9 +187,10 @@ impl Door {
 
     /// Returns the path behind the token; `None` if the request is not let in.
     fn entered(&self, request: &hyper::Request<Incoming>) -> Option<String> {
-        let path = request.uri().path().strip_prefix('/')?.strip_prefix(self.token.as_str())?.strip_prefix('/')?;
+        let Server { port, token, .. } = &self.server;
+        let path = request.uri().path().strip_prefix('/')?.strip_prefix(token.as_str())?.strip_prefix('/')?;
         let header = |name| request.headers().get_all(name).iter().map(HeaderValue::as_bytes).collect::<Vec<_>>();
-        let names = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
+        let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
         let hosts = header(HOST);
         let is_here = |host: &[u8]| names.iter().any(|name| name.as_bytes() == host);
         let is_own = |origin: &&[u8]| origin.strip_prefix(b"http://").is_some_and(is_here);

@@ -13,17 +13,14 @@ use std::sync::Mutex;
 const VERSION: u32 = 1;
 const KIND: Kind = Kind { expected: "a session of host-sim view", most: 64 };
 
-/// All that a user has done in a window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     smr_session: u32,
-    /// Name of the recording.
     pub recording: String,
     pub method: String,
     /// Options of the method, as they are typed.
     pub options: Map<String, Value>,
     pub targets: Vec<Target>,
-    /// Frame that was shown last.
     pub frame: Option<usize>,
 }
 
@@ -35,7 +32,6 @@ impl Work {
     }
 }
 
-/// The file that the work is kept in.
 pub struct Session {
     /// `None`: the work is not kept.
     path: Option<PathBuf>,
@@ -53,7 +49,6 @@ struct Kept {
 
 impl Session {
     /// Reads the session of the recording at `path`, if there is one.
-    /// Errors: The file cannot be read, or is no session.
     pub fn open(path: Option<PathBuf>, recording: &str) -> Result<(Self, Option<Work>)> {
         let there = path.as_deref().filter(|path| fs::symlink_metadata(path).is_ok());
         let read = there.map(|path| read(path).with_context(|| path.display().to_string())).transpose()?;
@@ -113,8 +108,11 @@ impl Session {
 }
 
 fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
-    let wrong = |error| {
-        anyhow!("it is damaged, or no session of host-sim view ({error}): move it away, or name another by --session")
+    let wrong = |error: serde_json::Error| {
+        let (line, column) = (error.line(), error.column());
+        anyhow!(
+            "line {line}, column {column}: it is damaged, or no session of host-sim view: expected one as `view` writes it: move it away, or name another by --session"
+        )
     };
     let bytes = input::bytes(path, &KIND)?;
     let value: Value = serde_json::from_slice(&bytes).map_err(wrong)?;
@@ -123,36 +121,22 @@ fn read(path: &Path) -> Result<(Vec<u8>, Work)> {
         version.as_u64().is_none_or(|version| version <= VERSION.into()),
         "it is a session of version {version}, and this host-sim reads {VERSION}: take a later host-sim"
     );
-    let work: Work = serde_json::from_value(value).map_err(wrong)?;
+    let work: Work = serde_json::from_slice(&bytes).map_err(wrong)?;
     ensure!(work.targets.iter().all(|target| !target.locks.is_empty()), "it has a target without boxes: move it away");
     Ok((bytes, work))
 }
 
-/// Writes the file. Work in it that this window does not know gets another name, which is returned.
+/// Writes the file. Work in it that this window does not know is kept as `NAME~`, which is returned.
 fn replaced(path: &Path, kept: &mut Kept) -> Result<Option<PathBuf>> {
     let mut bytes = serde_json::to_vec_pretty(&kept.work)?;
     bytes.push(b'\n');
-    let there = fs::read(path).ok();
-    let aside = there.is_some_and(|there| kept.bytes.as_ref() != Some(&there)).then(|| free(path));
-    if let Some(aside) = &aside {
-        fs::copy(path, aside).with_context(|| format!("cannot write {}", aside.display()))?;
-    }
+    let other = fs::read(path).ok().filter(|there| kept.bytes.as_ref() != Some(there));
+    let mut aside = path.as_os_str().to_owned();
+    aside.push("~");
+    let aside = other.map(|other| output::write(aside.as_ref(), &other).map(|()| aside.into())).transpose()?;
     output::write(path, &bytes)?;
     kept.bytes = Some(bytes);
     Ok(aside)
-}
-
-/// Returns a name beside `path` that no file has: `NAME~`, `NAME~2`, ...
-fn free(path: &Path) -> PathBuf {
-    let named = |number: usize| {
-        let mut name = path.as_os_str().to_owned();
-        name.push("~");
-        if number > 1 {
-            name.push(number.to_string());
-        }
-        PathBuf::from(name)
-    };
-    (1..).map(named).find(|name| fs::symlink_metadata(name).is_err()).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -186,10 +170,11 @@ mod tests {
         let said = second.keep(|work| work.targets.clear()).unwrap();
         assert!(said.ends_with("a.smr.json~"), "{said}");
         // The first window does not know what the second one did.
-        assert!(first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~2"));
-        assert_eq!((second.path.as_ref(), names(folder.path()).len()), (Some(&file), 3));
         let kept: Work = serde_json::from_slice(&fs::read(folder.path().join("a.smr.json~")).unwrap()).unwrap();
-        assert_eq!(kept, expected);
+        let there = fs::read(&file).unwrap();
+        assert!(kept == expected && first.keep(|work| work.frame = None).unwrap().ends_with("a.smr.json~"));
+        assert_eq!(fs::read(folder.path().join("a.smr.json~")).unwrap(), there, "one is kept, the last");
+        assert_eq!((second.path.as_ref(), names(folder.path()).len()), (Some(&file), 2));
     }
 
     #[test]
@@ -197,13 +182,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.smr.json");
         for (text, said) in [
-            ("{\"smr_session\": 1, ", "it is damaged, or no session"),
-            ("[]", "it is damaged, or no session"),
+            ("{\"smr_session\": 1, ", "line 1, column 19: it is damaged, or no session"),
+            ("{\n\"smr_session\": 1}", "line 2, column 17: it is damaged, or no session"),
+            ("[]", "it is damaged, or no session of host-sim view: expected one as `view` writes it: move it away"),
             ("{\"smr_session\": 2}", "it is a session of version 2, and this host-sim reads 1"),
         ] {
             fs::write(&file, text).unwrap();
             let error = format!("{:#}", Session::open(Some(file.clone()), "a").err().unwrap());
             assert!(error.contains(said) && error.starts_with(&file.display().to_string()), "{error}");
+            assert!(!error.contains("field") && !error.contains("EOF"), "{error}");
         }
         let (session, _) = Session::open(Some(folder.path().join("no/a.smr.json")), "a").unwrap();
         let said = [(); 2].map(|()| session.keep(|_| ()));

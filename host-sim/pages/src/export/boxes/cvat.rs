@@ -1,5 +1,6 @@
 //! CVAT XML 1.1 for video, <https://docs.cvat.ai/docs/other/xml_format>: a track for each target. Frames count from 0, and a box
-//! goes from its left and upper to its right and lower edge.
+//! goes from its left and upper to its right and lower edge. CVAT drops boxes that are no key frames, so each is one; `source="auto"` tells the
+//! tracker's from those that the user drew, and CVAT passes over it.
 
 use super::{About, Answer};
 use smr_recordings::BoundingBox;
@@ -17,6 +18,7 @@ struct Track {
     /// The box in which it was seen last.
     last: Option<BoundingBox>,
     is_outside: bool,
+    is_gone: bool,
 }
 
 impl Tracks {
@@ -28,17 +30,20 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // Outside once: it stays so until the next box.
-        let is_outside = target.is_none();
-        let Some(seen) = target.or(track.last.filter(|_| !track.is_outside)) else { return };
-        (track.last, track.is_outside) = (Some(seen), is_outside);
+        // Outside once: it stays so until the next box. That the user has taken it out is told also of a lost target.
+        let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
+        let is_told = track.is_outside && (track.is_gone || !is_gone);
+        let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };
+        (track.last, track.is_outside, track.is_gone) = (Some(seen), is_outside, is_gone);
+        let source =
+            if answer.report.is_some_and(|report| report.evidence.is_some()) { r#" source="auto""# } else { "" };
         let BoundingBox { x, y, width, height } = seen;
         let (right, bottom) = (x + width, y + height);
         let (frame, outside) = (answer.frame - 1, u8::from(is_outside));
         // Writing to a string cannot fail.
         let _ = writeln!(
             track.boxes,
-            r#"    <box frame="{frame}" keyframe="1" outside="{outside}" occluded="0" xtl="{x:.2}" ytl="{y:.2}" xbr="{right:.2}" ybr="{bottom:.2}" z_order="0"></box>"#
+            r#"    <box frame="{frame}" keyframe="1" outside="{outside}" occluded="0" xtl="{x:.2}" ytl="{y:.2}" xbr="{right:.2}" ybr="{bottom:.2}" z_order="0"{source}></box>"#
         );
     }
 

@@ -1,15 +1,14 @@
 //! The figures, drawn.
 
 use super::sheet::{COLUMN, DASHED, DOTTED, GAP, LINE, Pair, Plot, SOLID, Sheet, TOP, color_of, nice, tile};
-use super::{SAD, SMR, choice, compared};
+use super::{SAD, SMR, around, compared, overlap, spans};
 use crate::colors::{self, WHITE};
-use crate::report::difference::{BAR, BARS, Difference};
+use crate::report::difference::{BAR, BARS, Difference, differences as map, part, patch};
 use crate::report::film::{Film, Still};
-use crate::report::image::{differences as map, patch};
 use anyhow::{Context, Result};
-use smr_core::{Image, Rect};
-use smr_evaluation::{centre_errors, name_of};
-use smr_recordings::BoundingBox;
+use smr_core::Rect;
+use smr_evaluation::{CORRECT, centre_errors, name_of};
+use smr_recordings::{BoundingBox, GrayFrame};
 
 /// The boxes of SMR and SAD in one frame, with what each compared.
 pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
@@ -30,12 +29,9 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
         let words = format!("{}{state}{}", name(film, row), overlap.unwrap_or_default());
         sheet.words(at(0.0, 8.0), "start", &words, color_of(row));
         let seen = &compared(still, row)?.difference;
-        sheet.patch(at(0.0, LINE), PATCH, &patch(seen.size, &seen.template)?);
+        sheet.patch(at(0.0, LINE), PATCH, &patch(&seen.template)?);
         let bbox = still.sights[row].bbox.to_rect().context("a box of pixels")?;
-        let rows = (bbox.y..).take(bbox.height.into());
-        let places = rows.flat_map(|y| (bbox.x..).take(bbox.width.into()).map(move |x| (x, y)));
-        let levels: Vec<u8> = places.map(|(x, y)| still.frame.level(x, y)).collect();
-        sheet.patch(at(1.0, LINE), PATCH, &patch((bbox.width, bbox.height), &levels)?);
+        sheet.patch(at(1.0, LINE), PATCH, &patch(&part(&still.frame, bbox))?);
         sheet.words(at(0.0, LINE + PATCH.1 + 12.0), "start", "template", WHITE);
         sheet.words(at(1.0, LINE + PATCH.1 + 12.0), "start", "in its box", WHITE);
     }
@@ -59,14 +55,15 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
         let top = TOP + row as f64 * ROW;
         sheet.words((GAP, top + 8.0), "start", &name(film, row), color_of(row));
         let search = compared(still, row)?;
-        sheet.patch((columns[0], top), PATCH, &patch(search.difference.size, &search.difference.template)?);
+        sheet.patch((columns[0], top), PATCH, &patch(&search.difference.template)?);
         let there = at_truth(film, still, &search.difference)?;
         for (x, stroke, seen) in [(columns[1], SOLID, &search.difference), (columns[2], DASHED, &there)] {
-            sheet.patch((x, top), PATCH, &map(seen.size, &seen.pixels, search.alpha)?);
-            let sum: f64 = seen.pixels.iter().map(|&pixel| f64::from(pixel)).sum();
+            sheet.patch((x, top), PATCH, &map(&seen.pixels, search.alpha)?);
+            let pixels = &seen.pixels.pixels;
+            let sum: f64 = pixels.iter().map(|&pixel| f64::from(pixel)).sum();
             let figure = match search.alpha {
                 Some(alpha) => format!("{:.0}% count", 100.0 * seen.counting(alpha)),
-                None => format!("mean {:.1}", sum / seen.pixels.len().max(1) as f64),
+                None => format!("mean {:.1}", sum / pixels.len().max(1) as f64),
             };
             sheet.words((x, top + PATCH.1 + 12.0), "start", &figure, WHITE);
             curves.push((color_of(row), stroke, seen.histogram()));
@@ -97,21 +94,20 @@ fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference>
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
     let (x, y) = film.truth_at(still.index).context("the target is visible")?.centre();
-    let (width, height) = (f64::from(seen.size.0), f64::from(seen.size.1));
+    let (width, height) = (f64::from(seen.template.width), f64::from(seen.template.height));
     let (x, y) = (x + start.0 - first.0 - width / 2.0, y + start.1 - first.1 - height / 2.0);
     let at: Rect = BoundingBox { x, y, width, height }.to_rect().context("the box of the ground truth is far away")?;
-    Ok(Difference::new(&still.frame, at, Image::new(&seen.template, seen.size.0, seen.size.1)?))
+    Ok(Difference::new(&still.frame, at, seen.template.clone()))
 }
 
 fn shades(sheet: &mut Sheet, left: f64, alpha: Option<u16>) -> Result<()> {
     const SIZE: Pair = (120.0, 14.0);
-    const PIXELS: (u16, u16) = (128, 15);
-    let levels: Vec<u8> = (0..PIXELS.1).flat_map(|_| 0..128).collect();
+    let levels = GrayFrame { width: 128, height: 15, pixels: (0..128).collect::<Vec<_>>().repeat(15) };
     sheet.words((left, TOP + 8.0), "start", "0", WHITE);
     sheet.words((left + SIZE.0, TOP + 8.0), "end", "127+", WHITE);
-    sheet.patch((left, TOP + LINE), SIZE, &map(PIXELS, &levels, None)?);
+    sheet.patch((left, TOP + LINE), SIZE, &map(&levels, None)?);
     if alpha.is_some() {
-        sheet.patch((left, TOP + 3.0 * LINE), SIZE, &map(PIXELS, &levels, alpha)?);
+        sheet.patch((left, TOP + 3.0 * LINE), SIZE, &map(&levels, alpha)?);
         sheet.words((left, TOP + 3.0 * LINE + SIZE.1 + 12.0), "start", "that count", WHITE);
     }
     Ok(())
@@ -147,7 +143,7 @@ pub(super) fn drift(film: &Film) -> String {
     let most = nice(errors.iter().flatten().flatten().fold(4.0, |most: f64, &error| most.max(error)));
     let across = (1.0, film.moments.len().max(2) as f64);
     let plot = sheet.plot((4.0 * GAP, PLOT), across, most, ["frame", "pixels"], usize::from(most < 20.0));
-    let hidden = choice::spans(film);
+    let hidden = spans(film);
     sheet.hidden(&plot, &hidden);
     for method in [SAD, SMR] {
         sheet.curve(&plot, 1, &errors[method], method);
@@ -175,15 +171,15 @@ pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) 
         sheet.words((left + COLUMN, 2.0 * GAP + 8.0), "end", "hidden", WHITE);
     }
     sheet.words((GAP, bottom + 14.0), "start", "below each frame the template of SMR", WHITE);
-    let (from, to) = choice::around(film, hidden);
+    let (from, to) = around(film, hidden);
     let names = ["frame", "IoU, shaded: hidden, dotted: correct above 0.25"];
     let top = bottom + 14.0 + 2.0 * LINE + 10.0;
     let plot = sheet.plot((top, PLOT), (from as f64 + 1.0, to as f64 + 1.0), 1.0, names, 2);
     sheet.hidden(&plot, &[hidden]);
-    let limit = plot.y(choice::CORRECT);
+    let limit = plot.y(CORRECT);
     sheet.line(&[(Plot::LEFT, limit), (Plot::RIGHT, limit)], WHITE, DOTTED);
     for method in [SAD, SMR] {
-        let values: Vec<Option<f64>> = (from..=to).map(|index| choice::overlap(film, method, index)).collect();
+        let values: Vec<Option<f64>> = (from..=to).map(|index| overlap(film, method, index)).collect();
         sheet.curve(&plot, from + 1, &values, method);
     }
     Ok(sheet.svg(plot.bottom + 3.0 * LINE))

@@ -1,10 +1,11 @@
 //! Parts of a figure, as SVG: words, lines, frames with boxes, patches and plots.
 
 use super::{METHODS, SAD, SMR, compared};
-use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE, color_of_method};
+use crate::colors::{Color, GRID, PAPER, TRUTH, WHITE};
 use crate::encode::{GOOD, data_uri, jpeg};
+use crate::report::difference;
 use crate::report::film::{Film, Still};
-use crate::report::image;
+use crate::report::trackers::color_of_method;
 use anyhow::Result;
 use minijinja::HtmlEscape;
 
@@ -137,7 +138,7 @@ impl Sheet {
             self.words((left, 2.0 * GAP + 8.0), "start", &(still.index + 1).to_string(), WHITE);
             self.frame(film, still, (left, TOP), size, margin)?;
             let seen = &compared(still, SMR)?.difference;
-            self.patch((left, TOP + size.1 + GAP), PATCH, &image::patch(seen.size, &seen.template)?);
+            self.patch((left, TOP + size.1 + GAP), PATCH, &difference::patch(&seen.template)?);
         }
         Ok((lefts, TOP + size.1 + GAP + PATCH.1))
     }

@@ -1,9 +1,9 @@
 use super::*;
-use crate::window::{LiveState, Numbered};
+use crate::window::LiveState;
 use anyhow::anyhow;
 use smr_core::paper;
 use smr_evaluation::MethodKind;
-use smr_recordings::synthetic;
+use smr_recordings::{Frames, synthetic};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -32,7 +32,7 @@ impl Source for Scene {
         self.oldest.load(Ordering::SeqCst).max(1)
     }
 
-    fn gray_from(&self, number: usize) -> Result<Numbered> {
+    fn gray_from(&self, number: usize) -> Result<Frames> {
         let read = AtomicUsize::new(0);
         let (damaged, every) = (self.damaged, self.every.unwrap_or(1));
         self.read.fetch_add(1, Ordering::SeqCst);
@@ -42,7 +42,7 @@ impl Source for Scene {
             if damaged == Some(at) {
                 Err(anyhow!("frame {at} is damaged"))
             } else {
-                Ok((at, None, synthetic::frame(at - 1)))
+                Ok(Frame::new(at, None, synthetic::frame(at - 1)))
             }
         })))
     }
@@ -293,7 +293,7 @@ fn a_page_asks_for_many_answers_by_parts() {
     assert_eq!(rows.len(), 4 * FRAMES, "each answer once");
     let all = running.followed.heard(0, Duration::ZERO);
     assert_eq!((all.rows.len(), all.changed.len(), all.position), (0, 4, running.position));
-    running.followed.makes(7);
+    running.followed.tell(|news| news.makes(7));
     let next = running.followed.heard(all.position, Duration::ZERO);
     assert_eq!((all.made.len(), next.made, next.changed.len()), (0, vec![7], 0), "each change is told once");
     assert_eq!(all.changed[3], Part { target: 4, from: 1, to: FRAMES });
