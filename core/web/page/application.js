@@ -448,7 +448,8 @@ function about() {
 function load() {
   const { progress, live } = news;
   const dropped = live && `${droppedOf(live)}. The picture is ${Math.round(live.latency_ms)} ms old.`;
-  const following = !live && progress && `Following: frame ${progress.frame}, ${Math.round(progress.rate)} frames a second.`;
+  const pace = progress?.rate >= 1 ? `, ${Math.round(progress.rate)} frames a second` : "";
+  const following = !live && progress && `Following: frame ${progress.frame}${pace}.`;
   const hint = edits.targets.length === 0 ? "Drag a box over what is to be followed." : edits.chosen === null ? "Drag a box over the new target." : "";
   return [dropped, following, hint].filter(Boolean).join(" ");
 }

@@ -114,6 +114,8 @@ export class Edits {
     if (this.canUndo) {
       this.#change(this.#past.at(-1), this.#past.slice(0, -1), [...this.#future, this.targets]);
       this.#chosen = this.chosen?.id ?? this.targets.at(-1)?.id ?? null;
+      // Nothing was done: numbers begin anew.
+      this.#ids = this.canUndo || this.targets.length > 0 ? this.#ids : 0;
     }
   }
 
