@@ -9,11 +9,10 @@ import { Drag, gripOf, inside } from "./drag.js";
 import { Edits, isGone, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
-import { Figures } from "./figures.js";
+import { drawFigures } from "./figures.js";
 import { FRAMES, chartsOf } from "./curves.js";
 import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
-import { METHODS } from "./methods.js";
 import { Playback, frameNamed } from "./playback.js";
 import { Preview } from "./preview.js";
 import { drawStage } from "./stage.js";
@@ -44,7 +43,7 @@ let asked = null; // a box that the user has to confirm, and its grip
 let hovered = { number: null }; // the frame under the mouse on the timeline
 let hasEnded = false;
 let [drawing, reading, loading] = [null, null, null];
-let playback, viewport, detail, timeline, preview, graph, figures, drag, seesCurves;
+let playback, viewport, detail, timeline, preview, graph, drag, seesCurves;
 
 function say(text) {
   byId("said").textContent = text;
@@ -370,7 +369,7 @@ function drawReadings() {
 }
 
 function drawTargets(chosen) {
-  const named = edits.targets.map((target) => ({ ...target, name: nameOf(target), isFollowed: true }));
+  const named = edits.targets.map((target) => ({ ...target, name: nameOf(target) }));
   drawList(byId("targets"), { targets: named, chosen, choose, rename, remove: (target) => [edits.remove(target), changed()] });
   edits.targets.forEach((target, at) => {
     const state = isGone(target, playback.shown) ? "gone" : (answers.state(target.id, playback.shown) ?? "–");
@@ -382,13 +381,10 @@ const named = (number) => (number > playback.last ? "" : timeOf(number) === null
 
 function drawChosen(chosen) {
   const { shown, first, last } = playback;
-  const on = Object.fromEntries(METHODS.map((method) => [method, method === recording.method]));
-  const now = chosen === null ? undefined : answers.at(chosen.id, shown);
-  figures.draw({ now: { [recording.method]: now ?? {} } }, on);
+  drawFigures(byId("figures"), recording.method, chosen === null ? undefined : answers.at(chosen.id, shown));
   if (seesCurves() && shown !== null) {
     const end = Math.max(Math.min(shown + FRAMES / 2, last), Math.min(first + FRAMES - 1, Math.max(last, FRAMES)));
-    const history = chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end);
-    const charts = chartsOf(byId("curves"), { histories: { [recording.method]: history } }, on);
+    const charts = chartsOf(byId("curves"), recording.method, chosen === null ? undefined : answers.around(chosen.id, end - FRAMES + 1, end));
     graph.draw({ charts, first: end - FRAMES + 1, last: end, now: shown, named, timeOf });
   }
 }
@@ -614,7 +610,7 @@ function prepare() {
   timeline = new Timeline(byId("timeline"), { goTo: visit, hover });
   preview = new Preview(byId("timeline"));
   drag = new Drag(byId("stage"), {
-    size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock, arrowsStart: false,
+    size, start: startBox, view: () => viewport.seen, grip: gripAt, click: clicked, lock,
     propose: (box, grip) => {
       [proposed, pulled] = [box, grip ?? asked?.grip ?? null];
       if (box === null) {
@@ -625,7 +621,6 @@ function prepare() {
   });
   viewport = new Viewport(byId("stage"), { size, changed: draw, pinched: () => drag.drop() });
   graph = new Graph({ goTo: visit });
-  figures = new Figures(byId("figures"));
   seesCurves = inView(byId("curves"), draw);
 }
 

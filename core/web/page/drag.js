@@ -19,10 +19,9 @@ export class Drag {
   #box = null; // what is drawn
 
   /**
-   * `page`: { size() of the frame or null, start() the box a key begins with, propose(box or null), lock(box, grip) false to
-   * keep the box drawn }.
-   * It may also have: view() the part of the frame that is seen; grip(point, reach) what is there to take hold of, { box,
-   * held } with `held` of `gripOf`, or null; click(point); arrowsStart: false if arrows only move a box that is there.
+   * `page`: { size() of the frame or null, view() the part of the frame that is seen, start() the box a key begins with, propose(box or null),
+   * lock(box, grip) false to keep the box drawn, grip(point, reach) what is there to take hold of, { box, held } with `held` of `gripOf`, or null,
+   * click(point) }.
    */
   constructor(canvas, page) {
     this.#canvas = canvas;
@@ -83,7 +82,7 @@ export class Drag {
     }
     const [from, box] = [this.#from, this.#dragged(this.#place(event))];
     this.#from = null;
-    if (this.#isMoved || this.#page.click === undefined) {
+    if (this.#isMoved) {
       this.#lock(box);
     } else {
       this.drop();
@@ -96,9 +95,9 @@ export class Drag {
     if (size === null || event.ctrlKey || event.metaKey) {
       return;
     }
-    if (ARROWS[event.key] !== undefined && (this.#box !== null || this.#page.arrowsStart !== false)) {
+    if (ARROWS[event.key] !== undefined && this.#box !== null) {
       event.preventDefault();
-      this.#propose(this.#box === null ? inside(this.#page.start(), size) : changed(this.#box, event, size));
+      this.#propose(changed(this.#box, event, size));
     } else if (event.key === "Enter") {
       event.preventDefault();
       this.#box === null ? this.#propose(inside(this.#page.start(), size)) : this.take();
@@ -124,21 +123,17 @@ export class Drag {
   }
 
   #gripAt(event) {
-    return this.#page.size() === null ? null : (this.#page.grip?.(this.#place(event), (REACH[event.pointerType] ?? MOUSE_REACH) * this.#unit()) ?? null);
-  }
-
-  #view() {
-    return this.#page.view?.() ?? { x: 0, y: 0, ...this.#page.size() };
+    return this.#page.size() === null ? null : this.#page.grip(this.#place(event), (REACH[event.pointerType] ?? MOUSE_REACH) * this.#unit());
   }
 
   // Pixels of the frame for one of the page.
   #unit() {
-    return this.#view().width / this.#canvas.getBoundingClientRect().width;
+    return this.#page.view().width / this.#canvas.getBoundingClientRect().width;
   }
 
   #place({ clientX, clientY }) {
     const { left, top } = this.#canvas.getBoundingClientRect();
-    const { x, y } = this.#view();
+    const { x, y } = this.#page.view();
     return { x: x + (clientX - left) * this.#unit(), y: y + (clientY - top) * this.#unit() };
   }
 }

@@ -1,15 +1,14 @@
-// The table of the chosen target: the answer of each tracker for this frame, and its cost.
+// The table of the chosen target: the tracker's answer for this frame, and its cost.
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";
-import { METHODS, SHORT } from "./methods.js";
+import { SHORT } from "./methods.js";
 
 const part = (value, unit) => (value === undefined || value === null ? "–" : (value / unit).toFixed(3));
 const whole = (value) => (value === undefined || value === null ? "–" : String(value));
 const millions = (value) => (value === undefined ? "–" : `${(value / 1e6).toFixed(2)} M`);
 const placed = (box) => (box ? [box.x, box.y, box.width, box.height].map((side) => Math.round(side)).join(", ") : "–");
 
-const STATES = ["tracking", "leaving", "uncertain", "lost"];
 const ROWS = [
   ["state", (now) => now.state],
   ["confidence", (now) => part(now.confidence, 65535)],
@@ -22,48 +21,20 @@ const ROWS = [
   ["Cortex-M55", (now, method) => about(instructions(method, now).m55)],
 ];
 
-export class Figures {
-  #table;
-  #cells = new Map(); // by method and title of the row
-  #shown = "";
-
-  constructor(table) {
-    this.#table = table;
+/** Fills the table with the answer of `method` for a frame; `now` is undefined if there is none. */
+export function drawFigures(table, method, now) {
+  if (table.dataset.of !== method) {
+    table.dataset.of = method;
+    const head = [htmlNode("th", { scope: "col" }, "this frame"), htmlNode("th", { scope: "col" }, sample(method), SHORT[method])];
+    const lines = ROWS.map(([title]) => htmlNode("tr", {}, htmlNode("th", { scope: "row" }, title), htmlNode("td", {})));
+    table.replaceChildren(htmlNode("thead", {}, htmlNode("tr", {}, ...head)), htmlNode("tbody", {}, ...lines));
   }
-
-  draw(target, on) {
-    const methods = METHODS.filter((method) => on[method]);
-    if (this.#shown !== methods.join()) {
-      this.#shown = methods.join();
-      this.#make(methods);
-    }
-    for (const method of methods) {
-      const now = target?.now[method] ?? {};
-      for (const [title, read] of ROWS) {
-        this.#write(method, title, now.state === undefined ? "–" : read(now, method));
-      }
-    }
-  }
-
-  #make(methods) {
-    const heads = methods.map((method) => htmlNode("th", { scope: "col" }, sample(method), SHORT[method]));
-    const lines = ROWS.map(([title]) => {
-      const cells = methods.map((method) => {
-        const cell = htmlNode("td", {});
-        this.#cells.set(`${method} ${title}`, cell);
-        return cell;
-      });
-      return htmlNode("tr", {}, htmlNode("th", { scope: "row" }, title), ...cells);
-    });
-    const head = htmlNode("thead", {}, htmlNode("tr", {}, htmlNode("th", { scope: "col" }, "this frame"), ...heads));
-    this.#table.replaceChildren(head, htmlNode("tbody", {}, ...lines));
-  }
-
-  #write(method, title, text) {
-    const cell = this.#cells.get(`${method} ${title}`);
+  ROWS.forEach(([title, read], at) => {
+    const cell = table.tBodies[0].rows[at].cells[1];
+    const text = now === undefined ? "–" : read(now, method);
     if (cell.textContent !== text) {
-      const isState = title === "state" && STATES.includes(text);
+      const isState = title === "state" && now !== undefined;
       cell.replaceChildren(...(isState ? [htmlNode("span", { class: `key ${text}` })] : []), text);
     }
-  }
+  });
 }

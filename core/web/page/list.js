@@ -2,12 +2,9 @@
 
 import { htmlNode } from "./dom.js";
 
-/**
- * `page`: { targets, chosen, choose(target), remove(target) }, and rename(target, text) if the user may name them. A
- * target may have a color.
- */
+/** `page`: { targets, each { id, name, color }, chosen, choose(target), remove(target), rename(target, text) }. */
 export function drawList(place, { targets, chosen, choose, remove, rename }) {
-  const shown = targets.map(({ id, name, isFollowed }) => `${id}${name}${isFollowed}`).join() + chosen?.id;
+  const shown = targets.map(({ id, name }) => `${id}${name}`).join() + chosen?.id;
   if (place.dataset.shown === shown) {
     return;
   }
@@ -24,12 +21,10 @@ function line(target, isChosen, { choose, remove, rename }) {
   radio.checked = isChosen;
   radio.setAttribute("aria-label", `Target ${target.name}`);
   radio.addEventListener("change", () => choose(target));
-  const words = target.isFollowed ? "" : ": drag a box over it";
   const button = htmlNode("button", { type: "button", "aria-label": `Remove target ${target.name}` }, "Remove");
   button.addEventListener("click", () => remove(target));
-  const label = rename === undefined ? [htmlNode("label", {}, radio, `Target ${target.name}${words}`)] : [htmlNode("label", { class: "of" }, radio), nameField(target, rename)];
-  const item = htmlNode("li", isChosen ? { class: "chosen" } : {}, ...label, htmlNode("span", { class: "now" }), button);
-  item.style.setProperty("--of", target.color ?? "transparent");
+  const item = htmlNode("li", isChosen ? { class: "chosen" } : {}, htmlNode("label", { class: "of" }, radio), nameField(target, rename), htmlNode("span", { class: "now" }), button);
+  item.style.setProperty("--of", target.color);
   return item;
 }
 
