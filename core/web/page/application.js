@@ -147,7 +147,7 @@ function choose(target) {
   draw();
 }
 
-// Each change is sent as all that is wanted now. What host-sim refuses is taken back.
+// Each change is sent as all that is wanted now. What the source refuses is taken back.
 async function changed() {
   const { targets } = edits;
   say("");
@@ -203,10 +203,12 @@ function undo(isRedo) {
   }
 }
 
-// ---- what host-sim tells
+// ---- what the source tells
 
 function heard(told) {
   if (told.opened !== undefined) {
+    // The frame in the address was one of other frames.
+    history.replaceState(null, "", "#");
     opened(told.opened);
     return;
   }
@@ -436,7 +438,7 @@ function said(chosen) {
 
 function about() {
   const end = timeOf(playback.last);
-  const long = kind === "live" || recording.frames === null ? "" : `, ${recording.frames} frames${end === null ? "" : `, ${clock(end)}`}`;
+  const long = kind === "live" || recording.frames === null ? "" : `, ${recording.frames} ${recording.frames === 1 ? "frame" : "frames"}${end === null ? "" : `, ${clock(end)}`}`;
   const kept = recording.session && edits.targets.length > 0 ? `. Your work is kept in ${recording.session}` : "";
   return `${recording.width}x${recording.height} pixels${long}${kept}`;
 }
@@ -558,7 +560,7 @@ function useMethod() {
 async function stop() {
   if ((await trying(source.stop())) !== "") {
     playback.play(false);
-    say("Stopped. The last minutes can still be looked through.");
+    say("Stopped. The last frames can still be looked through.");
   }
 }
 

@@ -15,9 +15,7 @@ export class BuiltIn {
     this.#follower = follower;
   }
 
-  async open() {
-    await this.#follower.ask("clear");
-  }
+  async open() {}
 
   news() {
     return { frames: this.last };
@@ -31,5 +29,5 @@ export class BuiltIn {
     return (await this.#follower.ask("draw", { number })).picture;
   }
 
-  stop() {}
+  close() {}
 }

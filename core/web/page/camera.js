@@ -27,6 +27,7 @@ export class Camera {
   #dropped = 0;
   #sent = 0; // frames to the worker
   #underWay = 0;
+  #isStopped = false;
   #end = () => {};
 
   /** `page`: { came() a frame is there, failed(text) }. */
@@ -46,21 +47,30 @@ export class Camera {
       video.srcObject = await navigator.mediaDevices.getUserMedia(WANTED);
       await video.play();
     } catch (error) {
-      this.stop();
+      this.close();
       throw new Error(REFUSED[error.name] ?? `The camera cannot be used: ${error.message}`);
     }
     [this.width, this.height] = [video.videoWidth, video.videoHeight];
-    await this.#follower.ask("clear");
     video.srcObject.getVideoTracks()[0].addEventListener("ended", () => this.#page.failed("The camera was disconnected."));
+  }
+
+  /** Takes pictures from now on; returns when there is one. */
+  async start() {
+    await this.#follower.ask("clear");
     await new Promise((resolve) => {
-      this.#end = eachPicture(video, ({ missed }) => this.#seen(missed).then(resolve));
+      this.#end = eachPicture(this.#video, ({ missed }) => this.#seen(missed).then(resolve));
     });
+  }
+
+  /** The number of the oldest frame that is kept. */
+  get oldest() {
+    return this.#kept.keys().next().value;
   }
 
   /** The oldest frame that is kept, the newest one, how many were dropped, and how old (ms) the frame `number` is. */
   news(number) {
     const time = this.#kept.get(number)?.time ?? performance.now();
-    return { live: { oldest: this.#kept.keys().next().value, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
+    return { live: { oldest: this.oldest, newest: this.last, dropped: this.#dropped, latency_ms: performance.now() - time } };
   }
 
   /** The worker keeps the frames. */
@@ -77,12 +87,20 @@ export class Camera {
     return kept.picture;
   }
 
+  /** Takes no more pictures. Those that are kept stay. */
   stop() {
+    this.#isStopped = true;
     this.#end();
     for (const track of this.#video.srcObject?.getTracks() ?? []) {
       track.stop();
     }
     this.#video.remove();
+  }
+
+  close() {
+    this.stop();
+    this.#kept.forEach(({ picture }) => picture.close());
+    this.#kept.clear();
   }
 
   async #seen(missed) {
@@ -92,14 +110,27 @@ export class Camera {
       return;
     }
     this.#underWay += 1;
-    const time = performance.now();
+    try {
+      await this.#take(performance.now());
+    } catch (error) {
+      this.#page.failed(`The camera gives no picture: ${error.message}.`);
+    } finally {
+      this.#underWay -= 1;
+    }
+  }
+
+  async #take(time) {
     const seen = await pictureOf(this.#video);
+    if (this.#isStopped) {
+      seen.close();
+      return;
+    }
     const number = ++this.#sent;
     const { picture } = await this.#follower.ask("keep", { number, picture: seen });
     this.#keep(number, { picture: await createImageBitmap(picture), time });
     picture.close();
+    // The copies of two pictures may end in any order.
     this.last = Math.max(this.last, number);
-    this.#underWay -= 1;
     this.#page.came();
   }
 

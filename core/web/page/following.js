@@ -14,7 +14,7 @@ export class Following {
   #source = null;
   #wanted = [];
   #targets = new Map(); // see Target, by id
-  #asked = null; // a box of which somebody wants to know whether it was locked: { id, number, resolve, reject }
+  #asked = null; // the box that `targets` waits for: { id, number, resolve, reject }
   #isBusy = false;
   #began = null; // { time, count } of the frames that are followed now
 
@@ -24,10 +24,12 @@ export class Following {
   }
 
   /** Follows targets in the frames of another source. */
-  async use(source) {
+  use(source) {
     [this.#source, this.#wanted] = [source, []];
     this.#targets.clear();
-    await this.#follower.ask("restart", { using: this.using });
+    this.#follower.ask("restart", { using: this.using });
+    this.#asked?.resolve();
+    this.#asked = null;
   }
 
   /** Follows all anew by another method. */
@@ -37,10 +39,20 @@ export class Following {
     const wanted = this.#wanted;
     this.#apply([]);
     this.#apply(wanted);
+    if ([...this.#targets.values()].some(({ next }) => next === Infinity)) {
+      this.#tell({ said: "Draw the boxes again: their frames are not kept any more." });
+    }
   }
 
-  /** Follows these targets from now on. Throws the reason if a new box is refused, and then follows those of before. */
+  /**
+   * Follows these targets from now on. If the first of the new boxes is refused, throws the reason, and follows those of before. Also throws if
+   * a target would have to be followed anew from a frame that is not kept any more.
+   */
   async targets(wanted) {
+    const lost = wanted.map(({ id, locks }) => this.#targets.get(id)?.anew(locks) ?? locks[0].number).find((number) => number < this.#oldest);
+    if (lost !== undefined) {
+      throw new Error(`Frame ${lost} is not kept any more: draw a box in a later one.`);
+    }
     const before = this.#wanted;
     const known = new Set(before.flatMap(({ locks }) => locks));
     const [fresh] = wanted.flatMap(({ id, locks }) => locks.filter((lock) => lock.box !== null && !known.has(lock)).map(({ number }) => ({ id, number })));
@@ -63,7 +75,7 @@ export class Following {
     return this.#wanted.map((target) => [nameOf(target), [...this.#targets.get(target.id).rows.values()]]);
   }
 
-  /** The frame up to which all targets are followed. */
+  /** The frame up to which all targets are followed; Infinity if all are gone and nobody knows the last frame. */
   get followed() {
     return Math.min(this.#source.last, ...[...this.#targets.values()].map(({ next }) => next - 1));
   }
@@ -87,6 +99,11 @@ export class Following {
     this.#told([]);
   }
 
+  // The first frame that can be followed.
+  get #oldest() {
+    return this.#source.oldest ?? 1;
+  }
+
   #due() {
     return Math.min(...[...this.#targets.values()].map(({ next }) => next));
   }
@@ -102,8 +119,10 @@ export class Following {
     }
     for (const { id, locks } of wanted) {
       const target = this.#targets.get(id);
-      const from = target?.use(locks) ?? 0;
-      if (target === undefined || from !== Infinity) {
+      const from = target?.anew(locks) ?? this.#oldest;
+      if (from === Infinity) {
+        target.locks = locks;
+      } else {
         this.#targets.set(id, new Target(id, locks, from, target));
         clear.push([id, from, Infinity]);
       }
@@ -121,7 +140,8 @@ export class Following {
     if (jobs.length === 0) {
       frame?.picture?.close();
     }
-    const answers = new Map(jobs.length === 0 ? [] : await this.#follower.ask("follow", { number, ...frame, jobs }));
+    const refuse = ({ message }) => jobs.map(({ id }) => [id, { error: message }]);
+    const answers = new Map(jobs.length === 0 ? [] : await this.#follower.ask("follow", { number, ...frame, jobs }).catch(refuse));
     // Targets that were changed meanwhile are followed anew.
     const rows = due.filter((target) => this.#targets.get(target.id) === target).flatMap((target) => this.#took(target, number, answers.get(target.id)));
     this.#told(rows);
@@ -132,7 +152,7 @@ export class Following {
     const isAsked = this.#asked?.id === target.id && this.#asked.number === number;
     const { error, quality } = answer;
     if (error !== undefined) {
-      const text = `${TITLES[this.using.method]} did not lock: ${error}.`;
+      const text = `${TITLES[this.using.method]} ${lockIn(target, number) ? "did not lock" : "stopped"}: ${error}.`;
       isAsked ? this.#asked.reject(new Error(text)) : this.#tell({ said: text });
     } else if (isAsked) {
       this.#asked.resolve();
@@ -174,17 +194,18 @@ export class Target {
     return this.#isActive ? this.at + 1 : (this.locks.find(({ number }) => number > this.at)?.number ?? Infinity);
   }
 
-  /** Takes other locks. Returns the frame from which on it has to be followed anew; Infinity if it just goes on. */
-  use(locks) {
+  /** The frame from which on it has to be followed anew if it gets other locks; Infinity if it just goes on. */
+  anew(locks) {
     const has = (all, { number, box }) => all.some((one) => one.number === number && one.box === box);
     const changed = [...locks.filter((lock) => !has(this.locks, lock)), ...this.locks.filter((lock) => !has(locks, lock))];
     const first = Math.min(...changed.map(({ number }) => number));
-    // The frame after `at` may be under way.
+    // The worker may be at the frame after `at` already, with the former locks.
     if (first > this.at + 1) {
-      this.locks = locks;
       return Infinity;
     }
-    return (locks.findLast(({ number, box }) => number <= first && box !== null) ?? locks[0]).number;
+    // Without a lock in that frame the tracker has to come there from the one before, unless the target was gone.
+    const before = locks.findLast(({ number }) => number <= first);
+    return before === undefined || before.box === null ? first : before.number;
   }
 
   /** Notes the answer for the frame; without one the target is gone. Returns the row, if there is one. */

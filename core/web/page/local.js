@@ -19,6 +19,7 @@ export class Local {
   #following;
   #source = null;
   #version;
+  #choices = 0; // of sources
   #heard = () => {};
 
   /** Starts the worker, and opens the built-in recording. */
@@ -40,16 +41,13 @@ export class Local {
     this.#tell({});
   }
 
-  /** Each opens other frames. If that fails, all stays as it was. */
+  /** Opens the built-in recording, as the next two open a camera and a file. If that fails, all stays as it was; if another is chosen meanwhile, that one opens. */
   async builtIn() {
     await this.#change(new BuiltIn(this.#follower));
   }
 
   async camera() {
     this.#say("Waiting for the camera.");
-    if (this.#source.live) {
-      this.#source.stop();
-    }
     const camera = new Camera(this.#follower, {
       came: () => camera === this.#source && this.#came(),
       failed: (text) => this.#say(text),
@@ -80,6 +78,7 @@ export class Local {
     this.#following.method({ method, options });
   }
 
+  /** Stops the camera. */
   async stop() {
     this.#source.stop();
   }
@@ -107,23 +106,35 @@ export class Local {
   }
 
   async #change(source) {
-    const facts = await this.#use(source);
-    this.#heard({ opened: facts });
-    this.#tell({});
+    const opened = await this.#use(source);
+    if (opened !== null) {
+      this.#heard({ opened });
+      this.#say(source.warning ?? "");
+    }
   }
 
+  // Returns the facts of a source; null if another one was chosen meanwhile.
   async #use(source) {
+    const choice = ++this.#choices;
     try {
       await source.open();
     } catch (error) {
-      source.stop();
+      source.close();
       throw error;
     }
-    this.#source?.stop();
+    if (choice !== this.#choices) {
+      source.close();
+      return null;
+    }
+    this.#source?.close();
     this.#source = source;
-    await this.#following.use(source);
+    this.#following.use(source);
+    await source.start?.();
+    if (choice !== this.#choices) {
+      return null;
+    }
     const { name, words, live, width, height, targets = [] } = source;
-    this.#following.targets(targets);
+    this.#following.targets(targets).catch((error) => this.#say(error.message));
     return {
       name, words, live, width, height, targets, ...source.news(), ...this.#following.using, methods: METHODS, formats: FORMATS, version: `smr ${this.#version}`,
       timeOf: (number) => source.timeOf?.(number) ?? null, plays: targets.length > 0,

@@ -67,6 +67,7 @@ export class Playback {
   /** Forgets all frames: there are others now. */
   forget(first, last) {
     [this.frame, this.shown, this.#playing, this.#peeked, this.followsNewest] = [null, null, null, null, true];
+    this.#pictures?.end();
     const isHere = () => pictures === this.#pictures;
     const pictures = new Pictures(this.#page.picture, (number) => isHere() && this.#came(number), (number, error) => isHere() && this.#missed(number, error));
     this.#pictures = pictures;

@@ -10,7 +10,7 @@ export class VideoFile {
   #page;
   #followed;
   #seen;
-  #end = Infinity; // the last frame, as far as it is known
+  #end = Infinity; // the last frame, once the trackers were there
 
   /** `page`: { failed(text) }. */
   constructor(file, page) {
@@ -18,7 +18,11 @@ export class VideoFile {
     [this.name, this.words] = [file.name, quoted(file.name)];
   }
 
+  /** Opens the file. If it cannot be played, throws an error that says why in one line. */
   async open() {
+    if (this.#file.size === 0) {
+      throw new Error(`${this.name} is empty: choose a video.`);
+    }
     this.#followed = new Video(this.#file, this.#page.failed);
     await this.#followed.open();
     this.#seen = new Video(this.#file, this.#page.failed, this.#followed);
@@ -26,7 +30,12 @@ export class VideoFile {
     [this.width, this.height] = [this.#followed.width, this.#followed.height];
   }
 
-  /** The number of the last frame that can be followed; Infinity until it is known. */
+  /** A warning for the user; none as a rule. */
+  get warning() {
+    return this.#followed.isUneven ? "Frames of this file come at uneven times: unless they are followed from the first one on, their numbers are estimates." : "";
+  }
+
+  /** The number of the last frame that can be followed; Infinity until it was reached (what `news` says before is an estimate). */
   get last() {
     return Math.min(this.#end, this.#followed.isCounted ? this.#followed.length : Infinity);
   }
@@ -36,7 +45,7 @@ export class VideoFile {
   }
 
   news() {
-    return { frames: this.#followed.length };
+    return { frames: Math.min(this.#followed.length ?? Infinity, this.#end) };
   }
 
   /** The frame for the trackers; null if the file ends before it. */
@@ -56,8 +65,8 @@ export class VideoFile {
     return picture;
   }
 
-  stop() {
-    this.#followed.stop();
-    this.#seen?.stop();
+  close() {
+    this.#followed?.close();
+    this.#seen?.close();
   }
 }

@@ -9,6 +9,8 @@ const LIKELY_STEP = 1 / 30;
 const GAP = 1.5;
 // A picture may last so many steps, because their times are rounded.
 const SLACK = 1.25;
+// A mean step that is so much longer than the shortest one.
+const UNEVEN = 1.2;
 // Less than files can tell apart.
 const HAIR = 0.0005;
 // The number of pictures that wait to be taken before the video pauses.
@@ -44,7 +46,7 @@ export class Video {
   #known; // about the file, also to another decoder of it
   #tick = 0; // the handle of the next call for a picture
   #mediaTime = 0; // of the picture that was shown last
-  #isEnding = true; // no picture comes by playing on
+  #isEnding = true; // to play on gives no picture: before the first one that is asked for, and at the end
   #last = null; // the picture that was taken last: { number, time }
   #queue = []; // those that wait
   #asked = null; // who waits for a picture: { number, resolve }
@@ -52,7 +54,6 @@ export class Video {
   #turn = Promise.resolve(); // seeks, one after the other
   #seeks = 0; // that are not done
   #stopped = new AbortController();
-  #isPlaying = false;
   #part = 1; // of the speed, so that no picture is skipped
   #unskipped = 0; // pictures since one was skipped
 
@@ -78,12 +79,12 @@ export class Video {
   async open() {
     const video = this.#video;
     if (typeof VideoFrame !== "function" || video.requestVideoFrameCallback === undefined) {
-      throw new Error("This browser is too old for video files: use a current Firefox, Chrome, Edge or Safari.");
+      throw new Error("This browser is too old for video files: use a current one.");
     }
     const isLoaded = await this.#load();
     [this.width, this.height] = [video.videoWidth, video.videoHeight];
     if (!isLoaded || this.width === 0) {
-      this.stop();
+      this.close();
       throw new Error(await this.#whyNot(isLoaded));
     }
     video.onended = () => this.#roll();
@@ -96,7 +97,6 @@ export class Video {
     }
     this.#last = { number: 0, time: this.#known.start - 1 };
     video.onerror = () => this.#ends();
-    this.#isPlaying = true;
   }
 
   /** The number of frames; an estimate until all were seen. */
@@ -104,6 +104,12 @@ export class Video {
     const { duration } = this.#video;
     const passed = duration - this.#known.start;
     return this.#known.length ?? (Number.isFinite(passed) ? Math.max(Math.round(passed / this.#pace), this.#known.counted) : null);
+  }
+
+  /** True if frames come at uneven times: then those that were not played from the first one on have estimated numbers. */
+  get isUneven() {
+    const { mean, step } = this.#known;
+    return mean.step > UNEVEN * step;
   }
 
   /** True if the number of frames is no estimate. */
@@ -131,8 +137,8 @@ export class Video {
     return this.#taking;
   }
 
-  stop() {
-    this.#isPlaying = false;
+  close() {
+    this.#isEnding = true;
     this.#drop();
     this.#answer(null);
     this.#stopped.abort();
@@ -268,7 +274,7 @@ export class Video {
 
   #roll() {
     const video = this.#video;
-    if (!this.#isPlaying || this.#seeks > 0 || this.#queue.length >= MOST_WAITING || this.#isEnding) {
+    if (this.#seeks > 0 || this.#queue.length >= MOST_WAITING || this.#isEnding) {
       return;
     }
     if (video.ended) {
@@ -293,7 +299,8 @@ export class Video {
   async #show(number) {
     const before = this.#known.times[number] === undefined ? this.#known.times[number - 1] : undefined;
     const found = before === undefined ? await this.#pictureAt(number === 1 ? 0 : this.timeOf(number) + HAIR) : await this.#after(before);
-    found === null ? this.#end() : this.#add(found, number);
+    this.#isEnding = false;
+    found === null ? this.#end(number) : this.#add(found, number);
   }
 
   /** The picture at a time: { picture, time, close() }. */
@@ -381,7 +388,7 @@ export class Video {
     this.#tick = this.#video.requestVideoFrameCallback((_, { mediaTime }) => {
       this.#mediaTime = mediaTime;
       this.#nextTick();
-      const found = this.#isPlaying && !this.#isEnding && this.#seeks === 0 ? this.#shown() : null;
+      const found = !this.#isEnding && this.#seeks === 0 ? this.#shown() : null;
       if (found !== null) {
         this.#played(found);
       }
@@ -409,26 +416,28 @@ export class Video {
   #goBack(time) {
     this.#video.pause();
     this.#alone(async () => {
-      const next = this.#isPlaying ? await this.#after(this.#ahead.time) : null;
-      if (!this.#isPlaying) {
-        next?.close();
-      } else if (next === null) {
-        this.#end();
-      } else {
-        if (next.time < time - HAIR) {
-          [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, LEAST_PART), 0];
-        }
-        this.#add(next, this.#ahead.number + 1);
+      const { number, time: before } = this.#ahead;
+      const next = await this.#after(before);
+      if (next === null) {
+        this.#end(number + 1);
+        return;
       }
+      if (next.time < time - HAIR) {
+        [this.#part, this.#unskipped] = [Math.max(this.#part * SLOWER, LEAST_PART), 0];
+      }
+      this.#add(next, number + 1);
     });
   }
 
-  #end() {
+  // There is no frame of this number. Another one may have been asked for meanwhile.
+  #end(number) {
     this.#isEnding = true;
-    if (this.#ahead.number === this.#known.counted) {
+    if (number === this.#known.counted + 1) {
       this.#known.length = this.#known.counted;
     }
-    this.#answer(null);
+    if (this.#asked?.number === number) {
+      this.#answer(null);
+    }
   }
 
   // ---- to who asked
@@ -448,7 +457,7 @@ export class Video {
     this.#send();
   }
 
-  // Pictures that nobody asked for came before a seek.
+  // What waits before the picture that is asked for came by playing, before a seek went past it.
   #send() {
     while (this.#asked !== null && this.#queue.length > 0) {
       const { number, picture, time } = this.#queue.shift();

@@ -28,8 +28,15 @@ export class Pictures {
     return this.#kept.get(number);
   }
 
+  /** Loads no more, and frees the pictures. */
+  end() {
+    this.#wanted = null;
+    this.#kept.forEach((picture) => picture.close?.());
+    this.#kept.clear();
+  }
+
   #next() {
-    while (this.#underWay.size < MOST_UNDER_WAY) {
+    while (this.#wanted !== null && this.#underWay.size < MOST_UNDER_WAY) {
       const number = this.#wanted.find((one) => !this.#kept.has(one) && !this.#underWay.has(one));
       if (number === undefined) {
         return;
@@ -41,10 +48,15 @@ export class Pictures {
   async #fetch(number) {
     this.#underWay.add(number);
     try {
-      this.#keep(number, await this.#load(number));
+      const picture = await this.#load(number);
+      if (this.#wanted === null) {
+        picture.close?.();
+        return;
+      }
+      this.#keep(number, picture);
       this.#came(number);
     } catch (error) {
-      this.#wanted = this.#wanted.filter((one) => one !== number);
+      this.#wanted = this.#wanted?.filter((one) => one !== number) ?? null;
       this.#failed(number, error);
     } finally {
       this.#underWay.delete(number);

@@ -8,22 +8,46 @@ import { trackerOf } from "./methods.js";
 import { scene } from "./scene.js";
 import { unpacked } from "./unpacked.js";
 
-const RECORD_BYTES = 6 << 20; // some seconds of a window
+const RECORD_BYTES = 6 << 20; // of each target's flight record
 const MOST_BYTES = 96 << 20; // of frames that are kept
+
+/** The frames that came last, by number. */
+class Frames {
+  #kept = new Map();
+  #bytes = 0;
+
+  get(number) {
+    return this.#kept.get(number);
+  }
+
+  set(number, frame) {
+    this.#forget(number);
+    this.#kept.set(number, frame);
+    this.#bytes += frame.data.length;
+    while (this.#bytes > MOST_BYTES) {
+      this.#forget(this.#kept.keys().next().value);
+    }
+  }
+
+  #forget(number) {
+    this.#bytes -= this.get(number)?.data.length ?? 0;
+    this.#kept.delete(number);
+  }
+}
 
 let library;
 let street; // draws the built-in recording
 let method = { method: "robust", options: {} };
 const targets = new Map(); // { tracker, recorder } by id
-const frames = new Map(); // by number, the oldest first
-let bytes = 0;
+let seen = new Frames(); // of the camera
+const drawn = new Frames(); // of the built-in recording
 
 const bytesOf = (packed) => unpacked(packed).arrayBuffer();
 
 const WISHES = {
   async start({ modules }) {
     if (!hasSimd()) {
-      throw new Error("This browser has no SIMD in WebAssembly, which the trackers need here: use a current Firefox, Chrome, Edge or Safari.");
+      throw new Error("This browser has no SIMD in WebAssembly, which the trackers need: use a current one.");
     }
     library = await load(await bytesOf(modules.smr));
     street = await scene(await bytesOf(modules.scene));
@@ -36,16 +60,15 @@ const WISHES = {
     method = using;
   },
 
-  /** Forgets the frames of a recording or camera before this one. */
+  /** Forgets the camera's frames. */
   clear() {
-    frames.clear();
-    bytes = 0;
+    seen = new Frames();
   },
 
   /** Keeps the gray pixels of a camera's picture, a VideoFrame or an ImageBitmap, which is sent back. */
   async keep({ number, picture }) {
     const { data, ...size } = await grayOf(picture);
-    keep(number, { data: data.slice(), ...size });
+    seen.set(number, { data: data.slice(), ...size });
     return { picture };
   },
 
@@ -59,7 +82,7 @@ const WISHES = {
    * Locks or updates targets in a frame: `picture`, one of the built-in recording, or one that was kept. `jobs`: { id, box } each, without `box` for an update. Returns by id { quality }, { answer } or { error }.
    */
   async follow({ number, picture, isBuiltIn, jobs }) {
-    const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : frames.get(number);
+    const frame = picture ? await grayOf(picture) : isBuiltIn ? built(number) : seen.get(number);
     if (frame === undefined) {
       throw new Error(`frame ${number} is not kept any more`);
     }
@@ -78,22 +101,9 @@ const WISHES = {
 };
 
 function built(number) {
-  if (!frames.has(number)) {
-    keep(number, street(number - 1));
-  }
-  return frames.get(number);
-}
-
-function keep(number, frame) {
-  frames.set(number, frame);
-  bytes += frame.data.length;
-  for (const [other, { data }] of frames) {
-    if (bytes <= MOST_BYTES) {
-      return;
-    }
-    frames.delete(other);
-    bytes -= data.length;
-  }
+  const frame = drawn.get(number) ?? street(number - 1);
+  drawn.set(number, frame);
+  return frame;
 }
 
 function followed(id, frame, box) {

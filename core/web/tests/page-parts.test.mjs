@@ -57,9 +57,12 @@ test("a target is followed from its first box, not where it is gone or refused, 
   const target = new Target(1, [first, { number: 4, box: null }, second], 0);
   assert.equal(dues(target, 6), "lock 2 3 gone 4 lock 5 6");
   assert.deepEqual([...target.rows.keys()], [2, 3, 5, 6]);
-  assert.deepEqual([target.use([first, second]), target.use([first]), target.use([second])], [2, 2, 5]);
+  assert.deepEqual([target.anew([first, second]), target.anew([first]), target.anew([second])], [2, 2, 2]);
+  assert.equal(target.anew([...target.locks, { number: 6, box: null }]), 6);
   const later = { number: 9, box: BOX };
-  assert.deepEqual([target.use([...target.locks, later]), dues(target, 9)], [Infinity, "7 8 lock 9"]);
+  assert.equal(target.anew([...target.locks, later]), Infinity);
+  target.locks = [...target.locks, later];
+  assert.equal(dues(target, 9), "7 8 lock 9");
   const again = new Target(1, [first, second], 5, target);
   assert.deepEqual([[...again.rows.keys()], dues(again, 7, second.box)], [[2, 3], "lock 5"]);
 });

@@ -50,7 +50,6 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   await page.key("ArrowLeft", { shift: true });
   await settled(page);
   const corrected = await page.value(NUMBER);
-  await page.key("Enter");
   await page.value(`document.getElementById("stage").focus()`);
   for (const key of ["Enter", "ArrowRight", "Enter"]) {
     await page.key(key);
@@ -59,6 +58,18 @@ onPage("a camera: a box is dragged, 100 frames are followed, and host-sim agrees
   await settled(page);
   assert.ok((await answers(page)).at(-1).frame >= found.at(-1).frame);
   await replays(page, FRAMES);
+  // Out of the frames from here on: what was answered before stays, though its frames are gone. Then the recording comes back, and is followed.
+  await page.click("#newest");
+  await page.until(`${NUMBER} >= ${first + 800}`);
+  await page.click("#gone");
+  await page.until(`document.querySelector("#targets .now").textContent === "gone"`);
+  assert.equal((await answers(page))[0].frame, first);
+  await page.click("#built-in");
+  await page.click("#camera");
+  await page.click("#built-in");
+  await page.until(`document.getElementById("name").textContent === "street" && ${NUMBER} > 1`);
+  await followed(page);
+  assert.deepEqual(await answers(page), told("track", "street"));
 });
 
 onPage("a page of 390 pixels, by keys alone, with several targets", async (page) => {
