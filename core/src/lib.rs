@@ -109,7 +109,6 @@ mod kernels;
 mod missing;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
-mod search;
 pub mod similarity;
 mod track;
 #[cfg(feature = "unstable")]

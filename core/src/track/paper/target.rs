@@ -2,10 +2,10 @@
 
 use super::config::Config;
 use super::saved;
+use super::search::{Extent, Found, Peak, Scene, Search, Window};
 use super::template::Template;
 use super::track::{Track, ratio, searches};
 use crate::image::{FineRect, Frame, Image, Rect};
-use crate::search::{Extent, Found, Peak, Scene, Search, Window};
 #[cfg(any(test, feature = "unstable"))]
 use crate::similarity::score_at;
 use crate::similarity::{Backend, Contrast, CutTable, Scorer};

@@ -2,8 +2,8 @@
 //! refuses the peak of a search.
 
 use super::config::{Config, Fraction};
+use super::search::{Found, Peak, Radius, Wanted, Window};
 use crate::image::Rect;
-use crate::search::{Found, Peak, Radius, Wanted, Window};
 use crate::similarity::Table;
 use crate::track::{LockError, Quality, State};
 use core::cmp::Ordering;

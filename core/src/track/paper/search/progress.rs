@@ -1,7 +1,7 @@
 //! The progress of a search, its budget, and what all of its stages do: score an offset and raise the floor.
 
+use super::exclusion::{Ranges, Tile};
 use super::floor::Leaders;
-use super::ranges::{Ranges, Tile};
 use super::window::{Found, Peak, Window};
 use crate::image::{Frame, Image};
 use crate::similarity::{self, Scorer};

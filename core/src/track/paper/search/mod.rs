@@ -9,22 +9,22 @@
 //! | `window.rs` | which offsets there are, what a search returns, and the tie rule |
 //! | `runner_up.rs` | the runner-up, from the maximum of each row and column of scores |
 //! | `floor.rs` | the peak so far, and the floor: the least score that can change the result |
-//! | `ranges.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
+//! | `exclusion.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
 //! | `progress.rs` | the progress of a search and its budget; scores an offset |
 //! | `tiles.rs` | excludes or scores the groups of a window |
 //! | `scan.rs` | the order of these, in steps; the descent from the last position to a small SAD; the scouts |
-//! | `bound.rs` | the most comparisons of a search |
+//! | `most_work.rs` | the most comparisons of a search |
 
-mod bound;
+mod exclusion;
 mod floor;
+mod most_work;
 mod progress;
-mod ranges;
 mod runner_up;
 mod scan;
 mod tiles;
 mod window;
 
-pub(crate) use bound::Extent;
+pub(crate) use most_work::Extent;
 pub(crate) use progress::{Scene, Search};
 pub(crate) use window::Wanted;
 pub use window::{Found, Peak, Radius, Window};

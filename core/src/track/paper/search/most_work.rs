@@ -1,6 +1,6 @@
 //! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
 
-use super::ranges::{Ranges, SIDE};
+use super::exclusion::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
 
 /// The size of a search.

@@ -163,7 +163,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
 mod tests {
     use super::*;
     use crate::Rect;
-    use crate::search::Radius;
+    use crate::track::paper::search::Radius;
 
     /// The floor is just below the peak. An offset with the peak's score that loses the tie is the runner-up.
     #[test]

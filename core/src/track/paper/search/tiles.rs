@@ -1,8 +1,8 @@
-//! The offsets of a window, tile by tile and pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`),
+//! The offsets of a window, tile by tile and pass by pass: groups of 4x4 offsets are excluded by ranges (`exclusion.rs`),
 //! and the offsets of the others are scored.
 
+use super::exclusion::{SIDE, Tile};
 use super::progress::{Place, Scene, Search, Stage, area, axes, words};
-use super::ranges::{SIDE, Tile};
 use crate::image::{Image, Rect};
 use crate::kernels::ALL_FOUR;
 use crate::similarity::{Scorer, Table};

@@ -2,7 +2,7 @@
 //!
 //! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
 //! 2. For the runner-up: the scores of nine offsets far apart, the scouts.
-//! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`ranges.rs`).
+//! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`exclusion.rs`).
 //! 4. The offsets of the remaining groups are scored. Where a backend can, four at a time are bounded first. Scoring
 //!    stops as soon as an offset cannot reach the needed score.
 //!
