@@ -101,7 +101,6 @@ extern crate std;
 #[macro_use]
 mod error;
 
-mod correlation;
 mod image;
 mod kernels;
 #[cfg(test)]

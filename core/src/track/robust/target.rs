@@ -1,19 +1,14 @@
 //! The calls of a target of the robust tracker.
 
-use super::buffers::Buffers;
 use super::config::Config;
 use super::constants::SCALE;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::grid::Grid;
-use super::lock::LockPipeline;
-use super::model::Model;
+use super::decision::{Memory, Track, saved};
+use super::features::Grid;
 #[cfg(feature = "unstable")]
-use super::pipeline;
-use super::pipeline::Pipeline;
-use super::saved::{self, Memory};
-use super::track::Track;
-use super::windows::{expected_pixels, lock_pixels, swept_pixels};
+use super::run::pipeline;
+use super::run::{Buffers, LockPipeline, Model, Pipeline, expected_pixels, lock_pixels, swept_pixels};
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};

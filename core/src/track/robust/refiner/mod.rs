@@ -27,7 +27,7 @@ pub(super) use crop::{First, FirstCrop, reachable};
 pub(crate) use network::REFINER_WEIGHTS;
 pub(super) use opinion::Opinion;
 
-use super::sampling::Sampling;
+use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::{Backend, Dense};
 use crate::track::update::Budget;

@@ -4,27 +4,27 @@
 //! The windows cover the frame side by side, row by row. Each is searched and verified like the first window. So a lost
 //! frame costs a second search and verification, of about the same work each time, but no learning.
 
-use super::constants::{PIXEL, PIXEL_BITS};
-use super::division::quotient;
+use super::super::constants::{PIXEL, PIXEL_BITS};
+use super::super::division::quotient;
 use crate::image::Rect;
 
 /// The sweep of the frame: the number of the next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Sweep {
-    pub(super) next: u32,
+pub(crate) struct Sweep {
+    pub(crate) next: u32,
 }
 
 impl Sweep {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { next: 0 }
     }
 
-    pub(super) fn move_on(&mut self) {
+    pub(crate) fn move_on(&mut self) {
         self.next = self.next.wrapping_add(1);
     }
 
     /// The middle of the next window. Neighbouring windows are at most `side` apart, in units of positions.
-    pub(super) fn middle(self, side: u32, bounds: Rect) -> (i64, i64) {
+    pub(crate) fn middle(self, side: u32, bounds: Rect) -> (i64, i64) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
         (centre(number % columns, columns, bounds.width), centre(number / columns, rows, bounds.height))

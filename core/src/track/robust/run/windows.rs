@@ -1,17 +1,15 @@
 //! The windows of an update: where it looks for the target, and the pixels of the frame that it may read there.
 
-use super::config::Config;
-use super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
-use super::grid::Grid;
-use super::motion::{Motion, Place};
-use super::refiner::reachable;
-use super::sampling::Lattice;
-use super::scale::other_scales;
-use super::track::Track;
+use super::super::config::Config;
+use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
+use super::super::decision::Track;
+use super::super::features::{Grid, Lattice, Motion, Place};
+use super::super::filter::other_scales;
+use super::super::refiner::reachable;
 use crate::image::Rect;
 
 /// The place where the target is expected in the next frame: the middle of the first window.
-pub(super) fn expected(track: &Track) -> Place {
+pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
@@ -26,7 +24,7 @@ pub(super) fn swept(track: &Track, config: &Config) -> Place {
 /// The pixels that an update may read around the expected place: the search window, the view of any place in it, the
 /// windows of other scales, and the refiner's crop.
 #[inline(never)]
-pub(super) fn expected_pixels(track: &Track, config: &Config) -> Rect {
+pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     let (centre, reach) = (expected(track), config.reach());
     let mut pixels = pixels(track, &centre, reach + MARGIN_CELLS);
     if config.size {
@@ -43,14 +41,14 @@ pub(super) fn expected_pixels(track: &Track, config: &Config) -> Rect {
 /// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is `Some`
 /// whenever it may be.
 #[inline(never)]
-pub(super) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
+pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config);
     may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
 }
 
 /// The pixels that a lock reads: the box and its surroundings, up to the reach of a search window, and the refiner's
 /// crop of the box.
-pub(super) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
+pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
     if config.refines() {
         return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));

@@ -1,36 +1,35 @@
 //! The track of a target: what the tracker remembers of its place, size and state.
 
+use super::super::config::Config;
+use super::super::constants::{PIXEL, SCALE};
+use super::super::features::{Grid, Motion, Place};
+use super::super::refiner::{Correction, Opinion};
+use super::super::verification::Light;
 use super::confidence::Confidence;
-use super::config::Config;
-use super::constants::{PIXEL, SCALE};
-use super::grid::Grid;
-use super::lighting::Light;
-use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-use super::refiner::{Correction, Opinion};
 use crate::image::{FineRect, Rect};
 use crate::track::{Quality, State};
 
 /// The track of a target: place, velocity, scale, confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Track {
-    pub(super) bounds: Rect,
-    pub(super) grid: Grid,
+pub(crate) struct Track {
+    pub(crate) bounds: Rect,
+    pub(crate) grid: Grid,
     /// The size of the locked box.
-    pub(super) size: [u16; 2],
-    pub(super) motion: Motion,
+    pub(crate) size: [u16; 2],
+    pub(crate) motion: Motion,
     /// The scale when the state was last tracking.
-    pub(super) tracked_scale: u32,
-    pub(super) confidence: Confidence,
-    pub(super) sweep: Sweep,
-    pub(super) quality: Quality,
-    pub(super) correction: Correction,
-    pub(super) opinion: Opinion,
-    pub(super) light: Light,
+    pub(crate) tracked_scale: u32,
+    pub(crate) confidence: Confidence,
+    pub(crate) sweep: Sweep,
+    pub(crate) quality: Quality,
+    pub(crate) correction: Correction,
+    pub(crate) opinion: Opinion,
+    pub(crate) light: Light,
 }
 
 impl Track {
-    pub(super) fn new(bounds: Rect, target: Rect) -> Self {
+    pub(crate) fn new(bounds: Rect, target: Rect) -> Self {
         Self {
             bounds,
             grid: Grid::new(target),
@@ -48,19 +47,19 @@ impl Track {
 
     /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.
     #[inline(never)]
-    pub(super) fn state(&self, config: &Config) -> State {
+    pub(crate) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.opinion.state());
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
     /// The box of the answer: the followed box, corrected by the refiner.
     #[inline(never)]
-    pub(super) fn bbox(&self) -> FineRect {
+    pub(crate) fn bbox(&self) -> FineRect {
         self.correction.correct(self.followed())
     }
 
     /// The box of the followed place and scale, without the refiner's correction.
-    pub(super) fn followed(&self) -> FineRect {
+    pub(crate) fn followed(&self) -> FineRect {
         let Place { x, y, scale } = self.motion.place;
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
         let [width, height] = self.size.map(size);

@@ -14,13 +14,11 @@
 //!
 //! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
 
+use super::super::config::Config;
+use super::super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
+use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
 use super::alignment::{Alignment, Search, in_view};
-use super::config::Config;
-use super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
-use super::grid::{Extent, Grid};
 use super::lighting::{self, Light};
-use super::motion::Place;
-use super::sampling::{Lattice, SAMPLED, Sampling, most_read};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
 use crate::similarity::{Contrast, CutTable, Scorer};
@@ -33,12 +31,12 @@ const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
 /// Units of work for each pixel of the template that is copied, compared and relit.
-pub(super) const COPIED: u32 = 16;
+pub(crate) const COPIED: u32 = 16;
 const COMPARED: u32 = 12;
 const RELIT: u32 = 20;
 
 /// The most work for a view.
-pub(super) const fn most_of_a_view(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     // The longest template that a filter covers has the longest margin.
     let (columns, rows) =
         (extent.across * CELL as u32 + 2 * MARGIN as u32, extent.down * CELL as u32 + 2 * MARGIN as u32);
@@ -46,44 +44,44 @@ pub(super) const fn most_of_a_view(extent: Extent) -> u32 {
 }
 
 /// The most work: the view, the alignments, and the agreement.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
     most_of_a_view(extent) + agreement * extent.pixels()
 }
 
 /// The most work for a piece: the first alignment, for which the template is relit.
-pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     (RELIT + COMPARED) * extent.pixels()
 }
 
 /// The early template, with the configuration and the grid for comparing it.
-pub(super) struct Reference<'a> {
-    pub(super) config: &'a Config,
-    pub(super) template: &'a Template,
-    pub(super) grid: &'a Grid,
+pub(crate) struct Reference<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) template: &'a Template,
+    pub(crate) grid: &'a Grid,
 }
 
 /// A place where the target may be, and the evidence for it.
 #[derive(Clone, Copy)]
-pub(super) struct Candidate {
-    pub(super) place: Place,
+pub(crate) struct Candidate {
+    pub(crate) place: Place,
     /// The filter's penalised response at the peak. Unit: 1/16384.
-    pub(super) response: i32,
+    pub(crate) response: i32,
     /// The early template's agreement; 0 until it is computed.
-    pub(super) agreement: u16,
+    pub(crate) agreement: u16,
     /// False: too little contrast, or clipped. False until the agreement is computed.
-    pub(super) visible: bool,
+    pub(crate) visible: bool,
 }
 
 impl Candidate {
-    pub(super) const NONE: Self = Self::new(Place::NONE, 0);
+    pub(crate) const NONE: Self = Self::new(Place::NONE, 0);
 
-    pub(super) const fn new(place: Place, response: i32) -> Self {
+    pub(crate) const fn new(place: Place, response: i32) -> Self {
         Self { place, response, agreement: 0, visible: false }
     }
 
     /// True if the early template agrees so well that it gives the exact place and size.
-    pub(super) const fn is_exact(&self) -> bool {
+    pub(crate) const fn is_exact(&self) -> bool {
         self.agreement >= REFINED_FROM
     }
 }
@@ -91,7 +89,7 @@ impl Candidate {
 /// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
 /// alignment.
 #[repr(C)] // see `Workspace`
-pub(super) struct Comparison {
+pub(crate) struct Comparison {
     table: CutTable,
     /// The early template's own contrast.
     contrast: Contrast,
@@ -105,7 +103,7 @@ pub(super) struct Comparison {
 
 impl Comparison {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             view: Vec::new(),
             relit: Vec::new(),
@@ -118,55 +116,55 @@ impl Comparison {
     }
 
     /// Measures the template's contrast, before an update.
-    pub(super) fn begin(&mut self, reference: &Reference<'_>) {
+    pub(crate) fn begin(&mut self, reference: &Reference<'_>) {
         reference.template.copy_to(&mut self.relit);
         self.contrast = self.relit(reference.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
     /// Sets the gain that is expected in the light of a search window, whose contrast is `window`.
-    pub(super) fn expect(&mut self, light: Light, window: u32) {
+    pub(crate) fn expect(&mut self, light: Light, window: u32) {
         (self.window, self.expected) = (window, light.gain(window));
     }
 
     /// The light of the window and of the last patch.
-    pub(super) fn light(&self) -> Light {
+    pub(crate) fn light(&self) -> Light {
         Light::of(self.gain, self.window)
     }
 
-    pub(super) fn table_mut(&mut self) -> &mut CutTable {
+    pub(crate) fn table_mut(&mut self) -> &mut CutTable {
         &mut self.table
     }
 
-    pub(super) fn table(&self) -> &CutTable {
+    pub(crate) fn table(&self) -> &CutTable {
         &self.table
     }
 
     /// Begins the view of a place.
     #[inline(never)]
-    pub(super) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
+    pub(crate) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
         Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
     }
 
     /// Samples a row of the view; true after the last one.
     #[inline(never)]
-    pub(super) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
+    pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
         let done = sampling.next_row(frame, &mut self.view);
         budget.spend(sampling.work(SAMPLED));
         done
     }
 
-    pub(super) fn alpha(&self) -> u16 {
+    pub(crate) fn alpha(&self) -> u16 {
         self.table.threshold()
     }
 
     /// The patch of the view under the aligned template.
-    pub(super) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
+    pub(crate) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
         patch(&self.view, grid, alignment)
     }
 
     /// The template in the light of the patch.
     #[inline(never)]
-    pub(super) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
+    pub(crate) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
 
@@ -212,7 +210,7 @@ fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<
 
 /// The verification of a candidate.
 #[derive(Clone, Copy)]
-pub(super) struct Verification {
+pub(crate) struct Verification {
     candidate: Candidate,
     search: Search,
     phase: Phase,
@@ -230,19 +228,19 @@ enum Phase {
 
 /// A candidate with its agreement, and the best alignment of the early template.
 #[derive(Clone, Copy)]
-pub(super) struct Verified {
-    pub(super) candidate: Candidate,
-    pub(super) alignment: Alignment,
+pub(crate) struct Verified {
+    pub(crate) candidate: Candidate,
+    pub(crate) alignment: Alignment,
 }
 
 impl Verification {
     /// Begins with the view, which has begun.
-    pub(super) fn begin(candidate: Candidate) -> Self {
+    pub(crate) fn begin(candidate: Candidate) -> Self {
         Self { candidate, search: Search::new(), phase: Phase::View }
     }
 
     /// Does one piece of work. Returns the result after the last piece.
-    pub(super) fn next_piece(
+    pub(crate) fn next_piece(
         &mut self,
         reference: &Reference<'_>,
         frame: &Frame<'_>,

@@ -3,13 +3,12 @@
 //! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel
 //! read from the frame.
 
-use super::config::Config;
-use super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};
-use super::grid::Extent;
-use super::refinement::REFINED;
-use super::response::CODED;
-use super::verification::COPIED;
-use super::{gradients, learning, lighting, refiner, response, scale, verification};
+use super::super::config::Config;
+use super::super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};
+use super::super::features::{Extent, cells};
+use super::super::filter::{CODED, learning, response, scale};
+use super::super::refiner;
+use super::super::verification::{COPIED, REFINED, agreement, lighting};
 use crate::track::MostWork;
 use crate::track::update::largest;
 
@@ -26,27 +25,27 @@ const fn update(config: &Config, extent: Extent) -> u32 {
 
 /// The most work for the features and the light of a search window.
 const fn window(extent: Extent) -> u32 {
-    gradients::most_work(extent) + lighting::most_work(extent)
+    cells::most_work(extent) + lighting::most_work(extent)
 }
 
 /// The most work of a search with its verification.
 const fn search(extent: Extent) -> u32 {
-    window(extent) + response::most_work(extent) + verification::most_work(extent)
+    window(extent) + response::most_work(extent) + agreement::most_work(extent)
 }
 
 /// The most work of a lock.
 const fn lock(config: &Config, extent: Extent) -> u32 {
     let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
     let step = CODED * extent.weights() + response::most_work(extent) + learning::most_work(extent);
-    crop + verification::most_of_a_view(extent) + window(extent) + FIRST_STEPS * step
+    crop + agreement::most_of_a_view(extent) + window(extent) + FIRST_STEPS * step
 }
 
 /// The largest piece of work that cannot be divided.
 const fn piece(extent: Extent) -> u32 {
     largest(&[
         // The last row of features, and the light.
-        gradients::most_of_a_piece(extent) + lighting::most_work(extent),
-        verification::most_of_a_piece(extent),
+        cells::most_of_a_piece(extent) + lighting::most_work(extent),
+        agreement::most_of_a_piece(extent),
         REFINED * extent.pixels(),
         scale::most_of_a_piece(extent),
         learning::most_of_a_piece(extent),
@@ -86,7 +85,7 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// The figures of the drawing in `mod.rs`: the most work of each stage, for the filter with the most in all.
+    /// The figures of the drawing in `robust/mod.rs`: the most work of each stage, for the filter with the most in all.
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();
@@ -97,9 +96,9 @@ mod tests {
         let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();
         assert_eq!(u64::from(update(&config, extent)), config.most_work().update);
         let stages = [
-            ("gradients", gradients::most_work(extent)),
+            ("cells", cells::most_work(extent)),
             ("response", response::most_work(extent)),
-            ("(lighting)", verification::most_work(extent) + lighting::most_work(extent)),
+            ("(lighting)", agreement::most_work(extent) + lighting::most_work(extent)),
             ("refinement", REFINED * extent.pixels()),
             ("scale", scale::most_work(extent)),
             ("redetection", search(extent)),
@@ -108,7 +107,7 @@ mod tests {
         ]
         .map(|(stage, work)| (stage, format!("{:.2}", f64::from(work) / 1e6)));
         let stands = |(stage, figure): &(&str, String)| {
-            let mut lines = include_str!("mod.rs").lines().filter(|line| line.contains(&format!(" {stage} ")));
+            let mut lines = include_str!("../mod.rs").lines().filter(|line| line.contains(&format!(" {stage} ")));
             lines.any(|line| line.split(' ').any(|word| word == figure))
         };
         assert!(stages.iter().all(stands), "in millions: {stages:?}");

@@ -4,30 +4,30 @@
 //! drifts. The early template hardly learns. It is compared, by SMR, at 17 alignments: nine that are two pixels
 //! apart, then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
 
-use super::constants::{COARSE_STEP, MARGIN};
+use super::super::constants::{COARSE_STEP, MARGIN};
 
 /// The place of the template in the view: pixels of the grid from the middle to the right and down, at most [`MARGIN`]
 /// on each axis.
-pub(super) type Alignment = (i16, i16);
+pub(crate) type Alignment = (i16, i16);
 
 /// The search for the best alignment.
 #[derive(Clone, Copy)]
 pub(super) struct Search {
     /// The best one so far.
-    pub(super) best: Alignment,
+    pub(crate) best: Alignment,
     score: u32,
     /// The centre of the present round of alignments.
     middle: Alignment,
 }
 
 impl Search {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
     /// The alignment with this number, in the order of the search. 0 is the middle.
     #[inline(never)]
-    pub(super) fn alignment(&self, number: u16) -> Alignment {
+    pub(crate) fn alignment(&self, number: u16) -> Alignment {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
         // The middle is the fifth of nine, row by row.
         let ninth = match number {
@@ -40,7 +40,7 @@ impl Search {
     }
 
     /// Takes the score of an alignment. The first of equal scores wins.
-    pub(super) fn add(&mut self, number: u16, score: u32) {
+    pub(crate) fn add(&mut self, number: u16, score: u32) {
         if score > self.score {
             (self.best, self.score) = (self.alignment(number), score);
         }
@@ -57,7 +57,7 @@ pub(super) fn in_view((right, down): Alignment) -> [u16; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::constants::ALIGNMENTS;
+    use super::super::super::constants::ALIGNMENTS;
     use super::*;
     use std::vec::Vec;
 

@@ -6,7 +6,9 @@
 //!
 //! A target of any size has about 1600 pixels on its grid, so every frame costs about the same.
 
-use super::constants::{CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS};
+use super::super::constants::{
+    CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS,
+};
 use crate::image::Rect;
 use crate::kernels::rolled;
 use crate::track::update::units;
@@ -50,23 +52,23 @@ impl Grid {
     }
 
     /// Pixels of the template.
-    pub(super) fn pixels(&self) -> u32 {
+    pub(crate) fn pixels(&self) -> u32 {
         u32::from(self.columns) * u32::from(self.rows)
     }
 
     /// Weights of the filter.
-    pub(super) fn weights(&self) -> usize {
+    pub(crate) fn weights(&self) -> usize {
         usize::from(self.across) * usize::from(self.down) * CHANNELS
     }
 
     /// Work of one unit for each weight.
-    pub(super) fn work_on_weights(&self) -> u32 {
+    pub(crate) fn work_on_weights(&self) -> u32 {
         units(self.weights())
     }
 
     /// The step at `scale`, in units of 1/4096 pixel.
     #[inline(never)]
-    pub(super) fn step_at(&self, scale: u32) -> i64 {
+    pub(crate) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
 }
@@ -74,36 +76,36 @@ impl Grid {
 /// The largest grid for a filter of so many cells, and the reach of its search: what the most work of a stage depends
 /// on.
 #[derive(Clone, Copy)]
-pub(super) struct Extent {
-    pub(super) across: u32,
-    pub(super) down: u32,
+pub(crate) struct Extent {
+    pub(crate) across: u32,
+    pub(crate) down: u32,
     /// In cells.
-    pub(super) reach: u32,
+    pub(crate) reach: u32,
 }
 
 #[allow(clippy::cast_possible_truncation)] // 10 channels, 1600 pixels
 impl Extent {
     /// The same filter with another reach.
-    pub(super) const fn with_reach(self, reach: u16) -> Self {
+    pub(crate) const fn with_reach(self, reach: u16) -> Self {
         Self { reach: reach as u32, ..self }
     }
 
-    pub(super) const fn weights(self) -> u32 {
+    pub(crate) const fn weights(self) -> u32 {
         self.across * self.down * CHANNELS as u32
     }
 
     /// The most pixels of the template.
-    pub(super) const fn pixels(self) -> u32 {
+    pub(crate) const fn pixels(self) -> u32 {
         let all = self.across * self.down * CELL as u32 * CELL as u32;
         if all < MOST_PIXELS as u32 { all } else { MOST_PIXELS as u32 }
     }
 
     /// Offsets of the search on each axis.
-    pub(super) const fn span(self) -> u32 {
+    pub(crate) const fn span(self) -> u32 {
         2 * self.reach + 1
     }
 
-    pub(super) const fn offsets(self) -> u32 {
+    pub(crate) const fn offsets(self) -> u32 {
         self.span() * self.span()
     }
 }

@@ -15,13 +15,10 @@
 //!
 //! Redetection writes over `large`, `responses` and `comparison`; then nothing is learned.
 
-use super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
-use super::gradients::Extractor;
-use super::learning::Sums;
-use super::response::Responses;
-use super::scale;
-use super::verification::Comparison;
-use crate::correlation::Coded;
+use super::super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
+use super::super::features::Extractor;
+use super::super::filter::{Coded, Responses, Sums, scale};
+use super::super::verification::Comparison;
 use heapless::Vec;
 
 /// Bytes of the largest search window: the longest filter has the longest margin.
@@ -32,23 +29,23 @@ const LARGE: usize =
 // Fields with padding come before a vector. In the other order a build without optimisation builds the value on the
 // stack and copies it.
 #[repr(C)]
-pub(super) struct Buffers {
+pub(crate) struct Buffers {
     /// Bytes for the features of a search window, or for the refiner.
-    pub(super) large: Vec<i8, LARGE>,
+    pub(crate) large: Vec<i8, LARGE>,
     /// The filter's responses to the features in `large`.
-    pub(super) responses: Responses,
+    pub(crate) responses: Responses,
     /// The filter's weights, coded; during a step of learning, from its direction on, that direction.
-    pub(super) coded: Coded<WEIGHTS>,
-    pub(super) sums: Sums,
+    pub(crate) coded: Coded<WEIGHTS>,
+    pub(crate) sums: Sums,
     /// Bytes for the features at one scale, or for the refiner's first crop.
-    pub(super) small: scale::Cells,
-    pub(super) extractor: Extractor,
-    pub(super) comparison: Comparison,
+    pub(crate) small: scale::Cells,
+    pub(crate) extractor: Extractor,
+    pub(crate) comparison: Comparison,
 }
 
 impl Buffers {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         // The extractor is a constant, so that it is not built on the stack.
         Self {
             extractor: const { Extractor::new() },

@@ -1,7 +1,7 @@
 //! Stands for the refiner in a build without the feature `refiner`. All types are empty, and the compiler removes the
 //! calls. Signatures are those of `refiner/`; [`Config::refines`](super::Config) is false.
 
-use super::sampling::Sampling;
+use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::Backend;
 use crate::track::State;

@@ -5,31 +5,31 @@
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
 //! ```
 
-use super::constants::MOST_PIXELS;
+use super::super::constants::MOST_PIXELS;
 use crate::image::Image;
 use crate::kernels::rolled;
 use heapless::Vec;
 
 /// The early template.
-pub(super) struct Template {
+pub(crate) struct Template {
     mean: Vec<u16, MOST_PIXELS>,
 }
 
 impl Template {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { mean: Vec::new() }
     }
 
     /// Starts as `patch`, which has at most `MOST_PIXELS` pixels.
-    pub(super) fn start(&mut self, patch: Image<'_>) {
+    pub(crate) fn start(&mut self, patch: Image<'_>) {
         self.mean.clear();
         let _ = self.mean.resize_default(usize::from(patch.width()) * usize::from(patch.height()));
         self.learn(patch, 1024);
     }
 
     /// Restores the pixels that [`Template::mean`] returned.
-    pub(super) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
+    pub(crate) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
         for pixel in mean.take(MOST_PIXELS) {
             let _ = self.mean.push(pixel);
@@ -37,14 +37,14 @@ impl Template {
     }
 
     /// All pixels, in units of 1/256 gray level.
-    pub(super) fn mean(&self) -> &[u16] {
+    pub(crate) fn mean(&self) -> &[u16] {
         &self.mean
     }
 
     /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels
     /// stays as it is.
     #[inline(never)]
-    pub(super) fn learn(&mut self, patch: Image<'_>, rate: u16) {
+    pub(crate) fn learn(&mut self, patch: Image<'_>, rate: u16) {
         let columns = usize::from(patch.width());
         for y in 0..patch.height() {
             let mean = self.mean.iter_mut().skip(usize::from(y) * columns);
@@ -58,7 +58,7 @@ impl Template {
     }
 
     /// All pixels, rounded to gray levels.
-    pub(super) fn pixels(&self) -> impl ExactSizeIterator<Item = u8> {
+    pub(crate) fn pixels(&self) -> impl ExactSizeIterator<Item = u8> {
         self.mean.iter().map(|&mean| u8::try_from((u32::from(mean) + 128) >> 8).unwrap_or(u8::MAX))
     }
 

@@ -10,17 +10,14 @@
 //! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
-use super::constants::{
+use super::super::constants::{
     CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
 };
-use super::division::quotient;
-use super::gradients::{self, Extractor};
-use super::grid::{Extent, Grid};
+use super::super::division::quotient;
+use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
+use super::correlation::{Coded, Window};
 use super::learning::Sums;
-use super::motion::Place;
 use super::response::{self, layout, peak};
-use super::sampling::Lattice;
-use crate::correlation::{Coded, Window};
 use crate::image::{Frame, Rect};
 use crate::kernels::Products;
 use crate::track::update::Budget;
@@ -33,22 +30,22 @@ const CELLS: usize =
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
 /// The most work for all three scales.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     let extent = extent.with_reach(SCALE_REACH);
-    3 * (gradients::most_work(extent) + response::most_work(extent))
+    3 * (cells::most_work(extent) + response::most_work(extent))
 }
 
 /// The most work for a piece: the responses at one scale.
-pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     response::most_work(extent.with_reach(SCALE_REACH))
 }
 
 /// The features at one scale.
-pub(super) type Cells = Vec<i8, CELLS>;
+pub(crate) type Cells = Vec<i8, CELLS>;
 
 /// A scale search.
 #[derive(Clone, Copy)]
-pub(super) struct ScaleSearch {
+pub(crate) struct ScaleSearch {
     place: Place,
     /// The height of the best peak so far, and its scale.
     highest: i64,
@@ -60,30 +57,30 @@ pub(super) struct ScaleSearch {
 }
 
 /// The inputs of a scale search.
-pub(super) struct Tools<'a> {
-    pub(super) grid: &'a Grid,
-    pub(super) bounds: Rect,
+pub(crate) struct Tools<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) bounds: Rect,
     /// The filter's weights.
-    pub(super) weights: &'a Coded<WEIGHTS>,
-    pub(super) products: Products,
+    pub(crate) weights: &'a Coded<WEIGHTS>,
+    pub(crate) products: Products,
 }
 
 /// The memory that a scale search borrows.
-pub(super) struct Borrowed<'a> {
-    pub(super) extractor: &'a mut Extractor,
-    pub(super) cells: &'a mut Cells,
-    pub(super) sums: &'a mut Sums,
+pub(crate) struct Borrowed<'a> {
+    pub(crate) extractor: &'a mut Extractor,
+    pub(crate) cells: &'a mut Cells,
+    pub(crate) sums: &'a mut Sums,
 }
 
 impl ScaleSearch {
-    pub(super) fn begin(place: Place, tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> Self {
+    pub(crate) fn begin(place: Place, tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> Self {
         let lattice = Lattice::search_window(&place, tools.grid, SCALE_REACH);
         borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
         Self { place, highest: i64::MIN, best: place.scale, number: 0, sampled: false }
     }
 
     /// Does one piece of work. Returns the best scale after the last piece.
-    pub(super) fn next_piece(
+    pub(crate) fn next_piece(
         &mut self,
         tools: &Tools<'_>,
         frame: &Frame<'_>,
@@ -126,19 +123,19 @@ fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
 
 /// The next smaller and the next larger scale.
 #[inline(never)]
-pub(super) fn other_scales(scale: u32) -> [u32; 2] {
+pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
     [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
 /// A scale grown by `growth` / 65536, within the least and the most scale.
-pub(super) fn grown(scale: u32, growth: i32) -> u32 {
+pub(crate) fn grown(scale: u32, growth: i32) -> u32 {
     let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
     u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
 }
 
 /// True if a target can have this scale.
-pub(super) fn is_possible(scale: u32) -> bool {
+pub(crate) fn is_possible(scale: u32) -> bool {
     (LEAST_SCALE..=MOST_SCALE).contains(&scale)
 }

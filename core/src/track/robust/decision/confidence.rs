@@ -7,24 +7,24 @@
 //! confidence = 2/3 mean
 //! ```
 //!
-//! `response` is the penalised one ([`response`](super::response)), at least 0. A filter that learns from its own
+//! `response` is the penalised one ([`response`](super::super::filter::response)), at least 0. A filter that learns from its own
 //! answers responds well to anything it follows, so its response is weak evidence and counts for at most 1/2. The early
 //! template hardly learns, so its agreement counts for up to 1. Evidence and mean are in units of 1/65536, at most 1.5.
 //! A patch that cannot show the target has an evidence of 0.
 
-use super::config::Config;
-use super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
-use super::verification::Candidate;
+use super::super::config::Config;
+use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
+use super::super::verification::Candidate;
 use crate::track::State;
 
 /// The evidence for the target in one frame or one window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Evidence(i32);
+pub(crate) struct Evidence(i32);
 
 impl Evidence {
     /// The evidence of a candidate; 0 if its patch cannot show the target.
     #[inline(never)]
-    pub(super) fn of(candidate: &Candidate) -> Self {
+    pub(crate) fn of(candidate: &Candidate) -> Self {
         if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
     }
 
@@ -33,47 +33,47 @@ impl Evidence {
     }
 
     /// True if the filter may learn from the frame.
-    pub(super) fn may_be_learned(self) -> bool {
+    pub(crate) fn may_be_learned(self) -> bool {
         self.0 >= LEARNED_FROM
     }
 
     /// True if this is enough evidence to find the lost target again. `there` is the evidence at its last place.
-    pub(super) fn finds(self, there: Self) -> bool {
+    pub(crate) fn finds(self, there: Self) -> bool {
         self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
     }
 }
 
 /// The running mean of the evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Confidence(i32);
+pub(crate) struct Confidence(i32);
 
 impl Confidence {
     /// The confidence after a lock.
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
     /// The confidence after the target was found again.
-    pub(super) const fn found(evidence: Evidence) -> Self {
+    pub(crate) const fn found(evidence: Evidence) -> Self {
         Self(evidence.0)
     }
 
     /// The mean, as it is saved.
-    pub(super) const fn mean(self) -> i32 {
+    pub(crate) const fn mean(self) -> i32 {
         self.0
     }
 
     /// The confidence with a saved mean; `None` if the mean is out of range.
-    pub(super) const fn restore(mean: i32) -> Option<Self> {
+    pub(crate) const fn restore(mean: i32) -> Option<Self> {
         if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
     }
 
     /// The confidence after a frame with this evidence.
-    pub(super) fn after(self, evidence: Evidence, patience: u8) -> Self {
+    pub(crate) fn after(self, evidence: Evidence, patience: u8) -> Self {
         let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
     }
 
     #[inline(never)]
-    pub(super) fn state(self, config: &Config) -> State {
+    pub(crate) fn state(self, config: &Config) -> State {
         let confidence = self.value();
         if confidence < config.lost_below {
             State::Lost
@@ -85,13 +85,13 @@ impl Confidence {
     }
 
     /// True if one frame without evidence would make the target lost.
-    pub(super) fn may_be_lost_next(self, config: &Config) -> bool {
+    pub(crate) fn may_be_lost_next(self, config: &Config) -> bool {
         self.after(Evidence(0), config.patience).state(config) == State::Lost
     }
 
     /// 2/3 of the mean, in units of 1/65535.
     #[inline(never)]
-    pub(super) fn value(self) -> u16 {
+    pub(crate) fn value(self) -> u16 {
         u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
     }
 }

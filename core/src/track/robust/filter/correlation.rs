@@ -26,7 +26,7 @@ pub(crate) struct Window<'a> {
 }
 
 /// Adds one piece of the gradient. Returns true after the last piece. `packed` and `spare` are scratch memory.
-pub(crate) fn add_gradient<const S: usize>(
+pub(super) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,
     spare: &mut [i32],
@@ -58,7 +58,7 @@ impl<const N: usize> Coded<N> {
         &self.numbers
     }
 
-    pub(crate) fn numbers_mut(&mut self) -> &mut [i16] {
+    pub(super) fn numbers_mut(&mut self) -> &mut [i16] {
         &mut self.numbers
     }
 
@@ -104,7 +104,7 @@ impl<const N: usize> Coded<N> {
 
 /// The least shift to the right that makes `largest` less than `bound`.
 #[cfg_attr(smr_small, inline(never))]
-pub(crate) fn shift_below(largest: u32, bound: u32) -> u32 {
+pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     let mut shift = 0;
     while largest >> shift >= bound {
         shift += 1;

@@ -13,7 +13,7 @@
 //! | sum of a block | gray level | 4 * 255 |
 //! | row mixed from two | 1/256 gray level | 256 * 255 |
 
-use super::constants::{CELL, MARGIN, MOST_SIDE, PIXEL, PIXEL_BITS, REACH};
+use super::super::constants::{CELL, MARGIN, MOST_SIDE, PIXEL, PIXEL_BITS, REACH};
 use super::grid::Grid;
 use super::motion::Place;
 use crate::image::{Frame, Image, Rect};
@@ -23,26 +23,26 @@ use heapless::Vec;
 /// Columns of the largest lattice: a search window, and the pixel on each side that gradients need.
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
 /// Units of work for each sample.
-pub(super) const SAMPLED: u32 = 32;
+pub(crate) const SAMPLED: u32 = 32;
 /// The most pixels or blocks that a row of the largest lattice covers.
 const ROW: usize = 2 * COLUMNS + 2;
 
 /// The most pixels of the frame that a lattice reads; each is a unit of work. Its steps are less than two blocks, and
 /// it reads four pixels of each block.
-pub(super) const fn most_read(columns: u32, rows: u32) -> u32 {
+pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
 
 /// The places of samples: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096
 /// pixel of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Lattice {
-    pub(super) x: i64,
-    pub(super) y: i64,
-    pub(super) step: i64,
-    pub(super) step_down: i64,
-    pub(super) columns: u16,
-    pub(super) rows: u16,
+pub(crate) struct Lattice {
+    pub(crate) x: i64,
+    pub(crate) y: i64,
+    pub(crate) step: i64,
+    pub(crate) step_down: i64,
+    pub(crate) columns: u16,
+    pub(crate) rows: u16,
 }
 
 /// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has at most 65,535 pixels on a side,
@@ -88,13 +88,13 @@ impl Lattice {
     /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that
     /// gradients need.
     #[inline(never)]
-    pub(super) fn search_window(place: &Place, grid: &Grid, reach: u16) -> Self {
+    pub(crate) fn search_window(place: &Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
     }
 
     /// The view: the template's pixels, and `MARGIN` more on each side.
-    pub(super) fn view(place: &Place, grid: &Grid) -> Self {
+    pub(crate) fn view(place: &Place, grid: &Grid) -> Self {
         Self::around(place, grid, grid.columns + 2 * MARGIN, grid.rows + 2 * MARGIN)
     }
 
@@ -122,7 +122,7 @@ impl Lattice {
 
     /// The pixels of a frame that the lattice reads.
     #[inline(never)]
-    pub(super) fn pixels(&self, bounds: Rect) -> Rect {
+    pub(crate) fn pixels(&self, bounds: Rect) -> Rect {
         let (x, y) = self.axes(bounds);
         let side = 1 << self.halvings();
         let extent = |axis: &Axis, count: u16, size: u16| {
@@ -136,7 +136,7 @@ impl Lattice {
 
     /// Begins to sample: computes the places of columns and rows.
     #[inline(never)]
-    pub(super) fn prepare(&self, bounds: Rect, sampling: &mut Sampling) {
+    pub(crate) fn prepare(&self, bounds: Rect, sampling: &mut Sampling) {
         let (across, down) = self.axes(bounds);
         sampling.pixels = self.pixels(bounds);
         (sampling.down, sampling.halvings) = (down, self.halvings());
@@ -152,7 +152,7 @@ impl Lattice {
     }
 
     /// Begins to sample into `out`. False if there is no room.
-    pub(super) fn begin<const N: usize>(&self, bounds: Rect, sampling: &mut Sampling, out: &mut Vec<u8, N>) -> bool {
+    pub(crate) fn begin<const N: usize>(&self, bounds: Rect, sampling: &mut Sampling, out: &mut Vec<u8, N>) -> bool {
         out.clear();
         self.prepare(bounds, sampling);
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
@@ -160,7 +160,7 @@ impl Lattice {
 
     /// Samples all rows. False if a needed pixel is not in memory or there is no room.
     #[cfg(test)]
-    pub(super) fn sample<const N: usize>(
+    pub(crate) fn sample<const N: usize>(
         &self,
         frame: &Frame<'_>,
         sampling: &mut Sampling,
@@ -175,7 +175,7 @@ impl Lattice {
 const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 
 /// The memory of sampling: the lattice on the reduced frame, and rows of that frame.
-pub(super) struct Sampling {
+pub(crate) struct Sampling {
     columns: Interpolation<COLUMNS>,
     down: Axis,
     /// The number of times that the frame is halved.
@@ -198,7 +198,7 @@ pub(super) struct Sampling {
 
 impl Sampling {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             columns: Interpolation::new(),
             down: Axis { first: 0, step: 0, end: 0 },
@@ -221,21 +221,21 @@ impl Sampling {
     }
 
     /// The number of the next row.
-    pub(super) fn next(&self) -> u16 {
+    pub(crate) fn next(&self) -> u16 {
         self.next
     }
 
     /// Samples the next row, from the top, into its place in `out`. True after the last row. If a needed pixel is not
     /// in memory, the row stays as it is.
     #[inline(never)]
-    pub(super) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
+    pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
         let from = usize::from(self.next()) * columns;
         self.next_row_alone(frame, out.get_mut(from..from + columns).unwrap_or_default())
     }
 
     /// Samples the next row into `out`: see [`Sampling::next_row`].
-    pub(super) fn next_row_alone(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
+    pub(crate) fn next_row_alone(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let row = self.next;
         if let Some(mut sampler) = self.sampler(frame) {
             sampler.row(row, out);
@@ -245,7 +245,7 @@ impl Sampling {
     }
 
     /// The work since the last call: 1 for each pixel read, and `each` for each sample.
-    pub(super) fn work(&mut self, each: u32) -> u32 {
+    pub(crate) fn work(&mut self, each: u32) -> u32 {
         core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
     }
 }
@@ -259,7 +259,7 @@ pub(super) struct Sampler<'a> {
 impl Sampler<'_> {
     /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
     #[inline(never)]
-    pub(super) fn row(&mut self, number: u16, out: &mut [u8]) {
+    pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
         // Blocks are counted from the first pixel that is read, not from the frame's edge.
         let (top, _) = self.sampling.down.place(0);
@@ -369,7 +369,7 @@ fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32,
 
 /// Row `first` + `row` of `pixels`. The last row is repeated below, because the frame's edge may cut a block.
 #[cfg_attr(smr_dsp, inline(never))]
-pub(super) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
+pub(crate) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 

@@ -7,9 +7,8 @@
 //!
 //! In two dimensions it is the product of the Gaussians of both axes. Distances are in units of 1/256 cell.
 
-use super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
-use super::gradients::root;
-use super::grid::Grid;
+use super::super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
+use super::super::features::{Grid, root};
 
 /// Entries of the table for each sigma.
 const FINE: u16 = 32;
@@ -20,21 +19,21 @@ const TABLE: [u16; ENTRIES] = table();
 
 /// A Gaussian on one axis.
 #[derive(Clone, Copy)]
-pub(super) struct Gaussian {
+pub(crate) struct Gaussian {
     /// Entries of the table for each 1/256 cell. Unit: 2^-20.
     entries: i64,
 }
 
 impl Gaussian {
     /// The label's Gaussian: sigma is a tenth of the root of the target's area.
-    pub(super) fn label(grid: &Grid) -> Self {
+    pub(crate) fn label(grid: &Grid) -> Self {
         // A pixel of the grid is 64 units, so sigma^2 = 64^2 * 0.1^2 * pixels.
         let [width, of] = LABEL_WIDTH;
         Self::new(root(grid.pixels() * 4096 * width / of).max(1).into())
     }
 
     /// The learning window's Gaussians across and down: sigma is half of the target's side.
-    pub(super) fn window(grid: &Grid) -> [Self; 2] {
+    pub(crate) fn window(grid: &Grid) -> [Self; 2] {
         [grid.columns, grid.rows].map(|side| Self::new(LEARNED_WIDTH * u64::from(side).max(1)))
     }
 
@@ -44,7 +43,7 @@ impl Gaussian {
 
     /// The value at a distance from the middle.
     #[inline(never)]
-    pub(super) fn at(self, distance: i32) -> i32 {
+    pub(crate) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;
         usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&value| value.into())
     }
@@ -76,7 +75,7 @@ const fn table() -> [u16; ENTRIES] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::constants::ONE;
+    use super::super::super::constants::ONE;
     use super::*;
     use crate::image::Rect;
 

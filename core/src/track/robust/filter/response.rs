@@ -17,67 +17,66 @@
 //! in scan order. So in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for
 //! each weight.
 
-use super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
-
-use super::division::quotient;
-use super::grid::{Extent, Grid};
-use crate::correlation::{Coded, Window};
+use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
+use super::super::division::quotient;
+use super::super::features::{Extent, Grid};
+use super::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};
 use crate::track::update::{Budget, units};
 
 /// Responses, row by row.
-pub(super) struct Responses {
-    pub(super) rows: [[i32; SPAN]; SPAN],
+pub(crate) struct Responses {
+    pub(crate) rows: [[i32; SPAN]; SPAN],
     /// Offsets on an axis.
-    pub(super) span: usize,
+    pub(crate) span: usize,
 }
 
 /// Units of work for each weight that is coded or changed.
-pub(super) const CODED: u32 = 16;
+pub(crate) const CODED: u32 = 16;
 
 /// The most work for the responses at all offsets.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     extent.offsets() * extent.weights()
 }
 
 /// The most work for a piece. Some backends multiply two rows of cells at a time.
-pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     2 * extent.span() * extent.weights()
 }
 
 /// The peak: the largest counted response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Peak {
+pub(crate) struct Peak {
     /// From the middle, in units of 1/256 cell.
-    pub(super) x: i32,
-    pub(super) y: i32,
+    pub(crate) x: i32,
+    pub(crate) y: i32,
     /// The counted response there, in units of 1/16384.
-    pub(super) response: i32,
+    pub(crate) response: i32,
     /// The counted response at the top of the parabolas, in units of 1/16384.
-    pub(super) height: i32,
+    pub(crate) height: i32,
 }
 
 /// The layout of the filter on a window of cells with a margin of `span / 2` cells on each side.
-pub(super) fn layout(grid: &Grid, span: usize) -> Layout {
+pub(crate) fn layout(grid: &Grid, span: usize) -> Layout {
     let row = usize::from(grid.across) * CHANNELS;
     Layout { row, stride: row + span.saturating_sub(1) * CHANNELS, step: CHANNELS, span }
 }
 
 impl Responses {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
     /// Sets the responses of weights that are all 0.
-    pub(super) fn clear(&mut self, span: usize) {
+    pub(crate) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }
 
     /// Computes one piece of the responses of coded weights, without penalty. True after the last piece.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
-    pub(super) fn compute(
+    pub(crate) fn compute(
         &mut self,
         weights: &Coded<WEIGHTS>,
         products: Products,
@@ -96,14 +95,14 @@ impl Responses {
         done
     }
 
-    pub(super) fn peak(&self, penalty: bool) -> Peak {
+    pub(crate) fn peak(&self, penalty: bool) -> Peak {
         peak(&self.rows, self.span, penalty)
     }
 }
 
 /// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
 #[inline(never)]
-pub(super) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
+pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let responses = Counted { rows, span, penalty };
     let (mut x, mut y) = (span / 2, span / 2);
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);

@@ -18,7 +18,7 @@
 //!
 //! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
 
-use super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
+use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
@@ -36,13 +36,13 @@ const FEATURED: u32 = 64;
 const LINES: u32 = CELL as u32 + 2;
 
 /// The most work for the features of a window.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     let (columns, rows) = (columns(extent), (extent.down + 2 * extent.reach) * CELL as u32 + 2);
     columns * rows * FEATURED + most_read(columns, rows)
 }
 
 /// The most work for a row of cells.
-pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
 }
 
@@ -56,7 +56,7 @@ pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
 /// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
-pub(super) struct Extractor {
+pub(crate) struct Extractor {
     sampling: Sampling,
     lines: [[u8; COLUMNS]; SIDE],
     /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
@@ -72,7 +72,7 @@ pub(super) struct Extractor {
 
 impl Extractor {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             sampling: Sampling::new(),
             lines: [[0; COLUMNS]; SIDE],
@@ -85,18 +85,18 @@ impl Extractor {
     }
 
     /// Lends the memory of the sums to the filter's products, between two windows.
-    pub(super) fn lend_sums(&mut self) -> &mut Packed {
+    pub(crate) fn lend_sums(&mut self) -> &mut Packed {
         &mut self.sums
     }
 
-    pub(super) fn sampling(&mut self) -> &mut Sampling {
+    pub(crate) fn sampling(&mut self) -> &mut Sampling {
         &mut self.sampling
     }
 
     /// Begins the features of `lattice`, which covers whole cells and one sample more on each side. False if there is
     /// no room; `out` is then empty.
     #[inline(never)]
-    pub(super) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
+    pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
         // Old cells need not be cleared: every byte is written.
@@ -117,7 +117,7 @@ impl Extractor {
 
     /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
     #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
+    pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
         let done = self.row(frame, out);
         budget.spend(self.sampling.work(FEATURED));
         done
@@ -162,7 +162,7 @@ impl Extractor {
 
     #[cfg(any(test, feature = "unstable"))]
     /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
-    pub(super) fn features<const N: usize>(
+    pub(crate) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
         lattice: &Lattice,
@@ -236,7 +236,7 @@ fn mean_by_parts(energy: u32, cells: u32) -> u32 {
 
 /// The square root, rounded down, bit by bit: Armv6-M has no division.
 #[cfg(all(smr_swar, target_arch = "arm"))]
-pub(super) fn root(number: u32) -> u32 {
+pub(crate) fn root(number: u32) -> u32 {
     let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
     while bit > 0 {
         let subtracted = root + bit;
@@ -254,7 +254,7 @@ pub(super) fn root(number: u32) -> u32 {
 /// they are faster than `isqrt`.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
-pub(super) fn root(number: u32) -> u32 {
+pub(crate) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
     // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
@@ -269,7 +269,7 @@ pub(super) fn root(number: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::constants::PIXEL;
+    use super::super::super::constants::PIXEL;
     use super::*;
     use crate::image::Image;
 

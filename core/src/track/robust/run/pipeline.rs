@@ -12,27 +12,20 @@
 //! the decision begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. A lock has a pipeline of its
 //! own (`lock.rs`).
 
-use super::alignment::Alignment;
+use super::super::config::Config;
+use super::super::constants::CELL;
+#[cfg(feature = "unstable")]
+use super::super::constants::SPAN;
+use super::super::decision::{Confidence, Evidence, Memory, Track};
+use super::super::division::quotient;
+#[cfg(feature = "unstable")]
+use super::super::features::Lattice;
+use super::super::features::{Grid, Motion, Place};
+use super::super::filter::{Borrowed, CODED, Learning, ScaleSearch, Tools, scale};
+use super::super::refiner::Refiner;
+use super::super::verification::{Alignment, COPIED, Candidate, REFINED, Refined, Verification, Verified, refine};
 use super::buffers::Buffers;
-use super::confidence::{Confidence, Evidence};
-use super::config::Config;
-use super::constants::CELL;
-#[cfg(feature = "unstable")]
-use super::constants::SPAN;
-use super::division::quotient;
-use super::grid::Grid;
-use super::learning::Learning;
 use super::model::Model;
-use super::motion::{Motion, Place};
-use super::refinement::{REFINED, Refined, refine};
-use super::refiner::Refiner;
-use super::response::CODED;
-#[cfg(feature = "unstable")]
-use super::sampling::Lattice;
-use super::saved::Memory;
-use super::scale::{self, Borrowed, ScaleSearch, Tools};
-use super::track::Track;
-use super::verification::{COPIED, Candidate, Verification, Verified};
 use super::windows::{expected, swept};
 use crate::image::Frame;
 use crate::track::State;
@@ -55,7 +48,7 @@ enum Stage {
 
 /// The progress of an update, and its decisions.
 #[derive(Clone, Copy)]
-pub(super) struct Pipeline {
+pub(crate) struct Pipeline {
     stage: Stage,
     /// The middle of the present window.
     centre: Place,
@@ -73,7 +66,7 @@ pub(super) struct Pipeline {
 
 impl Pipeline {
     /// Begins an update.
-    pub(super) fn begin(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
+    pub(crate) fn begin(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
         let grid = &model.track.grid;
         model.memory.filter.code(&mut buffers.coded);
         buffers.comparison.begin(&model.reference());
@@ -92,12 +85,12 @@ impl Pipeline {
     }
 
     /// The candidate on which the answer is based.
-    pub(super) const fn candidate(&self) -> &Candidate {
+    pub(crate) const fn candidate(&self) -> &Candidate {
         &self.candidate
     }
 
     /// Continues until the grant is spent. True if no stage is left.
-    pub(super) fn step(
+    pub(crate) fn step(
         &mut self,
         model: &Model<'_>,
         buffers: &mut Buffers,
@@ -268,7 +261,7 @@ impl Pipeline {
     }
 
     /// Changes the memory as decided.
-    pub(super) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
+    pub(crate) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
         let Self { track, alignment, .. } = self;
         if let Some(length) = self.learned {
             let patch = buffers.comparison.patch(&track.grid, *alignment);
@@ -302,7 +295,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 /// Computes the features of the search window of the next update. False if a needed pixel is not in
 /// memory.
 #[cfg(feature = "unstable")]
-pub(super) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+pub(crate) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
     let place = expected(model.track);
     let lattice = Lattice::search_window(&place, &model.track.grid, model.config.reach());
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
@@ -310,7 +303,7 @@ pub(super) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'
 
 /// Computes the filter's responses to these features, without penalty.
 #[cfg(feature = "unstable")]
-pub(super) fn responses(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
+pub(crate) fn responses(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
     model.memory.filter.code(&mut buffers.coded);
     buffers.responses.rows = [[0; SPAN]; SPAN];
     let mut piece = 0;

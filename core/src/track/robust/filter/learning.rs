@@ -22,12 +22,12 @@
 //!
 //! Cost: 578 products for each weight by default, twice as many as the responses of a search.
 
-use super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
-use super::division::quotient;
+use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
+use super::super::division::quotient;
+use super::super::features::{Extent, Grid};
+use super::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use super::gaussian::Gaussian;
-use super::grid::{Extent, Grid};
 use super::response::{self, CODED, Responses};
-use crate::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
 use crate::track::update::{Budget, largest, units};
 
@@ -35,32 +35,31 @@ use crate::track::update::{Budget, largest, units};
 const SLOPED: u32 = 64;
 
 /// The most work for a step: the errors, the gradient, the direction, and the responses to it.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     extent.offsets() + 2 * response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
 /// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
-pub(super) const fn most_of_a_piece(extent: Extent) -> u32 {
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
     let last = response::most_of_a_piece(extent) + CODED * extent.weights();
     largest(&[errors, SLOPED * extent.weights(), last])
 }
 
 /// The inputs of a step: the filter, and a window in which the target was found.
-pub(super) struct Training<'a> {
-    pub(super) filter: &'a Filter<WEIGHTS>,
-    pub(super) grid: &'a Grid,
-    pub(super) window: Window<'a>,
+pub(crate) struct Training<'a> {
+    pub(crate) filter: &'a Filter<WEIGHTS>,
+    pub(crate) grid: &'a Grid,
+    pub(crate) window: Window<'a>,
     /// The filter's responses to the window.
-    pub(super) responses: &'a Responses,
-    pub(super) products: Products,
+    pub(crate) responses: &'a Responses,
+    pub(crate) products: Products,
 }
 
-/// Sums for each weight and for each offset. Other stages use them too, while nothing is learned: see
-/// [`buffers`](super::buffers).
-pub(super) struct Sums {
+/// Sums for each weight and for each offset. Other stages use them too, while nothing is learned: see `run/buffers.rs`.
+pub(crate) struct Sums {
     /// The gradient. While responses are computed, their spare memory.
-    pub(super) per_weight: [i32; WEIGHTS],
+    pub(crate) per_weight: [i32; WEIGHTS],
     /// The errors before they are coded; spare memory while the gradient is summed; then the responses to the
     /// direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
@@ -69,7 +68,7 @@ pub(super) struct Sums {
 
 impl Sums {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
     }
 
@@ -109,7 +108,7 @@ impl Sums {
                 left: 16 + error_shift - unit,
             };
             let steepest = slopes.largest();
-            if steepest >= crate::correlation::LARGEST || unit == 0 {
+            if steepest >= super::correlation::LARGEST || unit == 0 {
                 direction.set(slopes, weights.len(), steepest, unit);
                 return apply_window(training.grid, direction.numbers_mut());
             }
@@ -171,7 +170,7 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
 
 /// A step of learning.
 #[derive(Clone, Copy)]
-pub(super) struct Learning {
+pub(crate) struct Learning {
     /// The target's place from the middle of the window, in units of 1/256 cell.
     target: (i32, i32),
     rate: u16,
@@ -191,12 +190,12 @@ enum Phase {
 }
 
 impl Learning {
-    pub(super) fn begin(target: (i32, i32), rate: u16) -> Self {
+    pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
         Self { target, rate, phase: Phase::Errors }
     }
 
     /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid.
-    pub(super) fn next_piece(
+    pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,
         direction: &mut Coded<WEIGHTS>,

@@ -1,26 +1,21 @@
 //! The inputs of the stages, and the stages that updates and locks share.
 
+use super::super::config::Config;
+use super::super::decision::{Memory, Track};
+use super::super::features::{Lattice, Place};
+use super::super::filter::{Learning, Training, Window, layout};
+use super::super::verification::{Reference, measuring, window_contrast};
 use super::buffers::Buffers;
-use super::config::Config;
-use super::learning::{Learning, Training};
-use super::lighting::{measuring, window_contrast};
-use super::motion::Place;
-use super::response::layout;
-use super::sampling::Lattice;
-use super::saved::Memory;
-use super::track::Track;
-use super::verification::Reference;
-use crate::correlation::Window;
 use crate::kernels::Products;
 use crate::track::update::Budget;
 
 /// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
 /// `memory` at each step of learning.
-pub(super) struct Model<'a> {
-    pub(super) config: &'a Config,
-    pub(super) memory: &'a Memory,
+pub(crate) struct Model<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) memory: &'a Memory,
     /// The track before this frame.
-    pub(super) track: &'a Track,
+    pub(crate) track: &'a Track,
 }
 
 impl Model<'_> {
@@ -39,14 +34,14 @@ impl Model<'_> {
     }
 
     /// Begins the view of a place.
-    pub(super) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
+    pub(crate) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
         let Buffers { extractor, comparison, .. } = buffers;
         comparison.begin_view(place, &self.track.grid, self.track.bounds, extractor.sampling());
     }
 
     /// Computes a piece of the responses, and counts it. True after the last one.
     #[inline(never)]
-    pub(super) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
+    pub(crate) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
         let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
         let (window, spare) = (self.window(large), &mut sums.per_weight);
         let done = responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
@@ -56,7 +51,7 @@ impl Model<'_> {
 
     /// Does a piece of learning. Returns the length of the filter's step after the last one.
     #[inline(never)]
-    pub(super) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
+    pub(crate) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
         let Buffers { large, responses, extractor, coded, sums, .. } = buffers;
         let training = Training {
             filter: &self.memory.filter,
@@ -68,7 +63,7 @@ impl Model<'_> {
         learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget)
     }
 
-    pub(super) fn reference(&self) -> Reference<'_> {
+    pub(crate) fn reference(&self) -> Reference<'_> {
         Reference { config: self.config, template: &self.memory.template, grid: &self.track.grid }
     }
 
@@ -77,7 +72,7 @@ impl Model<'_> {
     }
 
     #[inline(never)]
-    pub(super) fn products(&self) -> Products {
+    pub(crate) fn products(&self) -> Products {
         Products::new(self.config.backend())
     }
 }

@@ -1,17 +1,14 @@
 //! The memory of a target from frame to frame, and the same as bytes: track, filter, early template, and the refiner's memory.
 
+use super::super::config::Config;
+use super::super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
+use super::super::features::{Grid, Motion, Place};
+use super::super::filter::{Filter, scale};
+use super::super::refiner::{self, Correction, First, Opinion};
+use super::super::verification::{Light, Template};
 use super::confidence::Confidence;
-use super::config::Config;
-use super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
-use super::grid::Grid;
-use super::lighting::Light;
-use super::motion::{Motion, Place};
 use super::redetection::Sweep;
-use super::refiner::{self, Correction, First, Opinion};
-use super::scale;
-use super::template::Template;
 use super::track::Track;
-use crate::correlation::Filter;
 use crate::image::Rect;
 use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
@@ -20,34 +17,34 @@ use crate::track::{Quality, RestoreError, SaveError};
 /// Bytes of a saved track.
 const TRACK: usize = 62;
 /// The most bytes of a saved target.
-pub(super) const SAVED_SIZE: usize =
+pub(crate) const SAVED_SIZE: usize =
     around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
 /// Everything that the tracker remembers of a target.
-pub(super) struct Memory {
+pub(crate) struct Memory {
     /// `None` before the first lock.
-    pub(super) track: Option<Track>,
-    pub(super) filter: Filter<WEIGHTS>,
-    pub(super) template: Template,
+    pub(crate) track: Option<Track>,
+    pub(crate) filter: Filter<WEIGHTS>,
+    pub(crate) template: Template,
     /// The first frame's target, as the refiner sees it.
-    pub(super) first: First,
+    pub(crate) first: First,
 }
 
 impl Memory {
     #[inline(always)]
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { track: None, filter: Filter::new(), template: Template::new(), first: First::new() }
     }
 
     /// Bytes of the saved form.
-    pub(super) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
+    pub(crate) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refines() { refiner::SAVED } else { 0 };
         let size =
             around(Config::COUNT) + TRACK + 4 * self.filter.weights().len() + 2 * self.template.mean().len() + refiner;
         self.track.map(|_| size).ok_or(SaveError::NotLocked)
     }
 
-    pub(super) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
+    pub(crate) fn save(&self, config: &Config, bytes: &mut [u8]) -> Result<usize, SaveError> {
         let track = self.track.ok_or(SaveError::NotLocked)?;
         let mut to = Writer::new(bytes, self.saved_size(config)?, &Saved::of(config, &config.numbers()))?;
         for side in [track.bounds.width, track.bounds.height].into_iter().chain(track.size) {
@@ -75,7 +72,7 @@ impl Memory {
 
     /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
     #[inline(never)]
-    pub(super) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), Refusal> {
+    pub(crate) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), Refusal> {
         let mut from = reader(config, bytes)?;
         let mut track = read_track(&mut from).ok_or(RestoreError::Damaged)?;
         let count = track.grid.weights();
@@ -133,6 +130,6 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
 }
 
 /// A reader of the state, if the configuration is the one that the target was saved with.
-pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
+pub(crate) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
     Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

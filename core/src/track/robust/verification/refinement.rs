@@ -18,29 +18,29 @@
 //! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40
 //! instructions for each pixel.
 
+use super::super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
+use super::super::division::quotient;
+use super::super::features::row_of;
 use super::alignment::Alignment;
-use super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
-use super::division::quotient;
-use super::sampling::row_of;
 use crate::image::Image;
 use crate::kernels::rolled;
 
 /// Units of work for each pixel of the template.
-pub(super) const REFINED: u32 = 40;
+pub(crate) const REFINED: u32 = 40;
 /// The most binary places of a sum when the equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 
 /// The target's place from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Refined {
-    pub(super) x: i32,
-    pub(super) y: i32,
-    pub(super) growth: i32,
+pub(crate) struct Refined {
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+    pub(crate) growth: i32,
 }
 
 /// Refines an alignment by the patch `seen` there and the relit template. `None` if their agreement is too low.
 /// `alpha` is at most 100.
-pub(super) fn refine(
+pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,
     seen: Image<'_>,

@@ -8,16 +8,14 @@
 //! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each of
 //! its 25 steps of learning changes the weights. Its end sets template and track.
 
+use super::super::config::Config;
+use super::super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
+use super::super::decision::{Memory, Track};
+use super::super::filter::{CODED, Learning};
+use super::super::refiner::FirstCrop;
+use super::super::verification::{Light, measuring, window_contrast};
 use super::buffers::Buffers;
-use super::config::Config;
-use super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
-use super::learning::Learning;
-use super::lighting::{Light, measuring, window_contrast};
 use super::model::Model;
-use super::refiner::FirstCrop;
-use super::response::CODED;
-use super::saved::Memory;
-use super::track::Track;
 use crate::image::Frame;
 use crate::track::Quality;
 use crate::track::update::Budget;
@@ -36,7 +34,7 @@ enum Stage {
 
 /// The progress of a lock.
 #[derive(Clone, Copy)]
-pub(super) struct LockPipeline {
+pub(crate) struct LockPipeline {
     stage: Stage,
     track: Track,
     /// Steps of learning left, including the present one.
@@ -44,7 +42,7 @@ pub(super) struct LockPipeline {
 }
 
 impl LockPipeline {
-    pub(super) fn begin(track: Track, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Self {
+    pub(crate) fn begin(track: Track, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Self {
         memory.track = None;
         memory.filter.start(track.grid.weights());
         let mut lock = Self { stage: Stage::Done, track, steps_left: FIRST_STEPS };
@@ -60,7 +58,7 @@ impl LockPipeline {
     }
 
     /// Continues until the grant is spent. True if no stage is left.
-    pub(super) fn step(
+    pub(crate) fn step(
         &mut self,
         (config, memory): (&Config, &mut Memory),
         buffers: &mut Buffers,
@@ -151,7 +149,7 @@ impl LockPipeline {
     }
 
     /// Sets template and track. Returns how distinct the target is.
-    pub(super) fn commit(&self, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Quality {
+    pub(crate) fn commit(&self, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Quality {
         let Buffers { comparison, small, .. } = buffers;
         let mut track = self.track;
         comparison.table_mut().set(config.table, QUALITY_ALPHA);

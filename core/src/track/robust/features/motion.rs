@@ -8,37 +8,37 @@
 //! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of
 //! 1/65536. Positions lie within the frame, so both coordinates are below 2^28.
 
-use super::constants::{PIXEL, SCALE};
+use super::super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
 use crate::image::Rect;
 
 /// A target's middle and size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
-    pub(super) x: i64,
-    pub(super) y: i64,
-    pub(super) scale: u32,
+pub(crate) struct Place {
+    pub(crate) x: i64,
+    pub(crate) y: i64,
+    pub(crate) scale: u32,
 }
 
 impl Place {
-    pub(super) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
+    pub(crate) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
 
     /// The middle of a box.
     #[inline(never)]
-    pub(super) fn of(target: Rect) -> Self {
+    pub(crate) fn of(target: Rect) -> Self {
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
     }
 
     /// This place moved to the right and down, in units of 1/64 pixel of the grid.
-    pub(super) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
+    pub(crate) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
         let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
         Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
     }
 
     /// This place moved into the frame.
     #[inline(never)]
-    pub(super) fn inside(self, bounds: Rect) -> Self {
+    pub(crate) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
         Self { x: self.x.clamp(0, end(bounds.width)), y: self.y.clamp(0, end(bounds.height)), ..self }
     }
@@ -46,20 +46,20 @@ impl Place {
 
 /// A target's place and velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Motion {
-    pub(super) place: Place,
+pub(crate) struct Motion {
+    pub(crate) place: Place,
     /// Velocity to the right and down, in units of positions per frame.
-    pub(super) velocity: [i64; 2],
+    pub(crate) velocity: [i64; 2],
 }
 
 impl Motion {
-    pub(super) const fn at(place: Place) -> Self {
+    pub(crate) const fn at(place: Place) -> Self {
         Self { place, velocity: [0; 2] }
     }
 
     /// The expected place in the next frame.
     #[inline(never)]
-    pub(super) fn expected(&self, bounds: Rect) -> Place {
+    pub(crate) fn expected(&self, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
         let Place { x, y, scale } = self.place;
         Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
@@ -67,14 +67,14 @@ impl Motion {
 
     /// Follows the target to `place` and updates the velocity. `None`: it was not seen. Then its place stays, and its
     /// velocity is halved.
-    pub(super) fn follow(&mut self, place: Option<Place>) {
+    pub(crate) fn follow(&mut self, place: Option<Place>) {
         let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
     /// Moves the place with the picture, by units of 1/256 pixel. The target's own velocity stays.
-    pub(super) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
+    pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);
     }

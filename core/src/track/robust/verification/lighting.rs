@@ -21,8 +21,8 @@
 //!
 //! Cost: 12 units of work for each cell of the window. The template's pixels count in verification.
 
-use super::constants::{CHANNELS, FOLLOWED, LEAST_ALPHA, LEAST_WINDOW, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
-use super::grid::Extent;
+use super::super::constants::{CHANNELS, FOLLOWED, LEAST_ALPHA, LEAST_WINDOW, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
+use super::super::features::Extent;
 use crate::image::Image;
 use crate::kernels::rolled;
 use crate::similarity::{Contrast, SHOWN};
@@ -31,12 +31,12 @@ use crate::similarity::{Contrast, SHOWN};
 const MEASURED: u32 = 12;
 
 /// The most work for the contrast of a window.
-pub(super) const fn most_work(extent: Extent) -> u32 {
+pub(crate) const fn most_work(extent: Extent) -> u32 {
     MEASURED * (extent.across + 2 * extent.reach) * (extent.down + 2 * extent.reach)
 }
 
 /// The work for the contrast of a window with these cells.
-pub(super) fn measuring(cells: &[i8]) -> u32 {
+pub(crate) fn measuring(cells: &[i8]) -> u32 {
     MEASURED * count(cells)
 }
 
@@ -47,41 +47,41 @@ fn count(cells: &[i8]) -> u32 {
 
 /// The target's gain for each gray level of contrast in its search window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Light(u32);
+pub(crate) struct Light(u32);
 
 impl Light {
-    pub(super) const NONE: Self = Self(0);
+    pub(crate) const NONE: Self = Self(0);
     const MOST: u32 = ((2 * MOST_EXPECTED) << 10) / LEAST_WINDOW;
 
     /// The light in which the target has this gain, and its window this contrast.
-    pub(super) fn of(gain: u32, window: u32) -> Self {
+    pub(crate) fn of(gain: u32, window: u32) -> Self {
         Self((gain << 10) / window.max(LEAST_WINDOW))
     }
 
     /// The expected gain in a window of this contrast.
-    pub(super) fn gain(self, window: u32) -> u32 {
+    pub(crate) fn gain(self, window: u32) -> u32 {
         ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
     }
 
     /// The light after a frame whose light is `new`.
-    pub(super) fn following(self, new: Self) -> Self {
+    pub(crate) fn following(self, new: Self) -> Self {
         Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> FOLLOWED))
     }
 
     /// The number, as it is saved.
-    pub(super) const fn number(self) -> u32 {
+    pub(crate) const fn number(self) -> u32 {
         self.0
     }
 
     /// The light with a saved number; `None` if that is out of range.
-    pub(super) const fn restore(number: u32) -> Option<Self> {
+    pub(crate) const fn restore(number: u32) -> Option<Self> {
         if number <= Self::MOST { Some(Self(number)) } else { None }
     }
 }
 
 /// The contrast of a search window.
 #[inline(never)]
-pub(super) fn window_contrast(cells: &[i8]) -> u32 {
+pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     let grays = || rolled(cells.as_chunks::<CHANNELS>().0.iter().map(|&[.., gray]| i32::from(gray)));
     let count = count(cells).max(1);
     let mean = grays().sum::<i32>().checked_div(count.cast_signed()).unwrap_or(0);
@@ -90,7 +90,7 @@ pub(super) fn window_contrast(cells: &[i8]) -> u32 {
 
 /// Alpha: a matching pixel differs by less than the deviation of the patch and of the template with this gain. With
 /// the first alone, noise would match a template that has little contrast in the present light.
-pub(super) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
+pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // At most 2^13 * 2^18.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
     u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
