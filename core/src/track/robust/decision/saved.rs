@@ -4,7 +4,7 @@ use super::super::config::Config;
 use super::super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
 use super::super::features::{Grid, Motion, Place};
 use super::super::filter::{Filter, scale};
-use super::super::refiner::{self, Correction, First, Opinion};
+use super::super::refiner::{self, First, Review};
 use super::super::verification::{Light, Template};
 use super::confidence::Confidence;
 use super::redetection::Sweep;
@@ -33,7 +33,7 @@ pub(crate) struct Memory {
 impl Memory {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
-        Self { track: None, filter: Filter::new(), template: Template::new(), first: First::new() }
+        Self { track: None, filter: Filter::new(), template: Template::new(), first: First::NONE }
     }
 
     /// Bytes of the saved form.
@@ -63,8 +63,7 @@ impl Memory {
         self.filter.weights().iter().for_each(|&weight| to.i32(weight));
         self.template.mean().iter().for_each(|&pixel| to.u16(pixel));
         if config.refines() {
-            track.correction.save(&mut to);
-            track.opinion.save(&mut to);
+            track.review.save(&mut to);
             self.first.save(&mut to);
         }
         Ok(to.finish())
@@ -79,17 +78,11 @@ impl Memory {
         let pixels = usize::from(track.grid.columns) * usize::from(track.grid.rows);
         let weights = from.slice(4 * count).ok_or(RestoreError::Damaged)?;
         let mean = from.slice(2 * pixels).ok_or(RestoreError::Damaged)?;
-        let mut first = None;
         if config.refines() {
-            track.correction = Correction::read(&mut from).ok_or(RestoreError::Damaged)?;
-            track.opinion = Opinion::read(&mut from).ok_or(RestoreError::Damaged)?;
-            first = Some(First::read(&mut from).ok_or(RestoreError::Damaged)?);
-        }
-        if !from.is_empty() {
+            track.review = Review::read(&mut from).ok_or(RestoreError::Damaged)?;
+            self.first.restore(&mut from).ok_or(RestoreError::Damaged)?; // the last that can fail
+        } else if !from.is_empty() {
             return Err(RestoreError::Damaged.into());
-        }
-        if let Some(first) = first {
-            self.first.restore(first);
         }
         self.filter.restore(count, weights.as_chunks().0.iter().map(|&bytes| i32::from_le_bytes(bytes)));
         self.template.restore(mean.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
@@ -123,8 +116,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
         confidence,
         sweep,
         quality,
-        correction: Correction::NONE,
-        opinion: Opinion::BEST,
+        review: Review::NONE,
         light,
     })
 }

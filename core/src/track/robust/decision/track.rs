@@ -3,7 +3,7 @@
 use super::super::config::Config;
 use super::super::constants::{PIXEL, SCALE};
 use super::super::features::{Grid, Motion, Place};
-use super::super::refiner::{Correction, Opinion};
+use super::super::refiner::Review;
 use super::super::verification::Light;
 use super::confidence::Confidence;
 use super::redetection::Sweep;
@@ -23,8 +23,7 @@ pub(crate) struct Track {
     pub(crate) confidence: Confidence,
     pub(crate) sweep: Sweep,
     pub(crate) quality: Quality,
-    pub(crate) correction: Correction,
-    pub(crate) opinion: Opinion,
+    pub(crate) review: Review,
     pub(crate) light: Light,
 }
 
@@ -39,8 +38,7 @@ impl Track {
             confidence: Confidence::FULL,
             sweep: Sweep::new(),
             quality: Quality::NONE,
-            correction: Correction::NONE,
-            opinion: Opinion::BEST,
+            review: Review::NONE,
             light: Light::NONE,
         }
     }
@@ -48,14 +46,14 @@ impl Track {
     /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.
     #[inline(never)]
     pub(crate) fn state(&self, config: &Config) -> State {
-        let (state, opinion) = (self.confidence.state(config), self.opinion.state());
+        let (state, opinion) = (self.confidence.state(config), self.review.state());
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
     /// The box of the answer: the followed box, corrected by the refiner.
     #[inline(never)]
     pub(crate) fn bbox(&self) -> FineRect {
-        self.correction.correct(self.followed())
+        self.review.correct(self.followed())
     }
 
     /// The box of the followed place and scale, without the refiner's correction.

@@ -1,5 +1,5 @@
-//! Stands for the refiner in a build without the feature `refiner`. All types are empty, and the compiler removes the
-//! calls. Signatures are those of `refiner/`; [`Config::refines`](super::Config) is false.
+//! The absent refiner of a build without the feature `refiner`: an empty type stands for what is remembered, and a type without
+//! a value for the stages. [`Config::refines`](super::Config) is false there, and the compiler removes all calls.
 
 use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};
@@ -13,88 +13,49 @@ pub(super) const SAVED: usize = 0;
 pub(super) const CROP_WORK: u32 = 0;
 pub(super) const WORK: u32 = 0;
 
-type Outputs = [i32; 6];
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Correction;
+pub(super) struct Review;
+pub(super) use Review as First;
 
-impl Correction {
+impl Review {
     pub(super) const NONE: Self = Self;
 
-    pub(super) fn take(&mut self, _: Outputs) {}
+    pub(super) fn agree(&mut self) {}
 
-    pub(super) fn fade(&mut self) {}
+    pub(super) fn follow(&mut self, (): (), _: bool) {}
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         target
     }
 
-    pub(super) fn save(&self, _: &mut Writer<'_>) {}
-
-    pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
-        Some(Self)
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Opinion;
-
-impl Opinion {
-    pub(super) const BEST: Self = Self;
-
-    pub(super) fn follow(&mut self, _: Outputs) {}
-
-    pub(super) fn agree(&mut self) {}
-
-    pub(super) fn state(self) -> State {
+    pub(super) fn state(&self) -> State {
         State::Tracking
-    }
-
-    pub(super) fn save(self, _: &mut Writer<'_>) {}
-
-    pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
-        Some(Self)
-    }
-}
-
-pub(super) struct First;
-
-impl First {
-    #[inline(always)]
-    pub(super) const fn new() -> Self {
-        Self
     }
 
     pub(super) fn keep(&mut self, _: &[i8]) {}
 
     pub(super) fn save(&self, _: &mut Writer<'_>) {}
 
-    pub(super) fn read<'a>(_: &mut Reader<'a>) -> Option<&'a [u8]> {
-        Some(&[])
+    pub(super) fn read(_: &mut Reader<'_>) -> Option<Self> {
+        None
     }
 
-    pub(super) fn restore(&mut self, _: &[u8]) {}
+    pub(super) fn restore(&mut self, _: &mut Reader<'_>) -> Option<()> {
+        None
+    }
 }
 
 #[derive(Clone, Copy)]
-pub(super) enum FirstCrop {}
+pub(super) enum Refiner {}
+pub(super) use Refiner as FirstCrop;
 
-impl FirstCrop {
+impl Refiner {
     pub(super) fn begin<const N: usize>(_: FineRect, _: Rect, _: &mut Sampling, _: &mut Vec<i8, N>) -> Option<Self> {
         None
     }
 
     pub(super) fn next_row(&mut self, _: &Frame<'_>, _: &mut Sampling, _: &mut [i8], _: &mut Budget) -> bool {
         match *self {}
-    }
-}
-
-#[derive(Clone, Copy)]
-pub(super) enum Refiner {}
-
-impl Refiner {
-    pub(super) fn begin<const N: usize>(_: FineRect, _: Rect, _: &mut Sampling, _: &mut Vec<i8, N>) -> Option<Self> {
-        None
     }
 
     pub(super) fn next_piece(
@@ -105,7 +66,7 @@ impl Refiner {
         _: &mut Sampling,
         _: &mut [i8],
         _: &mut Budget,
-    ) -> Option<Outputs> {
+    ) -> Option<()> {
         match *self {}
     }
 }

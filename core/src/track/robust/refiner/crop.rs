@@ -133,10 +133,8 @@ impl First {
     /// Bytes of the saved form.
     pub(super) const SAVED: usize = SAMPLES;
 
-    #[inline(always)]
-    pub(crate) const fn new() -> Self {
-        Self { crop: Vec::new() }
-    }
+    /// The memory before the first lock.
+    pub(crate) const NONE: Self = Self { crop: Vec::new() };
 
     pub(super) fn crop(&self) -> &[i8] {
         &self.crop
@@ -153,16 +151,14 @@ impl First {
         self.crop.iter().for_each(|input| to.put(&input.to_le_bytes()));
     }
 
-    /// Reads a saved crop for [`First::restore`]; `None` if a sample is out of range.
-    pub(crate) fn read<'a>(from: &mut Reader<'a>) -> Option<&'a [u8]> {
-        from.slice(SAMPLES).filter(|crop| crop.iter().all(|&input| input <= 127))
-    }
-
-    pub(crate) fn restore(&mut self, crop: &[u8]) {
+    /// Reads a saved crop. `None`, and no change, if a sample is out of range or other bytes follow.
+    pub(crate) fn restore(&mut self, from: &mut Reader<'_>) -> Option<()> {
+        let crop = from.slice(SAMPLES).filter(|crop| from.is_empty() && crop.iter().all(|&input| input <= 127))?;
         self.crop.clear();
         // Cannot fail: there is room for all.
         let _ = self.crop.resize_default(SAMPLES);
         self.crop.iter_mut().zip(crop).for_each(|(to, input)| *to = input.cast_signed());
+        Some(())
     }
 }
 

@@ -158,10 +158,7 @@ impl Pipeline {
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
                     self.stage = Stage::Done;
-                    self.track.opinion.follow(estimate);
-                    if self.learned.is_some() {
-                        self.track.correction.take(estimate);
-                    }
+                    self.track.review.follow(estimate, self.learned.is_some());
                 }
             }
         }
@@ -253,8 +250,7 @@ impl Pipeline {
         let Self { track, candidate, .. } = self;
         let Buffers { extractor, large, .. } = buffers;
         if candidate.is_exact() {
-            track.correction.fade();
-            track.opinion.agree();
+            track.review.agree();
         } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
             self.stage = Stage::Refiner(refiner);
         }
