@@ -3,13 +3,15 @@
 //! | file | what it does | step of the paper |
 //! |---|---|---|
 //! | `config.rs` | the numbers of the method, and the presets | |
-//! | `track.rs` | the track of a target, and its search window; whether a match is accepted | 1 |
+//! | `track.rs` | the track of a target, and its search window | 1 |
+//! | `gate.rs` | whether a match is accepted; the check for a covered lens | |
 //! | `search/` | which offsets are scored, exact pruning, the peak; [`similarity`](crate::similarity) has the scores | 1 to 4 |
 //! | `template.rs` | the template and alpha | 5, 6 |
 //! | `saved.rs` | a target as bytes | |
 //! | `target.rs` | an update: window, search, gate, template, answer; scratch memory | |
 
 mod config;
+mod gate;
 mod saved;
 pub(crate) mod search;
 pub(crate) mod target;

@@ -1,10 +1,11 @@
 //! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
 
 use super::config::Config;
+use super::gate::{ratio, searches};
 use super::saved;
 use super::search::{Extent, Found, Peak, Scene, Search, Window};
 use super::template::Template;
-use super::track::{Track, ratio, searches};
+use super::track::Track;
 use crate::image::{FineRect, Frame, Image, Rect};
 #[cfg(any(test, feature = "unstable"))]
 use crate::similarity::score_at;

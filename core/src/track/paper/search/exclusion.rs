@@ -113,8 +113,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         }
     }
 
-    /// Divides a window for a template. False if there can be no groups (fewer than 4 rows or columns) or they do not
-    /// pay.
+    /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
         let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);

@@ -1,5 +1,4 @@
-//! The search: scores the offsets of a window and returns the **peak** and the **runner-up** (steps 1 and 4 of the
-//! method).
+//! The search: scores the offsets of a window and returns the **peak** and the **runner-up** (steps 1 and 4).
 //!
 //! Ties: of equal scores the offset closest to the centre of the window wins (least dx^2 + dy^2), then the smaller y,
 //! then the smaller x. A target without texture therefore stays where it was.

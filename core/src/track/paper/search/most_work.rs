@@ -54,8 +54,7 @@ impl Extent {
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// The most comparisons of a search with or without the runner-up, and of a second one for the runner-up if
-    /// `again`.
+    /// The most comparisons of a search with or without the runner-up, and of a second one for it if `again`.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),

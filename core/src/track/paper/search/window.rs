@@ -1,5 +1,4 @@
-//! The search window: the positions that the box may take in the next frame (step 1 of the method). The goal of a search in it, its result, and the
-//! tie rule.
+//! The search window: the positions that the box may take in the next frame. The goal of a search in it, its result, the tie rule.
 
 use crate::image::Rect;
 use core::ops::RangeInclusive;

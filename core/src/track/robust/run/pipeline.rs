@@ -288,8 +288,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     (cells(target.x, centre.x), cells(target.y, centre.y))
 }
 
-/// Computes the features of the search window of the next update. False if a needed pixel is not in
-/// memory.
+/// Computes the features of the search window of the next update. False if a needed pixel is not in memory.
 #[cfg(feature = "unstable")]
 pub(crate) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
     let place = expected(model.track);

@@ -168,8 +168,7 @@ impl Comparison {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
 
-    /// Relights the template to the light of a patch, and cuts the table at its alpha. True if the patch can show a
-    /// target.
+    /// Relights the template to the light of a patch, and sets alpha. True if the patch can show a target.
     #[inline(never)]
     fn relight(&mut self, reference: &Reference<'_>, alignment: Alignment) -> bool {
         let Self { table, contrast, view, relit, expected, .. } = self;

@@ -104,8 +104,7 @@ pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bo
         && !patch.is_cut_off_beside(template)
 }
 
-/// Adapts `template`, whose own contrast is `from`, to the light of `patch`. Returns the contrast of `patch` and the
-/// gain.
+/// Adapts `template`, whose own contrast is `from`, to the light of `patch`. Returns the contrast of `patch`, and the gain.
 pub(super) fn relight(template: &mut [u8], from: Contrast, patch: Image<'_>, expected: u32) -> (Contrast, u32) {
     let to = Contrast::of(patch);
     // Not `clamp`, which can panic.
