@@ -44,8 +44,8 @@ struct Shape {
     /// Offsets of the largest tile.
     columns: usize,
     rows: usize,
-    /// log2 of the number of passes: 0, 1 or 2.
-    halvings: u32,
+    /// The number of passes is 2 to the power of this: 1, 2 or 4. A pass holds every (second, fourth) row.
+    log2_passes: u32,
 }
 
 /// The smallest rectangle of whole groups around those that remain: the first and the last on each axis.
@@ -104,7 +104,7 @@ impl Tile {
 impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     #[inline(always)]
     pub(super) const fn new() -> Self {
-        let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, halvings: 0 };
+        let shape = Shape { width: 0, height: 0, columns: 0, rows: 0, log2_passes: 0 };
         Self {
             bytes: Words([0; PIXELS]),
             bounds: [[0; 3]; SPAN],
@@ -121,7 +121,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     }
 
     pub(super) const fn passes(&self) -> usize {
-        1 << self.shape.halvings
+        1 << self.shape.log2_passes
     }
 
     /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are
@@ -139,7 +139,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
-        let per_group = pixels + 2 + (1 << shape.halvings);
+        let per_group = pixels + 2 + (1 << shape.log2_passes);
         let (across, down) = (shape.sides(shape.columns, window.0), shape.sides(shape.rows, window.1));
         let tiles = down.flat_map(|rows| across.clone().map(move |columns| (columns, rows)));
         let most = tiles.map(|(columns, rows)| {
@@ -173,11 +173,11 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for the `rest` of `tile`.
+    /// The rows of ranges that a pass needs for the `rest` of `tile`, by their number among those of the pass.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
-            .map(|rows| (rows + self.passes() - 1).saturating_sub(pass) >> self.shape.halvings);
+            .map(|rows| (rows + self.passes() - 1).saturating_sub(pass) >> self.shape.log2_passes);
         first..end
     }
 
@@ -263,7 +263,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.stride_of(tile.columns);
-        let start = ((row + first) >> self.shape.halvings) * stride + column;
+        let start = ((row + first) >> self.shape.log2_passes) * stride + column;
         let (low, high) = self.bytes.0.split_at_checked(half(PIXELS)).unwrap_or_default();
         let blocks = Blocks { low, high, start, stride };
         let area = u32::from(template.width()) * u32::from(template.height());
@@ -307,13 +307,13 @@ impl Shape {
     /// are none or if they do not pay.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
-        let mut shape = Self { width, height, columns, rows, halvings: 0 };
+        let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
         while shape.columns >= SIDE && shape.rows >= SIDE {
             if shape.fits(capacity, groups) {
                 return Some(shape).filter(Self::pays);
             }
-            if shape.halvings < 2 {
-                shape.halvings += 1;
+            if shape.log2_passes < 2 {
+                shape.log2_passes += 1;
             } else if shape.columns > shape.rows {
                 shape.columns = (shape.columns - 1) / 2 + 1;
             } else {
@@ -330,7 +330,7 @@ impl Shape {
 
     fn fits(&self, capacity: usize, groups: usize) -> bool {
         let tile = Tile { column: 0, row: 0, columns: self.columns, rows: self.rows };
-        let ranges = self.stride_of(self.columns) * ((self.rows_of(self.rows) >> self.halvings) + 1);
+        let ranges = self.stride_of(self.columns) * ((self.rows_of(self.rows) >> self.log2_passes) + 1);
         ranges <= half(capacity) && tile.groups() <= groups
     }
 

@@ -18,7 +18,7 @@ pub(crate) struct Track {
     /// The size of the locked box.
     pub(crate) size: [u16; 2],
     pub(crate) motion: Motion,
-    /// The scale when the state was last tracking.
+    /// The scale when the state was last tracking. Unit: 1/65536.
     pub(crate) tracked_scale: u32,
     pub(crate) confidence: Confidence,
     pub(crate) sweep: Sweep,

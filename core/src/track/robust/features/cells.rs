@@ -129,9 +129,10 @@ impl Extractor {
         let Some(mut sampler) = sampling.sampler(frame) else { return true };
         let (across, down, row) = (usize::from(*across).min(ROW), *down, *next);
         *next += 1;
+        // This call computes the sums and energies of `row`, and then normalises the row before it, which now knows the row below.
         let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
-        let (last, before) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
-        let [above, at, below] = &mut *energies;
+        let (computed, finished) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
+        let [above, at, below] = &mut *energies; // of the finished row; `below` is `row`
         for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
             (*above, *at, *below) = (*at, *below, 0);
         }
@@ -140,9 +141,9 @@ impl Extractor {
             for (number, line) in (CELL * row..).zip(&mut *lines).skip(first) {
                 sampler.row(number, line);
             }
-            gradients(lines, last, below, across);
+            gradients(lines, computed, below, across);
+            // The next row of cells begins with the last two lines. An assignment would copy by way of the stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
-            // An assignment would copy by way of the stack.
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
                 if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
@@ -150,12 +151,11 @@ impl Extractor {
                 }
             }
         }
-        // A row is normalised once the row below it is computed.
         let of_row = across * CHANNELS;
         // Not by `chunks`: the compiler would link the panic of `chunks`.
-        let finished = row.checked_sub(1).map(|row| usize::from(row) * of_row);
-        if let Some(out) = finished.and_then(|from| out.get_mut(from..from + of_row)) {
-            normalise(before, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
+        let from = row.checked_sub(1).map(|row| usize::from(row) * of_row);
+        if let Some(out) = from.and_then(|from| out.get_mut(from..from + of_row)) {
+            normalise(finished, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
         }
         row >= down
     }

@@ -90,15 +90,14 @@ impl<const N: usize> Coded<N> {
         piece + 1 >= products.parts(layout, self.numbers.len())
     }
 
-    /// Converts responses from units of 2^`shift` * 2^-16 / 16384 to 1/16384: times 2^(`shift` - 16), clamped to
-    /// +-2^24.
-    ///
-    /// They are clamped before a shift to the left, so that no bit is lost.
+    /// Turns sums that `respond` computed into responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.
     #[inline(never)]
-    pub(crate) fn scale<const S: usize>(&self, rows: &mut [[i32; S]]) {
+    pub(crate) fn to_responses<const S: usize>(&self, sums: &mut [[i32; S]]) {
+        // One of both is 0.
         let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
+        // The bound holds before the shift to the left, which then loses no bit.
         let most = (1 << 24) >> left;
-        rolled(rows.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
+        rolled(sums.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
     }
 }
 

@@ -56,13 +56,14 @@ pub(crate) struct Training<'a> {
     pub(crate) products: Products,
 }
 
-/// Sums for each weight and for each offset. Other stages use them too, while nothing is learned: see `run/buffers.rs`.
+/// Sums for each weight and for each offset, and coded errors. Other stages use the sums, too: see `run/buffers.rs`.
 pub(crate) struct Sums {
-    /// The gradient. While responses are computed, their spare memory.
+    /// The gradient, in the unit of the coded errors. While responses are computed, their spare memory.
     pub(crate) per_weight: [i32; WEIGHTS],
-    /// The errors before they are coded; spare memory while the gradient is summed; then the responses to the
-    /// direction.
+    /// The errors before they are coded, in units of 1/16384; spare memory while the gradient is summed; then the
+    /// responses to the direction, in the unit of the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
+    /// In units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
 }
 
@@ -82,31 +83,28 @@ impl Sums {
         shift
     }
 
-    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction. `error_shift` is the
-    /// shift of the errors.
+    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction.
     ///
-    /// A slope is `REGULARISATION` * weight + 2^16 * gradient; the gradient is below 2^30 in units of 2^`error_shift`,
-    /// which is at most 2^3. The unit is the first that applies. Each slope then fits in 32 bits, and the largest keeps
-    /// 13 bits if it has them:
+    /// A slope, an element of grad E, is `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
+    /// below 2^30, and `error_shift` is at most 3, so a slope can take more than 32 bits. Units of 2^`unit` are tried from
+    /// the largest on, until the steepest slope has 8191 of them. So it keeps 13 bits, if it has them:
     ///
-    /// | unit | used if | slopes are then below |
+    /// | `unit` | used if | slopes are below |
     /// |---|---|---|
-    /// | 2^(16 + `error_shift`) | a slope is at least 8191 units | 2^31 |
-    /// | 2^14 | else, and a slope is at least 8191 units | 2^18 |
-    /// | 1 | else | 2^27 |
+    /// | 16 + `error_shift` | the steepest slope has 8191 units | 2^31 units |
+    /// | 14 | else, and it has 8191 of these | 2^18 units, since it was below 8191 * 2^19 |
+    /// | 0 | else | 2^27, since it was below 8191 * 2^14 |
     #[inline(never)]
     fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
         let weights = training.filter.weights();
         // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
         // without a response must be 0.
         self.per_offset.as_flattened_mut().fill(0);
-        for unit in [16 + error_shift, 14, 0] {
-            let slopes = ScaledSums {
-                weights,
-                factor: REGULARISATION << (32 - unit),
-                sums: &self.per_weight,
-                left: 16 + error_shift - unit,
-            };
+        let gradient_unit = 16 + error_shift;
+        for unit in [gradient_unit, 14, 0] {
+            // In units of 2^`unit`: weight * factor / 2^32 + gradient * 2^left.
+            let factor = REGULARISATION << (32 - unit);
+            let slopes = ScaledSums { weights, factor, sums: &self.per_weight, left: gradient_unit - unit };
             let steepest = slopes.largest();
             if steepest >= super::correlation::LARGEST || unit == 0 {
                 direction.set(slopes, weights.len(), steepest, unit);
@@ -173,6 +171,7 @@ fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
 pub(crate) struct Learning {
     /// The target's place from the middle of the window, in units of 1/256 cell.
     target: (i32, i32),
+    /// The part of a whole step. Unit: 1/256.
     rate: u16,
     phase: Phase,
 }

@@ -90,7 +90,7 @@ impl Responses {
         budget.spend(units(products.work(piece, window.layout, weights.numbers().len())));
         let done = weights.respond(products, packed, spare, window, piece, &mut self.rows);
         if done {
-            weights.scale(&mut self.rows);
+            weights.to_responses(&mut self.rows);
         }
         done
     }

@@ -47,7 +47,7 @@ pub(crate) type Cells = Vec<i8, CELLS>;
 #[derive(Clone, Copy)]
 pub(crate) struct ScaleSearch {
     place: Place,
-    /// The height of the best peak so far, and its scale.
+    /// The height of the best peak so far, in units of 1/16384, and its scale, in units of 1/65536.
     highest: i64,
     best: u32,
     /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
@@ -117,7 +117,7 @@ fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
         |piece| tools.weights.respond(tools.products, extractor.lend_sums(), spare, window, piece, responses);
     while !respond(pieces.next().unwrap_or(0)) {}
     let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
-    tools.weights.scale(rows);
+    tools.weights.to_responses(rows);
     peak(rows, OFFSETS, false).height.into()
 }
 

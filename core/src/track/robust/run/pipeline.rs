@@ -60,7 +60,7 @@ pub(crate) struct Pipeline {
     candidate: Candidate,
     /// The best alignment of the early template.
     alignment: Alignment,
-    /// The length of the filter's step, if the tracker learns from this frame.
+    /// The length of the filter's step, with 44 fractional bits, if the tracker learns from this frame.
     learned: Option<i64>,
 }
 

@@ -67,7 +67,7 @@ pub(crate) struct Candidate {
     pub(crate) place: Place,
     /// The filter's penalised response at the peak. Unit: 1/16384.
     pub(crate) response: i32,
-    /// The early template's agreement; 0 until it is computed.
+    /// The early template's agreement; 0 until it is computed. Unit: 1/65535.
     pub(crate) agreement: u16,
     /// False: too little contrast, or clipped. False until the agreement is computed.
     pub(crate) visible: bool,
@@ -93,8 +93,9 @@ pub(crate) struct Comparison {
     table: CutTable,
     /// The early template's own contrast.
     contrast: Contrast,
-    /// The contrast of the search window, the gain that it lets expect, and the gain of the last relighting.
+    /// The contrast of the search window, in units of 1/16 gray level.
     window: u32,
+    /// The gain that it lets expect, and that of the last relighting, in units of 1/256.
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,

@@ -104,30 +104,28 @@ impl NormalEquations {
         add(errors, [across * error, down * error, outward * error]);
     }
 
-    /// The step (x, y, growth), by Cramer's rule.
+    /// The step (x, y, growth), by Cramer's rule: -(minors of S + D) * errors / determinant.
     ///
-    /// All sums are shifted until the largest square is below 2^12. The minors of S are then at most 2^25. The sum of
-    /// squared differences is below 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at
-    /// most 2^26. Sums of their products stay below 2^53.
+    /// All sums are shifted until the largest square is below 2^12. The minors are then at most 2^25. The sum of squared
+    /// differences is below 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at most 2^26.
+    /// Sums of their products stay below 2^53.
     #[inline(never)] // keeps its registers out of those of a step
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
         let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(PLACES_OF_SUMS).cast_signed();
-        let [a, b, c] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
-        let [d, e, f] = self.products.map(|product| toward_zero(product, shift));
+        // x: across, y: down, g: outward. The matrix and its minors are symmetric.
+        let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
+        let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
+        // 256 times the sums, because a move is in units of 1/64 pixel and a slope is four times as steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
-        // The adjugate of a symmetric matrix is symmetric.
-        let (first, second, third) = (b * c - f * f, a * c - e * e, a * b - d * d);
-        let (one_two, one_three, two_three) = (e * f - d * c, d * f - e * b, d * e - f * a);
-        let determinant = products([first, one_two, one_three], [a, d, e]);
-        let solve = |row| solution(products(row, errors), determinant);
-        let growth = -32 * solve([one_three, two_three, third]);
-        (
-            -solve([first, one_two, one_three]),
-            -solve([one_two, second, two_three]),
-            growth.clamp(-MOST_GROWTH, MOST_GROWTH),
-        )
+        let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
+        let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);
+        let determinant = products([minor_xx, minor_xy, minor_xg], [xx, xy, xg]);
+        let solve = |minors| solution(products(minors, errors), determinant);
+        let growth = -32 * solve([minor_xg, minor_yg, minor_gg]);
+        let (x, y) = (-solve([minor_xx, minor_xy, minor_xg]), -solve([minor_xy, minor_yy, minor_yg]));
+        (x, y, growth.clamp(-MOST_GROWTH, MOST_GROWTH))
     }
 }
 
