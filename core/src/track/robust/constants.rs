@@ -142,7 +142,7 @@ pub(super) const MOST_ERROR: i32 = 65_535;
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// (label's standard deviation / root of the target's area)^2: 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half
+/// The standard deviation of the mask of learning on each axis, in units of 1/256 cell per pixel of the template: half
 /// of its side.
 pub(super) const LEARNED_WIDTH: u64 = 32;
 /// Steps of steepest descent in the first frame.

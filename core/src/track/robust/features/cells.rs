@@ -22,7 +22,7 @@ use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, 
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
-use crate::kernels::{PACKED, Packed, SIDE, gradients, rolled, scale};
+use crate::kernels::{PACKED, Packed, SIDE, features, gradients, rolled};
 use crate::track::update::Budget;
 use core::cell::Cell;
 use heapless::Vec;
@@ -185,7 +185,7 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
     invert(inverses, rows);
-    scale(sums, above, out);
+    features(sums, above, out);
 }
 
 /// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the

@@ -36,7 +36,7 @@ pub(super) fn add_gradient<const S: usize>(
     gradient: &mut [i32],
 ) -> bool {
     products.gather(piece..piece + 1, packed, spare, cells, layout, errors, gradient);
-    piece + 1 >= products.gather_parts(layout, gradient.len())
+    piece + 1 >= products.gather_pieces(layout, gradient.len())
 }
 
 /// The largest coded number: 2000 of them times a byte stay below 2^31.
@@ -87,7 +87,7 @@ impl<const N: usize> Coded<N> {
         out: &mut [[i32; S]; S],
     ) -> bool {
         products.responses(piece..piece + 1, packed, spare, cells, layout, &self.numbers, out);
-        piece + 1 >= products.parts(layout, self.numbers.len())
+        piece + 1 >= products.pieces(layout, self.numbers.len())
     }
 
     /// Turns sums that `respond` computed into responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.

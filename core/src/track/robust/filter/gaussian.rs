@@ -1,4 +1,4 @@
-//! Gaussians: the label, which is the wanted response around the target, and the learning window over the filter's
+//! Gaussians: the label, which is the wanted response around the target, and the mask of learning over the filter's
 //! cells.
 //!
 //! ```text
@@ -32,8 +32,8 @@ impl Gaussian {
         Self::new(root(grid.pixels() * 4096 * width / of).max(1).into())
     }
 
-    /// The learning window's Gaussians across and down: sigma is half of the target's side.
-    pub(crate) fn window(grid: &Grid) -> [Self; 2] {
+    /// The mask's Gaussians across and down: sigma is half of the target's side.
+    pub(crate) fn mask(grid: &Grid) -> [Self; 2] {
         [grid.columns, grid.rows].map(|side| Self::new(LEARNED_WIDTH * u64::from(side).max(1)))
     }
 

@@ -108,7 +108,7 @@ impl Sums {
             let steepest = slopes.largest();
             if steepest >= super::correlation::LARGEST || unit == 0 {
                 direction.set(slopes, weights.len(), steepest, unit);
-                return apply_window(training.grid, direction.numbers_mut());
+                return apply_mask(training.grid, direction.numbers_mut());
             }
         }
         0
@@ -151,8 +151,8 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
 
 /// p = m * grad E, in place. Returns grad E . p.
 #[inline(never)]
-fn apply_window(grid: &Grid, slopes: &mut [i16]) -> i64 {
-    let [across, down] = Gaussian::window(grid);
+fn apply_mask(grid: &Grid, slopes: &mut [i16]) -> i64 {
+    let [across, down] = Gaussian::mask(grid);
     // The distance from the target's middle to a cell's, in units of 1/256 cell.
     let from_middle = |at: usize, cells: u16| 128 * (2 * i32::try_from(at).unwrap_or(0) + 1 - i32::from(cells));
     let mut descent = 0;
@@ -273,7 +273,7 @@ mod tests {
                 let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
                 let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
                 let mut wanted: Many<i16> = slopes.iter().map(round).collect();
-                let descent = apply_window(&grid, &mut wanted);
+                let descent = apply_mask(&grid, &mut wanted);
                 let window = Window { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
                 let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };

@@ -15,7 +15,7 @@ use super::super::filter::{CODED, Learning};
 use super::super::refiner::FirstCrop;
 use super::super::verification::{Light, measuring, window_contrast};
 use super::buffers::Buffers;
-use super::model::Model;
+use super::inputs::Inputs;
 use crate::image::Frame;
 use crate::track::Quality;
 use crate::track::update::Budget;
@@ -85,7 +85,7 @@ impl LockPipeline {
         budget: &mut Budget,
         frame: &Frame<'_>,
     ) {
-        let model = Model { config, memory, track: &self.track };
+        let inputs = Inputs { config, memory, track: &self.track };
         match &mut self.stage {
             Stage::Done => {}
             Stage::FirstCrop(crop) => {
@@ -97,7 +97,7 @@ impl LockPipeline {
             Stage::Template => {
                 let Buffers { extractor, comparison, .. } = buffers;
                 if comparison.next_row(frame, extractor.sampling(), budget) {
-                    model.begin_features(&self.track.motion.place, buffers);
+                    inputs.begin_features(&self.track.motion.place, buffers);
                     self.stage = Stage::Features;
                 }
             }
@@ -110,12 +110,12 @@ impl LockPipeline {
                 }
             }
             Stage::Response(piece) => {
-                if model.respond(piece, buffers, budget) {
+                if inputs.respond(piece, buffers, budget) {
                     self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
                 }
             }
             Stage::Learning(learning) => {
-                if let Some(length) = model.learn(learning, buffers, budget) {
+                if let Some(length) = inputs.learn(learning, buffers, budget) {
                     self.learned(length, memory, buffers, budget);
                 }
             }
@@ -125,8 +125,8 @@ impl LockPipeline {
     /// Begins the view that becomes the early template.
     #[inline(never)]
     fn begin_template(&mut self, config: &Config, memory: &Memory, buffers: &mut Buffers) {
-        let model = Model { config, memory, track: &self.track };
-        model.begin_view(&self.track.motion.place, buffers);
+        let inputs = Inputs { config, memory, track: &self.track };
+        inputs.begin_view(&self.track.motion.place, buffers);
         self.stage = Stage::Template;
     }
 

@@ -25,7 +25,7 @@ use super::super::filter::{Borrowed, CODED, Learning, ScaleSearch, Tools, scale}
 use super::super::refiner::Refiner;
 use super::super::verification::{Alignment, COPIED, Candidate, REFINED, Refined, Verification, Verified, refine};
 use super::buffers::Buffers;
-use super::model::Model;
+use super::inputs::Inputs;
 use super::windows::{expected, swept};
 use crate::image::Frame;
 use crate::track::State;
@@ -66,18 +66,18 @@ pub(crate) struct Pipeline {
 
 impl Pipeline {
     /// Begins an update.
-    pub(crate) fn begin(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
-        let grid = &model.track.grid;
-        model.memory.filter.code(&mut buffers.coded);
-        buffers.comparison.begin(&model.reference());
+    pub(crate) fn begin(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
+        let grid = &inputs.track.grid;
+        inputs.memory.filter.code(&mut buffers.coded);
+        buffers.comparison.begin(&inputs.early());
         budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
-        let centre = expected(model.track);
-        model.begin_features(&centre, buffers);
+        let centre = expected(inputs.track);
+        inputs.begin_features(&centre, buffers);
         Self {
             stage: Stage::Features,
             centre,
             redetects: false,
-            track: *model.track,
+            track: *inputs.track,
             candidate: Candidate::NONE,
             alignment: (0, 0),
             learned: None,
@@ -92,7 +92,7 @@ impl Pipeline {
     /// Continues until the grant is spent. True if no stage is left.
     pub(crate) fn step(
         &mut self,
-        model: &Model<'_>,
+        inputs: &Inputs<'_>,
         buffers: &mut Buffers,
         budget: &mut Budget,
         frame: &Frame<'_>,
@@ -104,57 +104,57 @@ impl Pipeline {
             if budget.is_spent() {
                 return false;
             }
-            self.next_piece(model, buffers, budget, frame);
+            self.next_piece(inputs, buffers, budget, frame);
         }
     }
 
     /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
     /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
-    fn next_piece(&mut self, model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
+    fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}
             Stage::Features => {
                 if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
-                    model.measure_light(buffers, budget);
+                    inputs.measure_light(buffers, budget);
                     self.stage = Stage::Response(0);
                 }
             }
             Stage::Response(piece) => {
-                if model.respond(piece, buffers, budget) {
-                    self.verify(model, buffers);
+                if inputs.respond(piece, buffers, budget) {
+                    self.verify(inputs, buffers);
                 }
             }
             Stage::Verification(verification) => {
                 let Buffers { extractor, comparison, .. } = buffers;
-                let reference = model.reference();
-                let verified = verification.next_piece(&reference, frame, extractor.sampling(), comparison, budget);
+                let early = inputs.early();
+                let verified = verification.next_piece(&early, frame, extractor.sampling(), comparison, budget);
                 match verified {
                     None => {}
                     Some(Verified { candidate, .. }) if self.redetects => self.redetect(candidate),
                     Some(verified) => self.stage = Stage::Refinement(verified),
                 }
             }
-            Stage::Refinement(_) => self.refine(model, buffers, budget),
+            Stage::Refinement(_) => self.refine(inputs, buffers, budget),
             Stage::Scale(search, growth) => {
-                let (tools, mut borrowed) = scale_search(model, buffers);
+                let (tools, mut borrowed) = scale_search(inputs, buffers);
                 if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
                     let last = self.candidate.place.scale;
                     let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
-                    self.scaled(model, scale, buffers);
+                    self.scaled(inputs, scale, buffers);
                 }
             }
             Stage::Learning(learning) => {
-                let length = model.learn(learning, buffers, budget);
+                let length = inputs.learn(learning, buffers, budget);
                 if length.is_some() {
                     (self.learned, self.stage) = (length, Stage::Done);
-                    if model.config.refines() {
+                    if inputs.config.refines() {
                         self.begin_refiner(buffers);
                     }
                 }
             }
             Stage::Refiner(refiner) => {
                 let Buffers { extractor, large, .. } = buffers;
-                let (backend, first) = (model.config.backend(), &model.memory.first);
+                let (backend, first) = (inputs.config.backend(), &inputs.memory.first);
                 let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
                 if let Some(estimate) = estimate {
                     self.stage = Stage::Done;
@@ -166,21 +166,21 @@ impl Pipeline {
 
     /// Begins the verification of the peak.
     #[inline(never)] // see `next_piece`
-    fn verify(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
-        let Track { grid, bounds, .. } = model.track;
+    fn verify(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+        let Track { grid, bounds, .. } = inputs.track;
         let peak = buffers.responses.peak(true);
         // 1/256 cell is 1/64 pixel of the grid.
         let place = self.centre.moved(grid, (peak.x, peak.y)).inside(*bounds);
         let candidate = Candidate::new(place, peak.response);
-        model.begin_view(&place, buffers);
+        inputs.begin_view(&place, buffers);
         self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
     /// Refines a verified candidate and begins the scale search, if the configuration has one.
     #[inline(never)] // see `next_piece`
-    fn refine(&mut self, model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+    fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
-        let Track { grid, bounds, .. } = model.track;
+        let Track { grid, bounds, .. } = inputs.track;
         let comparison = &buffers.comparison;
         let refined = match (comparison.patch(grid, alignment), comparison.relit(grid)) {
             (Some(patch), Some(relit)) => refine(candidate.agreement, alignment, patch, relit, comparison.alpha()),
@@ -191,40 +191,40 @@ impl Pipeline {
         }
         budget.spend(REFINED * grid.pixels());
         (self.candidate, self.alignment) = (candidate, alignment);
-        if model.config.size {
-            let (tools, mut borrowed) = scale_search(model, buffers);
+        if inputs.config.size {
+            let (tools, mut borrowed) = scale_search(inputs, buffers);
             let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);
             self.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
         } else {
-            self.scaled(model, candidate.place.scale, buffers);
+            self.scaled(inputs, candidate.place.scale, buffers);
         }
     }
 
     /// Sets the candidate's scale. Place and scale are known now.
     #[inline(never)] // see `next_piece`
-    fn scaled(&mut self, model: &Model<'_>, scale: u32, buffers: &mut Buffers) {
+    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
         self.candidate.place.scale = scale;
-        self.decide(model, buffers);
+        self.decide(inputs, buffers);
     }
 
     /// Decides on the state, and on learning or redetection.
-    fn decide(&mut self, model: &Model<'_>, buffers: &mut Buffers) {
+    fn decide(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
         self.stage = Stage::Done;
         let evidence = Evidence::of(candidate);
-        track.confidence = track.confidence.after(evidence, model.config.patience);
+        track.confidence = track.confidence.after(evidence, inputs.config.patience);
         track.motion.follow(candidate.visible.then_some(candidate.place));
-        if track.confidence.state(model.config) == State::Lost {
-            if model.config.sweep {
-                (self.centre, self.redetects) = (swept(model.track, model.config), true);
+        if track.confidence.state(inputs.config) == State::Lost {
+            if inputs.config.sweep {
+                (self.centre, self.redetects) = (swept(inputs.track, inputs.config), true);
                 self.stage = Stage::Features;
-                model.begin_features(&self.centre, buffers);
+                inputs.begin_features(&self.centre, buffers);
             }
         } else if evidence.may_be_learned() {
             // Cells and responses are still those of the first window.
-            let target = offset(&model.track.grid, self.centre, candidate.place);
-            self.stage = Stage::Learning(Learning::begin(target, model.config.learning_rate));
-        } else if candidate.visible && model.config.refines() {
+            let target = offset(&inputs.track.grid, self.centre, candidate.place);
+            self.stage = Stage::Learning(Learning::begin(target, inputs.config.learning_rate));
+        } else if candidate.visible && inputs.config.refines() {
             self.begin_refiner(buffers);
         }
     }
@@ -272,11 +272,11 @@ impl Pipeline {
     }
 }
 
-fn scale_search<'a>(model: &Model<'a>, buffers: &'a mut Buffers) -> (Tools<'a>, Borrowed<'a>) {
+fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers) -> (Tools<'a>, Borrowed<'a>) {
     let Buffers { extractor, small, coded, sums, .. } = buffers;
-    let Track { grid, bounds, .. } = model.track;
+    let Track { grid, bounds, .. } = inputs.track;
     (
-        Tools { grid, bounds: *bounds, weights: coded, products: model.products() },
+        Tools { grid, bounds: *bounds, weights: coded, products: inputs.products() },
         Borrowed { extractor, cells: small, sums },
     )
 }
@@ -290,18 +290,18 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
 
 /// Computes the features of the search window of the next update. False if a needed pixel is not in memory.
 #[cfg(feature = "unstable")]
-pub(crate) fn features(model: &Model<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
-    let place = expected(model.track);
-    let lattice = Lattice::search_window(&place, &model.track.grid, model.config.reach());
+pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+    let place = expected(inputs.track);
+    let lattice = Lattice::search_window(&place, &inputs.track.grid, inputs.config.reach());
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
 }
 
 /// Computes the filter's responses to these features, without penalty.
 #[cfg(feature = "unstable")]
-pub(crate) fn responses(model: &Model<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
-    model.memory.filter.code(&mut buffers.coded);
+pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
+    inputs.memory.filter.code(&mut buffers.coded);
     buffers.responses.rows = [[0; SPAN]; SPAN];
     let mut piece = 0;
-    while !model.respond(&mut piece, buffers, budget) {}
+    while !inputs.respond(&mut piece, buffers, budget) {}
     buffers.responses.rows
 }

@@ -17,7 +17,7 @@
 use super::super::config::Config;
 use super::super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
 use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
-use super::alignment::{Alignment, Search, in_view};
+use super::alignment::{Alignment, Alignments, in_view};
 use super::lighting::{self, Light};
 use super::template::Template;
 use crate::image::{Frame, Image, Rect};
@@ -55,7 +55,7 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
 }
 
 /// The early template, with the configuration and the grid for comparing it.
-pub(crate) struct Reference<'a> {
+pub(crate) struct Early<'a> {
     pub(crate) config: &'a Config,
     pub(crate) template: &'a Template,
     pub(crate) grid: &'a Grid,
@@ -117,9 +117,9 @@ impl Comparison {
     }
 
     /// Measures the template's contrast, before an update.
-    pub(crate) fn begin(&mut self, reference: &Reference<'_>) {
-        reference.template.copy_to(&mut self.relit);
-        self.contrast = self.relit(reference.grid).map_or(Contrast::NONE, Contrast::of);
+    pub(crate) fn begin(&mut self, early: &Early<'_>) {
+        early.template.copy_to(&mut self.relit);
+        self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
     /// Sets the gain that is expected in the light of a search window, whose contrast is `window`.
@@ -171,29 +171,29 @@ impl Comparison {
 
     /// Relights the template to the light of a patch, and sets alpha. True if the patch can show a target.
     #[inline(never)]
-    fn relight(&mut self, reference: &Reference<'_>, alignment: Alignment) -> bool {
+    fn relight(&mut self, early: &Early<'_>, alignment: Alignment) -> bool {
         let Self { table, contrast, view, relit, expected, .. } = self;
-        let Some(patch) = patch(view, reference.grid, alignment) else { return false };
-        reference.template.copy_to(relit);
+        let Some(patch) = patch(view, early.grid, alignment) else { return false };
+        early.template.copy_to(relit);
         let (seen, gain) = lighting::relight(relit, *contrast, patch, *expected);
         self.gain = gain;
-        table.set(reference.config.table, lighting::alpha(seen, *contrast, gain));
+        table.set(early.config.table, lighting::alpha(seen, *contrast, gain));
         lighting::can_show(seen, *contrast, *expected)
     }
 
     /// The score of the aligned template in the light of its last relighting.
-    fn score(&self, reference: &Reference<'_>, alignment: Alignment) -> u32 {
-        let scorer = Scorer::new(reference.config.backend(), &self.table);
-        match (self.patch(reference.grid, alignment), self.relit(reference.grid)) {
+    fn score(&self, early: &Early<'_>, alignment: Alignment) -> u32 {
+        let scorer = Scorer::new(early.config.backend(), &self.table);
+        match (self.patch(early.grid, alignment), self.relit(early.grid)) {
             (Some(patch), Some(relit)) => scorer.score(patch, relit).unwrap_or(0),
             _ => 0,
         }
     }
 
     /// The agreement of the aligned template.
-    fn agreement(&self, reference: &Reference<'_>, alignment: Alignment) -> u16 {
-        let scorer = Scorer::new(reference.config.backend(), &self.table);
-        match (self.patch(reference.grid, alignment), self.relit(reference.grid)) {
+    fn agreement(&self, early: &Early<'_>, alignment: Alignment) -> u16 {
+        let scorer = Scorer::new(early.config.backend(), &self.table);
+        match (self.patch(early.grid, alignment), self.relit(early.grid)) {
             (Some(patch), Some(relit)) => fourth_least(patch, relit, &scorer),
             _ => 0,
         }
@@ -212,7 +212,7 @@ fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<
 #[derive(Clone, Copy)]
 pub(crate) struct Verification {
     candidate: Candidate,
-    search: Search,
+    alignments: Alignments,
     phase: Phase,
 }
 
@@ -236,20 +236,20 @@ pub(crate) struct Verified {
 impl Verification {
     /// Begins with the view, which has begun.
     pub(crate) fn begin(candidate: Candidate) -> Self {
-        Self { candidate, search: Search::new(), phase: Phase::View }
+        Self { candidate, alignments: Alignments::new(), phase: Phase::View }
     }
 
     /// Does one piece of work. Returns the result after the last piece.
     pub(crate) fn next_piece(
         &mut self,
-        reference: &Reference<'_>,
+        early: &Early<'_>,
         frame: &Frame<'_>,
         sampling: &mut Sampling,
         comparison: &mut Comparison,
         budget: &mut Budget,
     ) -> Option<Verified> {
-        let pixels = reference.grid.pixels();
-        let (phase, search) = (&mut self.phase, &mut self.search);
+        let pixels = early.grid.pixels();
+        let (phase, alignments) = (&mut self.phase, &mut self.alignments);
         match phase {
             Phase::View => {
                 if comparison.next_row(frame, sampling, budget) {
@@ -257,12 +257,12 @@ impl Verification {
                 }
             }
             Phase::Alignment(number) => {
-                let alignment = search.alignment(*number);
+                let alignment = alignments.alignment(*number);
                 if *number == 0 {
-                    comparison.relight(reference, alignment);
+                    comparison.relight(early, alignment);
                     budget.spend(RELIT * pixels);
                 }
-                search.add(*number, comparison.score(reference, alignment));
+                alignments.add(*number, comparison.score(early, alignment));
                 budget.spend(COMPARED * pixels);
                 *number += 1;
                 if *number == ALIGNMENTS {
@@ -270,10 +270,10 @@ impl Verification {
                 }
             }
             Phase::Agreement => {
-                let Self { mut candidate, search: Search { best, .. }, .. } = *self;
-                candidate.visible = comparison.relight(reference, best);
+                let Self { mut candidate, alignments: Alignments { best, .. }, .. } = *self;
+                candidate.visible = comparison.relight(early, best);
                 if candidate.visible {
-                    candidate.agreement = comparison.agreement(reference, best);
+                    candidate.agreement = comparison.agreement(early, best);
                 }
                 budget.spend((RELIT + COMPARED) * pixels);
                 return Some(Verified { candidate, alignment: best });
@@ -315,16 +315,16 @@ mod tests {
         early.start(Image::new(template, 16, 16).unwrap());
         let (config, grid) = (Config::robust(), Grid::new(Rect::new(0, 0, 16, 16)));
         let grid = Grid { columns: 16, rows: 16, ..grid };
-        let reference = Reference { config: &config, template: &early, grid: &grid };
+        let early = Early { config: &config, template: &early, grid: &grid };
         let mut comparison = std::boxed::Box::new(Comparison::new());
-        comparison.begin(&reference);
+        comparison.begin(&early);
         comparison.expect(Light::of(256, 256), 256);
         comparison.view.resize_default((SIDE * SIDE).into()).unwrap();
         for (row, patch) in comparison.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
             row[MARGIN.into()..][..16].copy_from_slice(patch);
         }
-        comparison.relight(&reference, (0, 0));
-        comparison.agreement(&reference, (0, 0))
+        comparison.relight(&early, (0, 0));
+        comparison.agreement(&early, (0, 0))
     }
 
     fn pixel(at: usize) -> u8 {

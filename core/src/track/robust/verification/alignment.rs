@@ -10,9 +10,9 @@ use super::super::constants::{COARSE_STEP, MARGIN};
 /// on each axis.
 pub(crate) type Alignment = (i16, i16);
 
-/// The search for the best alignment.
+/// The alignments that are compared, and the best one.
 #[derive(Clone, Copy)]
-pub(super) struct Search {
+pub(super) struct Alignments {
     /// The best one so far.
     pub(crate) best: Alignment,
     score: u32,
@@ -20,12 +20,12 @@ pub(super) struct Search {
     middle: Alignment,
 }
 
-impl Search {
+impl Alignments {
     pub(crate) const fn new() -> Self {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The alignment with this number, in the order of the search. 0 is the middle.
+    /// The alignment with this number, in the order in which they are compared. 0 is the middle.
     #[inline(never)]
     pub(crate) fn alignment(&self, number: u16) -> Alignment {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
@@ -63,15 +63,15 @@ mod tests {
 
     #[test]
     fn the_best_is_surrounded_next() {
-        let mut search = Search::new();
+        let mut alignments = Alignments::new();
         let mut places = Vec::new();
         for number in 0..ALIGNMENTS {
-            places.push(search.alignment(number));
-            let (x, y) = search.alignment(number);
-            search.add(number, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
+            places.push(alignments.alignment(number));
+            let (x, y) = alignments.alignment(number);
+            alignments.add(number, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
         }
         assert_eq!(places[..9].iter().filter(|&&(x, y)| x % 2 == 0 && y % 2 == 0).count(), 9);
-        assert_eq!(search.best, (3, -1));
+        assert_eq!(alignments.best, (3, -1));
         places.sort_unstable();
         places.dedup();
         assert_eq!(places.len(), usize::from(ALIGNMENTS), "none is compared twice");

@@ -6,7 +6,7 @@ pub(super) mod lighting;
 mod refinement;
 mod template;
 
-pub(super) use agreement::{COPIED, Candidate, Comparison, Reference, Verification, Verified};
+pub(super) use agreement::{COPIED, Candidate, Comparison, Early, Verification, Verified};
 pub(super) use alignment::Alignment;
 pub(super) use lighting::{Light, measuring, window_contrast};
 pub(super) use refinement::{REFINED, Refined, refine};

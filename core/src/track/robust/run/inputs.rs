@@ -4,21 +4,21 @@ use super::super::config::Config;
 use super::super::decision::{Memory, Track};
 use super::super::features::{Lattice, Place};
 use super::super::filter::{Learning, Training, Window, layout};
-use super::super::verification::{Reference, measuring, window_contrast};
+use super::super::verification::{Early, measuring, window_contrast};
 use super::buffers::Buffers;
 use crate::kernels::Products;
 use crate::track::update::Budget;
 
 /// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
 /// `memory` at each step of learning.
-pub(crate) struct Model<'a> {
+pub(crate) struct Inputs<'a> {
     pub(crate) config: &'a Config,
     pub(crate) memory: &'a Memory,
     /// The track before this frame.
     pub(crate) track: &'a Track,
 }
 
-impl Model<'_> {
+impl Inputs<'_> {
     /// Begins the features of the search window around `centre`.
     #[inline(never)]
     pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
@@ -63,8 +63,8 @@ impl Model<'_> {
         learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget)
     }
 
-    pub(crate) fn reference(&self) -> Reference<'_> {
-        Reference { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+    pub(crate) fn early(&self) -> Early<'_> {
+        Early { config: self.config, template: &self.memory.template, grid: &self.track.grid }
     }
 
     fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
