@@ -42,13 +42,13 @@
 //! | `decision/` | confidence and redetection, and what the tracker remembers, also as bytes |
 //! | `run/` | runs a frame through the stages in pieces, for an update (`pipeline.rs`) and a lock (`lock.rs`) |
 //! | `target.rs` | the calls, and the workspace |
-//! | `division.rs` | divides wide numbers |
+//! | `arithmetic.rs` | divides wide numbers, and takes roots |
 //! | `constants.rs` | most constants of the method that are not in [`Config`] |
 
+mod arithmetic;
 pub(crate) mod config;
 mod constants;
 mod decision;
-mod division;
 mod features;
 mod filter;
 #[cfg(feature = "refiner")]

@@ -4,8 +4,8 @@
 //! The windows cover the frame side by side, row by row. Each is searched and verified like the first window. So a lost
 //! frame costs a second search and verification, of about the same work each time, but no learning.
 
+use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
-use super::super::division::quotient;
 use crate::image::Rect;
 
 /// The sweep of the frame: the number of the next window.

@@ -18,6 +18,7 @@
 //!
 //! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
 
+use super::super::arithmetic::root;
 use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
@@ -234,39 +235,6 @@ fn mean_by_parts(energy: u32, cells: u32) -> u32 {
     mean
 }
 
-/// The square root, rounded down, bit by bit: Armv6-M has no division.
-#[cfg(all(smr_swar, target_arch = "arm"))]
-pub(crate) fn root(number: u32) -> u32 {
-    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
-    while bit > 0 {
-        let subtracted = root + bit;
-        root >>= 1;
-        if rest >= subtracted {
-            rest -= subtracted;
-            root += bit;
-        }
-        bit >>= 2;
-    }
-    root
-}
-
-/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
-/// they are faster than `isqrt`.
-#[cfg(not(all(smr_swar, target_arch = "arm")))]
-#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
-pub(crate) fn root(number: u32) -> u32 {
-    let places = (number | 1).leading_zeros() & !1;
-    let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
-    // is never too small.
-    let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
-    root = (root + scaled / root) / 2;
-    root = (root + scaled / root) / 2;
-    root >>= places / 2;
-    // 0 was treated as 1, and the result may be too large by 1.
-    root - u32::from(root * root > number)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::super::constants::PIXEL;
@@ -314,19 +282,6 @@ mod tests {
         assert!(Extractor::new().features(&frame, &lattice, &mut out));
         assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
         out.to_vec()
-    }
-
-    #[test]
-    fn a_root_is_rounded_down() {
-        for root_of in 0..=46_341 {
-            let square: u32 = root_of * root_of;
-            for number in [square.saturating_sub(1), square, square + 1, square + root_of] {
-                assert_eq!(root(number), number.isqrt(), "{number}");
-            }
-        }
-        for number in (0..(u32::MAX - (1 << 17))).step_by(997) {
-            assert_eq!(root(number), number.isqrt(), "{number}");
-        }
     }
 
     #[test]

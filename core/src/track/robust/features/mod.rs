@@ -5,7 +5,7 @@ mod grid;
 mod motion;
 mod sampling;
 
-pub(super) use cells::{Extractor, root};
+pub(super) use cells::Extractor;
 pub(super) use grid::Extent;
 pub use grid::Grid;
 pub(super) use motion::{Motion, Place};

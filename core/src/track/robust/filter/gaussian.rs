@@ -7,8 +7,9 @@
 //!
 //! In two dimensions it is the product of the Gaussians of both axes. Distances are in units of 1/256 cell.
 
+use super::super::arithmetic::root;
 use super::super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
-use super::super::features::{Grid, root};
+use super::super::features::Grid;
 
 /// Entries of the table for each sigma.
 const FINE: u16 = 32;

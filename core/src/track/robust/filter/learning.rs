@@ -22,8 +22,8 @@
 //!
 //! Cost: 578 products for each weight by default, twice as many as the responses of a search.
 
+use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
-use super::super::division::quotient;
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, Filter, Window, add_gradient, shift_below};
 use super::gaussian::Gaussian;

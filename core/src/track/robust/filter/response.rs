@@ -17,8 +17,8 @@
 //! in scan order. So in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for
 //! each weight.
 
+use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
-use super::super::division::quotient;
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, Window};
 use crate::kernels::{Layout, Packed, Products};

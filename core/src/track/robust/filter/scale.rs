@@ -10,10 +10,10 @@
 //! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
 //! Cost: three small windows of features, and 27 products for each weight.
 
+use super::super::arithmetic::quotient;
 use super::super::constants::{
     CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
 };
-use super::super::division::quotient;
 use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
 use super::correlation::{Coded, Window};
 use super::learning::Sums;

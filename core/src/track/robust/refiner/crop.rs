@@ -8,7 +8,8 @@
 //! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
 //! plain crop small.
 
-use super::super::features::{Lattice, SAMPLED, Sampling, root};
+use super::super::arithmetic::root;
+use super::super::features::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::rolled;
 use crate::track::saved::{Reader, Writer};

@@ -12,12 +12,12 @@
 //! the decision begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. A lock has a pipeline of its
 //! own (`lock.rs`).
 
+use super::super::arithmetic::quotient;
 use super::super::config::Config;
 use super::super::constants::CELL;
 #[cfg(feature = "unstable")]
 use super::super::constants::SPAN;
 use super::super::decision::{Confidence, Evidence, Memory, Track};
-use super::super::division::quotient;
 #[cfg(feature = "unstable")]
 use super::super::features::Lattice;
 use super::super::features::{Grid, Motion, Place};

@@ -18,8 +18,8 @@
 //! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40
 //! instructions for each pixel.
 
+use super::super::arithmetic::quotient;
 use super::super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
-use super::super::division::quotient;
 use super::super::features::row_of;
 use super::alignment::Alignment;
 use crate::image::Image;
