@@ -1,7 +1,7 @@
 //! One tracker alone, to measure its flash: the paper's, with the feature `robust` or `refiner` the robust one. The program is linked, but
 //! never run.
 //!
-//! `.ci/targets` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
+//! `.ci/firmware` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
 //! inputs from the compiler, so that the compiler drops no code that a camera would need.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -68,5 +68,5 @@ mod firmware {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this firmware is not run: .ci/targets links it and measures its size");
+    eprintln!("this firmware is not run: .ci/firmware links it and measures its size");
 }

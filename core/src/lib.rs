@@ -101,7 +101,6 @@ extern crate std;
 #[macro_use]
 mod error;
 
-mod correlation;
 mod image;
 mod kernels;
 #[cfg(test)]
@@ -109,7 +108,6 @@ mod kernels;
 mod missing;
 #[cfg(feature = "pursuit")]
 pub mod pursuit;
-mod search;
 pub mod similarity;
 mod track;
 #[cfg(feature = "unstable")]

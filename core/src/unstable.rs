@@ -10,7 +10,7 @@ use crate::track::{UpdateError, robust};
 #[cfg(feature = "refiner")]
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use crate::kernels::{CutTable, Scorer, check};
-pub use crate::search::{Found, Peak, Window};
+pub use crate::track::paper::search::{Found, Peak, Window};
 
 /// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first
 /// lock.

@@ -18,7 +18,7 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("cargo test", "it runs this test"),
     ("cargo install", "it builds everything once more"),
     ("cargo bench -p smr-bench", "it takes minutes"),
-    ("cargo run --target", "it needs a compiler for the chip: .ci/targets"),
+    ("cargo run --target", "it needs a compiler for the chip: .ci/firmware"),
     ("ffmpeg -v error -f v4l2", "it needs a camera"),
     ("host-sim track /dev/video0", "it needs a camera"),
     ("host-sim track rtsp://", "it needs a camera"),

@@ -47,7 +47,7 @@ fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String
     text
 }
 
-/// A number of tests/budgets.txt, as `.ci/targets --record` has written it.
+/// A number of tests/budgets.txt, as `.ci/firmware --record` has written it.
 fn budget(name: &str) -> f64 {
     let budgets = include_str!("../budgets.txt");
     let line = budgets.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));

@@ -282,7 +282,7 @@ fn fnv(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0x811C_9DC5, |hash, &byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// The compiler needs it; no call reaches it, so it is not linked. `.ci/targets` checks that.
+/// The compiler needs it; no call reaches it, so it is not linked. `.ci/firmware` checks that.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     exit(101)

@@ -1,8 +1,8 @@
 //! The instruction sets that kernels are written for, and those that this machine has.
 
 /// Evaluates `$call` with the kernels of a backend: `$set` stands for the module of its instruction set. This is the
-/// one list of the modules: each has `is_available`, `scores`, `products` and `dense`. A backend that the program is
-/// not compiled for has the plain loops.
+/// one list of the modules: each has `is_available` (`x86/avx2/mod.rs` detects AVX2), `scores`, `products` and `dense`.
+/// A backend that the program is not compiled for has the plain loops.
 macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr) => {
         by_backend!($backend, $set => $call, else {

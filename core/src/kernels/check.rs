@@ -12,7 +12,7 @@ use super::cut_table::{CutTable, ONE};
 #[cfg(feature = "refiner")]
 use super::dense::{Dense, SPARE};
 use super::layout::{CELL, CHANNELS, Layout, Packed, SIDE};
-use super::native::{GradientStep, Interpolation, ScaledSums, deviation, gradients, replace, scale, scale_by};
+use super::native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace, scale_by};
 use super::plain;
 use super::plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
@@ -503,7 +503,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the responses and the gradient part by part. The weights are noise, or the largest ones of a sign.
+/// Compares the responses and the gradient piece by piece. The weights are noise, or the largest ones of a sign.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);
@@ -516,8 +516,8 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
         let (mut room, mut scratch) = (Packed::new(), [7; 2000]);
         let spare = &mut scratch[..spare];
         let (mut given, mut expected) = ([[7; N]; N], [[7; N]; N]);
-        for part in 0..products.parts(layout, weights.len()) {
-            products.responses(part..part + 1, &mut room, spare, cells, layout, weights, &mut given);
+        for piece in 0..products.pieces(layout, weights.len()) {
+            products.responses(piece..piece + 1, &mut room, spare, cells, layout, weights, &mut given);
         }
         plain::products::responses(0..layout.span, &mut Packed::new(), &mut [], cells, layout, weights, &mut expected);
         let row = ..layout.span;
@@ -525,8 +525,8 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
         check(right, "responses", backend, (layout, down, sign));
         let (mut given, mut expected) = ([9000; 2000], [9000; 2000]);
         let [given, expected] = [&mut given, &mut expected].map(|sums| &mut sums[..weights.len()]);
-        for part in 0..products.gather_parts(layout, weights.len()) {
-            products.gather(part..part + 1, &mut room, spare, cells, layout, &errors, given);
+        for piece in 0..products.gather_pieces(layout, weights.len()) {
+            products.gather(piece..piece + 1, &mut room, spare, cells, layout, &errors, given);
         }
         plain::products::gather(0..layout.span, &mut Packed::new(), &mut [], cells, layout, &errors, expected);
         check(given == expected, "gathered errors", backend, (layout, down, sign));
@@ -708,8 +708,8 @@ fn cells() {
         }
         let inverses = [(); ROW].map(|()| noise.bits() % 162_561);
         let (mut given, mut expected) = ([[0; CHANNELS]; ROW], [[0; CHANNELS]; ROW]);
-        scale(&sums, &inverses, &mut given[..across]);
-        plain::gradients::scale(&sums, &inverses, &mut expected[..across]);
+        features(&sums, &inverses, &mut given[..across]);
+        plain::gradients::features(&sums, &inverses, &mut expected[..across]);
         assert_eq!(given, expected, "features of {across} cells");
     }
 }

@@ -57,11 +57,11 @@ impl Layout {
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// The parts for a plain loop that replaces another loop with other parts. The first part does all the work, and the
+    /// The pieces for a plain loop that replaces another loop with other pieces. The first piece does all the work, and the
     /// others do nothing.
-    #[allow(dead_code)] // for backends whose parts are not rows of offsets
-    pub(crate) fn whole(self, parts: Range<usize>) -> Range<usize> {
-        if parts.start == 0 { 0..self.span } else { 0..0 }
+    #[allow(dead_code)] // for backends whose pieces are not rows of offsets
+    pub(crate) fn whole(self, pieces: Range<usize>) -> Range<usize> {
+        if pieces.start == 0 { 0..self.span } else { 0..0 }
     }
 
     /// Rows of cells that lie under a filter of `weights` weights at some offset.

@@ -101,7 +101,7 @@ pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub(crate) use dense::{Dense, SPARE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
-pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, gradients, replace, scale, scale_by};
+pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace, scale_by};
 pub(crate) use plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;

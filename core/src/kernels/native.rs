@@ -68,9 +68,9 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
 /// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
 /// level less 128.
 #[inline(always)]
-pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     debug_assert!(sums.len() == CHANNELS && out.len() <= ROW);
-    native::gradients::scale(sums, inverses, out);
+    native::gradients::features(sums, inverses, out);
 }
 
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most

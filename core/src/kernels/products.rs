@@ -19,48 +19,48 @@ impl Products {
         Self(backend.or_scalar())
     }
 
-    /// The number of parts of [`Products::responses`]. Each backend has its own parts. A part has at most 34 products
+    /// The number of pieces of [`Products::responses`]. Each backend has its own pieces. A piece has at most 34 products
     /// for each weight.
-    pub(crate) fn parts(self, layout: Layout, weights: usize) -> usize {
+    pub(crate) fn pieces(self, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() { layout.rows(weights).div_ceil(2) } else { layout.span }
     }
 
-    /// Products in part `part` of the responses.
+    /// Products in a piece of the responses.
     #[cfg_attr(smr_small, inline(never))]
-    pub(crate) fn work(self, part: usize, layout: Layout, weights: usize) -> usize {
+    pub(crate) fn work(self, piece: usize, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() {
-            (2 * part..2 * part + 2).map(|row| layout.work_on(row, weights)).sum()
+            (2 * piece..2 * piece + 2).map(|row| layout.work_on(row, weights)).sum()
         } else {
             layout.span * weights
         }
     }
 
-    /// True if a part of the responses is two rows of cells. Else it is a row of offsets.
+    /// True if a piece of the responses is two rows of cells. Else it is a row of offsets.
     fn takes_rows_of_cells(self) -> bool {
         by_backend!(self.0, set => set::products::TAKES_ROWS_OF_CELLS)
     }
 
-    /// Products in part `part` of [`Products::gather`].
-    pub(crate) fn gather_work(self, part: usize, layout: Layout, weights: usize) -> usize {
-        by_backend!(self.0, set => match set::products::GATHER_PARTS {
-            Some(parts) => layout.span * layout.span * weights / parts,
-            None => self.work(part, layout, weights),
+    /// Products in a piece of [`Products::gather`].
+    pub(crate) fn gather_work(self, piece: usize, layout: Layout, weights: usize) -> usize {
+        by_backend!(self.0, set => match set::products::GATHER_PIECES {
+            Some(pieces) => layout.span * layout.span * weights / pieces,
+            None => self.work(piece, layout, weights),
         })
     }
 
-    /// The number of parts of [`Products::gather`].
-    pub(crate) fn gather_parts(self, layout: Layout, weights: usize) -> usize {
-        by_backend!(self.0, set => set::products::GATHER_PARTS.unwrap_or_else(|| self.parts(layout, weights)))
+    /// The number of pieces of [`Products::gather`].
+    pub(crate) fn gather_pieces(self, layout: Layout, weights: usize) -> usize {
+        by_backend!(self.0, set => set::products::GATHER_PIECES.unwrap_or_else(|| self.pieces(layout, weights)))
     }
 
-    /// Computes the parts `parts` of [`plain::responses`](super::plain::products::responses). The caller asks for them
-    /// in order. `room` and `spare` are scratch memory, which the caller leaves as it is from one part to the next.
+    /// Computes these pieces of [`plain::responses`](super::plain::products::responses). The caller asks for them
+    /// in order. `room` and `spare` are scratch memory, which the caller leaves as it is from one piece to the next.
     /// `spare` should be as long as the weights: with less, a slower loop may run.
     #[inline(never)] // one copy in flash for each span
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn responses<const N: usize>(
         self,
-        parts: Range<usize>,
+        pieces: Range<usize>,
         room: &mut Packed,
         spare: &mut [i32],
         cells: &[i8],
@@ -72,18 +72,18 @@ impl Products {
         // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)] // most sets need no check
         unsafe {
-            by_backend!(self.0, set => set::products::responses(parts, room, spare, cells, layout, weights, out));
+            by_backend!(self.0, set => set::products::responses(pieces, room, spare, cells, layout, weights, out));
         }
     }
 
-    /// Computes the parts `parts` of [`plain::gather`](super::plain::products::gather). The caller asks for them in
-    /// order. `room` and `spare` are scratch memory, which the caller leaves as it is from one part to the next.
+    /// Computes these pieces of [`plain::gather`](super::plain::products::gather). The caller asks for them in
+    /// order. `room` and `spare` are scratch memory, which the caller leaves as it is from one piece to the next.
     /// `spare` should have a number for each cell of the filter and seven more: with less, a slower loop may run.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(
         self,
-        parts: Range<usize>,
+        pieces: Range<usize>,
         room: &mut Packed,
         spare: &mut [i32],
         cells: &[i8],
@@ -95,7 +95,7 @@ impl Products {
         // SAFETY: `new` has checked that the machine has the instruction set.
         #[allow(unused_unsafe)]
         unsafe {
-            by_backend!(self.0, set => set::products::gather(parts, room, spare, cells, layout, errors, sums));
+            by_backend!(self.0, set => set::products::gather(pieces, room, spare, cells, layout, errors, sums));
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Contrast: decides whether a patch can show the target at all. The picture of a covered lens cannot, even if its
-//! ratio is high.
+//! The contrast of a patch. `paper/gate.rs` and `robust/verification/lighting.rs` tell by it whether the patch can show the target at all: the
+//! picture of a covered lens cannot, even if its ratio is high.
 
 use crate::image::Image;
 use crate::kernels::deviation;

@@ -1,5 +1,5 @@
 //! The program smr-qemu when something is wrong: one clear line, and no process left behind. Small scripts replace QEMU, LLVM and firmware;
-//! `.ci/targets` runs the real ones.
+//! `.ci/firmware` runs the real ones.
 #![cfg(unix)]
 
 #[path = "../../missing.rs"]

@@ -146,7 +146,7 @@ fn low(number: u32) -> u16 {
 /// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
 /// level less 128.
 #[inline(always)]
-pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
         let [parts @ .., level] = out;
         let mut of_cell = sums.iter().map(|row| row.get(number).copied().unwrap_or(0));

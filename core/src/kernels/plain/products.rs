@@ -13,17 +13,17 @@ use core::ops::Range;
 
 /// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
 ///
-/// A part is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
+/// A piece is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
 #[inline(always)] // a backend compiles it for its own instruction set
 pub(crate) fn responses_inline<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     cells: &[i8],
     layout: Layout,
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
     let Layout { row, stride, step, span } = layout;
-    for y in parts.start..parts.end.min(span) {
+    for y in pieces.start..pieces.end.min(span) {
         let Some(out) = out.get_mut(y) else { return };
         for (x, out) in rolled_if_spare(out.iter_mut().take(span).enumerate()) {
             let mut from = y * stride + x * step;
@@ -44,18 +44,18 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
 /// Adds the gradient: for each weight the sum of `e * x` over all offsets, where x is the feature under the weight at
 /// that offset.
 ///
-/// A part is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 <
+/// A piece is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 <
 /// 2^31.
 #[inline(always)]
 pub(crate) fn gather_inline<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     cells: &[i8],
     layout: Layout,
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
     let Layout { row, stride, step, span } = layout;
-    for y in parts.start..parts.end.min(span) {
+    for y in pieces.start..pieces.end.min(span) {
         let Some(errors) = errors.get(y) else { return };
         let mut from = y * stride;
         for sums in rolled_if_spare(sums.chunks_mut(row.max(1))) {
@@ -70,15 +70,15 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// True if a part of the responses is two rows of cells. Here it is a row of offsets.
+/// True if a piece of the responses is two rows of cells. Here it is a row of offsets.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
-/// The number of parts of the gradient, unless they are those of the responses.
-pub(crate) const GATHER_PARTS: Option<usize> = None;
+/// The number of pieces of the gradient, unless they are those of the responses.
+pub(crate) const GATHER_PIECES: Option<usize> = None;
 
 /// Calls [`responses_inline`], in one copy. Other instruction sets use the scratch memory.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     _: &mut Packed,
     _: &mut [i32],
     cells: &[i8],
@@ -86,13 +86,13 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    responses_inline(parts, cells, layout, weights, out);
+    responses_inline(pieces, cells, layout, weights, out);
 }
 
 /// Calls [`gather_inline`], in one copy.
 #[inline(never)]
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     _: &mut Packed,
     _: &mut [i32],
     cells: &[i8],
@@ -100,5 +100,5 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    gather_inline(parts, cells, layout, errors, sums);
+    gather_inline(pieces, cells, layout, errors, sums);
 }

@@ -16,19 +16,19 @@ use crate::kernels::unrolling::in_order;
 use crate::kernels::unrolling::rolled;
 use core::ops::Range;
 
-/// A part of the responses is two rows of cells.
+/// A piece of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// The parts of [`gather`] are the channels.
-pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
+/// The pieces of [`gather`] are the channels.
+pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
 const STEP: usize = CHANNELS;
 
 /// The number added to a difference of two cells.
 const MIDDLE: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
-/// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
+/// See [`plain::responses`]. A piece is two rows of cells. The caller leaves `spare` as it is between pieces.
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -45,9 +45,9 @@ pub(crate) fn responses<const N: usize>(
     let (totals, spare) = spare.split_at_mut_checked(pairs.rows_of_factors()).unwrap_or_default();
     let factors = numbers_in(spare).get_mut(..totals.len() * row);
     let (true, Some(factors)) = (fits && !totals.is_empty(), factors) else {
-        return plain::responses(layout.whole(parts), room, &mut [], cells, layout, weights, out);
+        return plain::responses(layout.whole(pieces), room, &mut [], cells, layout, weights, out);
     };
-    if parts.start == 0 {
+    if pieces.start == 0 {
         let ((of_cells, _), mut factors) = (weights.as_chunks::<STEP>(), &mut *factors);
         for (number, total) in totals.iter_mut().enumerate() {
             let of = |row: usize| of_cells.get(row * across..(row + 1) * across).unwrap_or_default();
@@ -68,7 +68,7 @@ pub(crate) fn responses<const N: usize>(
     let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
     let (numbers, factors) = (numbers.as_mut_ptr().cast(), factors.as_ptr());
     let mut rows = Differences { cells: cells.as_ptr(), stride, numbers, width, factors, totals, across };
-    pairs.responses(parts, &mut rows, both, out);
+    pairs.responses(pieces, &mut rows, both, out);
 }
 
 /// A row of cells, or of differences of two rows, channel by channel. `fits` has checked that all rows of cells are
@@ -148,9 +148,9 @@ fn numbers_in(words: &mut [i32]) -> &mut [i16] {
     unsafe { words.align_to_mut().1 }
 }
 
-/// See [`plain::gather`]. A part is a channel. The caller leaves `spare` as it is between parts.
+/// See [`plain::gather`]. A piece is a channel. The caller leaves `spare` as it is between pieces.
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -168,9 +168,9 @@ pub(crate) fn gather<const N: usize>(
     let has_room = down > 1 && rows(BOTH) * width <= 2 * numbers.len() && span > 1 && span <= N && errors.len() >= span;
     let factors = numbers_in(spare).get_mut(..pairs.rows_of_factors() * span);
     let (true, Some(factors)) = (has_room, factors) else {
-        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
     };
-    if parts.start == 0 {
+    if pieces.start == 0 {
         let mut factors = &mut *factors;
         for number in 0..pairs.rows_of_factors() {
             let (first, second) = pairs.factors(number);
@@ -182,7 +182,7 @@ pub(crate) fn gather<const N: usize>(
         }
     }
     let (numbers, (of_cells, _)) = (numbers.as_mut_ptr().cast::<i16>(), sums.as_chunks_mut::<STEP>());
-    for channel in parts.start..parts.end.min(STEP) {
+    for channel in pieces.start..pieces.end.min(STEP) {
         let mut factors = &*factors;
         for sum_of in 0..SUMS {
             for at in 0..rows(sum_of) {

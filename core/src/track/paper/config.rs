@@ -1,7 +1,7 @@
 //! The configuration of the paper's tracker. [`Target::with`](crate::Target::with) checks it.
 
+use super::search::Radius;
 use crate::image::Rect;
-use crate::search::Radius;
 use crate::similarity::{Backend, PAPER, Table};
 use crate::track::ConfigError;
 use crate::track::settings::{Kind, Numbers, Setting, Settings, Shape, names};

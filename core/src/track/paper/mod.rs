@@ -3,23 +3,25 @@
 //! | file | what it does | step of the paper |
 //! |---|---|---|
 //! | `config.rs` | the numbers of the method, and the presets | |
-//! | `track.rs` | the track of a target, and its search window; whether a match is accepted | 1 |
+//! | `track.rs` | the track of a target, and its search window | 1 |
+//! | `gate.rs` | whether a match is accepted; the check for a covered lens | |
+//! | `search/` | which offsets are scored, exact pruning, the peak; [`similarity`](crate::similarity) has the scores | 1 to 4 |
 //! | `template.rs` | the template and alpha | 5, 6 |
 //! | `saved.rs` | a target as bytes | |
 //! | `target.rs` | an update: window, search, gate, template, answer; scratch memory | |
-//!
-//! Steps 2 to 4, the scores and the peak, are in [`similarity`](crate::similarity) and in `search`.
 
 mod config;
+mod gate;
 mod saved;
+pub(crate) mod search;
 pub(crate) mod target;
 mod template;
 #[cfg(test)]
 mod tests;
 mod track;
 
-pub use crate::search::Radius;
 pub use config::{Config, Fraction, Margins};
+pub use search::Radius;
 #[cfg(any(test, feature = "unstable"))]
 pub(crate) use target::Paper;
 pub use target::Workspace;

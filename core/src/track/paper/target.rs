@@ -1,11 +1,12 @@
 //! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
 
 use super::config::Config;
+use super::gate::{ratio, searches};
 use super::saved;
+use super::search::{Extent, Found, Peak, Scene, Search, Window};
 use super::template::Template;
-use super::track::{Track, ratio, searches};
+use super::track::Track;
 use crate::image::{FineRect, Frame, Image, Rect};
-use crate::search::{Extent, Found, Peak, Scene, Search, Window};
 #[cfg(any(test, feature = "unstable"))]
 use crate::similarity::score_at;
 use crate::similarity::{Backend, Contrast, CutTable, Scorer};

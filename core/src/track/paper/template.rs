@@ -14,7 +14,7 @@ pub(crate) struct Template<const PIXELS: usize> {
     /// ceil(alpha), 0 to 256. For an integer d, d < alpha is the same as d < ceil(alpha).
     threshold: u16,
     /// The contrast of the pixels, or [`Contrast::NONE`] until it is needed.
-    contrast: Contrast,
+    pub(super) contrast: Contrast,
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
@@ -68,18 +68,6 @@ impl<const PIXELS: usize> Template<PIXELS> {
         if largest > 0 {
             self.threshold = threshold(largest, config).max(config.least_threshold.into());
         }
-    }
-
-    /// True if a patch of the same size with the contrast `is` can show the target: it has enough contrast, and not too
-    /// many pixels at 0 or 255.
-    pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
-        if is.is_enough_for_any() {
-            return true;
-        }
-        if self.contrast == Contrast::NONE {
-            self.contrast = self.image().map_or(Contrast::NONE, Contrast::of);
-        }
-        is.has_contrast_of(self.contrast) && !is.is_cut_off_beside(self.contrast)
     }
 
     /// The template; `None` before the first `start`.

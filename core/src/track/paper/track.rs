@@ -1,12 +1,9 @@
-//! The track of a target: its box and state, its search window (step 1 of the method), and the gate, which accepts or
-//! refuses the peak of a search.
+//! The track of a target: its box and state, and its search window (step 1 of the method).
 
-use super::config::{Config, Fraction};
+use super::config::Config;
+use super::search::{Peak, Radius, Window};
 use crate::image::Rect;
-use crate::search::{Found, Peak, Radius, Wanted, Window};
-use crate::similarity::Table;
 use crate::track::{LockError, Quality, State};
-use core::cmp::Ordering;
 
 /// The memory of a target in addition to its template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,64 +88,4 @@ impl Track {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
         (target, if self.bounds.contains(target) { State::Tracking } else { State::Leaving })
     }
-
-    /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn passes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let peak = found.peak.score;
-        // `None`: the runner-up is below the peak, and the decision does not depend on it.
-        let runner_up = found.runner_up.unwrap_or(0);
-        let leads = peak.saturating_sub(runner_up) > u32::from(config.gate_lead) * u32::from(Table::ONE);
-        let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
-        stands_out && ratio(peak, self.target.area()) >= config.least_ratio
-    }
-
-    /// The result that a search must have to decide on `state`.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
-        let ratio = self.ratio(state, config);
-        match ratio.numerator.cmp(&ratio.denominator) {
-            _ if config.runner_up_always => Wanted::RunnerUp(config.neighbourhood),
-            Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
-            Ordering::Equal => Wanted::Equals(config.neighbourhood),
-            Ordering::Less => Wanted::Peak,
-        }
-    }
-
-    /// True if the decision on `peak` needs a result for which the search was not started.
-    pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
-        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
-            (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
-            (first, then) => first != then,
-        }
-    }
-
-    /// The ratio of peak and runner-up needed to enter `state`.
-    #[cfg_attr(smr_small, inline(never))]
-    const fn ratio(&self, state: State, config: &Config) -> Fraction {
-        match (self.state, state) {
-            (State::Lost, _) => config.gate_lost,
-            (_, State::Leaving) => config.gate_leaving,
-            _ if self.edge => config.gate_returning,
-            _ => config.gate_tracking,
-        }
-    }
-}
-
-/// Gives a pair for each state: whether the search includes the runner-up from the start, and whether a second search
-/// for it may follow.
-pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
-    let bounds = Rect::new(0, 0, 1, 1);
-    let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];
-    states.into_iter().map(move |(state, edge)| {
-        let track = Track { state, edge, ..Track::new(bounds, bounds) };
-        let [inside, outside] = [State::Tracking, State::Leaving].map(|to| track.wanted(to, config));
-        let first = matches!(inside, Wanted::RunnerUp(_));
-        (first, !first && outside != Wanted::Peak && outside != inside)
-    })
-}
-
-/// `score` / `pixels` in units of 1/65535, rounded down.
-pub(super) fn ratio(score: u32, pixels: u32) -> u16 {
-    u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE)
 }

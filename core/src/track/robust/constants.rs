@@ -1,5 +1,5 @@
 //! The constants of the method that are not in [`Config`](super::Config), with their units. A few others stand beside
-//! their formula: in `motion.rs`, `confidence.rs`, `refiner/crop.rs`, `refiner/correction.rs` and
+//! their formula: in `features/motion.rs`, `decision/confidence.rs`, `refiner/crop.rs`, `refiner/correction.rs` and
 //! `similarity/contrast.rs`. The units of work stand in the stages that spend them.
 //!
 //! *R with ...* gives the change of R with another value. R is the fraction of frames in which the box is right, as a
@@ -88,7 +88,7 @@ pub(super) const TILES: u16 = 4;
 pub(super) const RANK: usize = 4;
 /// The least and the most alpha, in gray levels. A matching pixel differs by less than alpha, so 2 allows the rounding
 /// of both.
-/// With 8, a target with little contrast matches whatever is as plain: see `lighting.rs`.
+/// With 8, a target with little contrast matches whatever is as plain: see `verification/lighting.rs`.
 pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of the template's contrast of 1.
@@ -142,7 +142,7 @@ pub(super) const MOST_ERROR: i32 = 65_535;
 pub(super) const MOST_CODED_ERROR: u32 = 16_383;
 /// (label's standard deviation / root of the target's area)^2: 0.1^2.
 pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
-/// The standard deviation of the learning window on each axis, in units of 1/256 cell per pixel of the template: half
+/// The standard deviation of the mask of learning on each axis, in units of 1/256 cell per pixel of the template: half
 /// of its side.
 pub(super) const LEARNED_WIDTH: u64 = 32;
 /// Steps of steepest descent in the first frame.

@@ -11,7 +11,7 @@
 //!  motion        where the target is expected
 //!     |
 //!  sampling      the search window on the target's grid (grid)
-//!  gradients     cells of gradient orientations and gray                                             1.40
+//!  cells         gradient orientations and gray, cell by cell                                        1.40
 //!     |
 //!  response      the filter at all offsets, its peak                                                 0.55
 //!     |
@@ -32,64 +32,41 @@
 //!   answer        its state is the worse of those of confidence and opinion                   6.44 in all
 //! ```
 //!
-//! The numbers are the most work of each stage (`cost.rs`; a unit is about one instruction of a Cortex-M4), with the
+//! The numbers are the most work of each stage (`run/cost.rs`; a unit is about one instruction of a Cortex-M4), with the
 //! filter that has the most, without the refiner. A frame is learned or redetected, never both: the sum is that of a
 //! frame that is redetected, and the rest of it is the coding of weights.
 //!
-//! | file | what it does |
+//! | folder or file | what it does |
 //! |---|---|
-//! | `pipeline.rs` | runs these stages for an update and cuts them into pieces; `lock.rs` does so for a lock |
-//! | `model.rs` | the inputs of the stages, and those that both pipelines share |
-//! | `windows.rs` | where an update looks, and the pixels that it may read |
-//! | `track.rs`, `saved.rs` | what the tracker remembers, and the same as bytes |
-//! | `buffers.rs` | which stage uses which memory |
-//! | `cost.rs` | the most work of an update, a lock and a step |
+//! | `features/`, `filter/`, `verification/`, `refiner/` | these stages |
+//! | `decision/` | confidence and redetection, and what the tracker remembers, also as bytes |
+//! | `run/` | runs a frame through the stages in pieces, for an update (`pipeline.rs`) and a lock (`lock.rs`) |
 //! | `target.rs` | the calls, and the workspace |
-//! | `division.rs` | divides wide numbers |
+//! | `arithmetic.rs` | divides wide numbers, and takes roots |
 //! | `constants.rs` | most constants of the method that are not in [`Config`] |
 
-mod alignment;
-mod buffers;
-mod confidence;
+mod arithmetic;
 pub(crate) mod config;
 mod constants;
-mod cost;
-
-mod division;
-mod gaussian;
-mod gradients;
-mod grid;
-mod learning;
-mod lighting;
-mod lock;
-mod model;
-mod motion;
-mod pipeline;
-mod redetection;
-mod refinement;
+mod decision;
+mod features;
+mod filter;
 #[cfg(feature = "refiner")]
 mod refiner;
 #[cfg(not(feature = "refiner"))]
-#[path = "without_refiner.rs"]
+#[path = "refiner/absent.rs"]
 mod refiner;
-mod response;
-mod sampling;
-mod saved;
-mod scale;
-
+mod run;
 pub(crate) mod target;
-mod template;
 #[cfg(test)]
 mod tests;
-mod track;
 mod verification;
-mod windows;
 
 pub use config::Config;
 #[cfg(feature = "unstable")]
 pub(crate) use constants::SPAN;
 pub use constants::{CELL, CHANNELS, REACH};
-pub use grid::Grid;
+pub use features::Grid;
 #[cfg(all(feature = "refiner", feature = "unstable"))]
 pub(crate) use refiner::REFINER_WEIGHTS;
 #[cfg(any(test, feature = "unstable"))]

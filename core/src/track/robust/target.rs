@@ -1,19 +1,14 @@
 //! The calls of a target of the robust tracker.
 
-use super::buffers::Buffers;
 use super::config::Config;
 use super::constants::SCALE;
 #[cfg(feature = "unstable")]
 use super::constants::SPAN;
-use super::grid::Grid;
-use super::lock::LockPipeline;
-use super::model::Model;
+use super::decision::{Memory, Track, saved};
+use super::features::Grid;
 #[cfg(feature = "unstable")]
-use super::pipeline;
-use super::pipeline::Pipeline;
-use super::saved::{self, Memory};
-use super::track::Track;
-use super::windows::{expected_pixels, lock_pixels, swept_pixels};
+use super::run::pipeline;
+use super::run::{Buffers, Inputs, LockPipeline, Pipeline, expected_pixels, lock_pixels, swept_pixels};
 use crate::image::{FineRect, Frame, Rect};
 use crate::track::saved::Refusal;
 use crate::track::target::{Slot, lockable};
@@ -99,9 +94,9 @@ impl Robust {
         frame: &Frame<'_>,
     ) -> Result<&'a [i8], UpdateError> {
         self.check(frame, SEAL)?;
-        let model = self.model().ok_or(UpdateError::NotLocked)?;
+        let inputs = self.inputs().ok_or(UpdateError::NotLocked)?;
         workspace.under_way.end();
-        if !pipeline::features(&model, &mut workspace.buffers, frame) {
+        if !pipeline::features(&inputs, &mut workspace.buffers, frame) {
             return Err(UpdateError::WindowNotInMemory);
         }
         Ok(&workspace.buffers.large)
@@ -114,14 +109,14 @@ impl Robust {
         frame: &Frame<'_>,
     ) -> Result<[[i32; SPAN]; SPAN], UpdateError> {
         self.features(workspace, frame)?;
-        let model = self.model().ok_or(UpdateError::NotLocked)?;
-        Ok(pipeline::responses(&model, &mut workspace.buffers, &mut workspace.under_way.budget))
+        let inputs = self.inputs().ok_or(UpdateError::NotLocked)?;
+        Ok(pipeline::responses(&inputs, &mut workspace.buffers, &mut workspace.under_way.budget))
     }
 
     /// The inputs of the stages of an update; `None` before the first lock.
-    fn model(&self) -> Option<Model<'_>> {
+    fn inputs(&self) -> Option<Inputs<'_>> {
         let track = self.memory.track.as_ref()?;
-        Some(Model { config: Self::configured(&self.config), memory: &self.memory, track })
+        Some(Inputs { config: Self::configured(&self.config), memory: &self.memory, track })
     }
 }
 
@@ -248,8 +243,8 @@ impl Steps for Robust {
 
     fn start(&mut self, workspace: &mut Workspace, _: &Seal) {
         let Workspace { progress, buffers, under_way } = workspace;
-        if let Some(model) = self.model() {
-            *progress = Progress::Update(Pipeline::begin(&model, buffers, &mut under_way.budget));
+        if let Some(inputs) = self.inputs() {
+            *progress = Progress::Update(Pipeline::begin(&inputs, buffers, &mut under_way.budget));
         }
     }
 
@@ -263,8 +258,8 @@ impl Steps for Robust {
 
     fn step(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Workspace { progress, buffers, under_way } = workspace;
-        match (self.model(), progress) {
-            (Some(model), Progress::Update(update)) => update.step(&model, buffers, &mut under_way.budget, frame),
+        match (self.inputs(), progress) {
+            (Some(inputs), Progress::Update(update)) => update.step(&inputs, buffers, &mut under_way.budget, frame),
             _ => true,
         }
     }

@@ -2,7 +2,7 @@
 //! on in tests, so an overflow fails them.
 
 use super::constants::PIXEL;
-use super::sampling::{Lattice, Sampling};
+use super::features::{Lattice, Sampling};
 use super::{Config, Robust};
 use crate::track::tests::{asked_for, cut, steps_keep_their_bound};
 use crate::{Answer, FineRect, Frame, Image, Rect, State, Tracker};

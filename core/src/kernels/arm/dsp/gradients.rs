@@ -83,10 +83,10 @@ macro_rules! vote {
     };
 }
 
-/// Computes the features of a row of cells, as [`plain::scale`] specifies them. Does nothing if there are fewer sums or
+/// Computes the features of a row of cells, as [`plain::features`] specifies them. Does nothing if there are fewer sums or
 /// inverses than cells.
 #[inline(always)]
-pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     const { assert!(2 * ROW < 256) };
     if sums.len() < CHANNELS || out.is_empty() || out.len() > ROW {
         return;

@@ -24,9 +24,9 @@ const LEAST: usize = 4;
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
 
-/// See [`plain::responses`]. A part is two rows of cells. The caller leaves `spare` as it is between parts.
+/// See [`plain::responses`]. A piece is two rows of cells. The caller leaves `spare` as it is between pieces.
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -42,10 +42,10 @@ pub(crate) fn responses<const N: usize>(
         row >= LEAST * STEP && span <= N && out.len() >= span && room
     };
     let Some(down) = layout.fits(cells.len(), weights.len()).filter(has_room) else {
-        return plain::responses(layout.whole(parts), room, spare, cells, layout, weights, out);
+        return plain::responses(layout.whole(pieces), room, spare, cells, layout, weights, out);
     };
     let pairs = Pairs::new(down, span);
-    if parts.start == 0 {
+    if pieces.start == 0 {
         for number in 0..pairs.rows_of_factors() {
             let (first, second) = pairs.factors(number);
             let [first, second] =
@@ -64,7 +64,7 @@ pub(crate) fn responses<const N: usize>(
         factors: spare.as_ptr(),
         of_row,
     };
-    pairs.responses(parts, &mut rows, both, out);
+    pairs.responses(pieces, &mut rows, both, out);
 }
 
 /// A row of cells, unpacked, under rows of factors. `fits` has checked that all rows of cells are there.
@@ -231,15 +231,15 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
     }
 }
 
-/// A part of the responses is two rows of cells.
+/// A piece of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// The parts of [`gather`] are the channels.
-pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
+/// The pieces of [`gather`] are the channels.
+pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
-/// See [`plain::gather`]. A part is a channel. The caller leaves `room` as it is between parts; `spare` holds the sums
+/// See [`plain::gather`]. A piece is a channel. The caller leaves `room` as it is between pieces; `spare` holds the sums
 /// of a channel.
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -258,9 +258,9 @@ pub(crate) fn gather<const N: usize>(
     let fitting = layout.fits(cells.len(), sums.len()).filter(has_room);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
-        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
     };
-    if parts.start == 0 {
+    if pieces.start == 0 {
         let error = |y: usize, x: usize| {
             errors.get(y).filter(|_| y < span).and_then(|errors| errors.get(x)).copied().unwrap_or(0)
         };
@@ -273,7 +273,7 @@ pub(crate) fn gather<const N: usize>(
     }
     let rows = down + span - 1;
     let (pairs, numbers) = (pairs.as_ptr(), numbers.as_mut_ptr());
-    for channel in parts.start..parts.end.min(STEP) {
+    for channel in pieces.start..pieces.end.min(STEP) {
         rolled(of_channel.iter_mut()).for_each(|sum| *sum = 0);
         let (mut first, both) = (0, rows.div_ceil(2));
         while first < both {

@@ -326,7 +326,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
 
 /// Computes the features of a row of cells, up to the length of `out`: for each cell nine times `min(sum * inverse >>
 /// 16, 127)`, and `(gray >> 4) - 128`. No product reaches 2^32.
-pub(crate) fn scale<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
+pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
     const { assert!(ROW.is_multiple_of(LANES)) };
     if out.is_empty() || out.len() > ROW {

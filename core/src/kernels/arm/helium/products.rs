@@ -18,7 +18,7 @@ const MOST: usize = 7;
 
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -30,11 +30,11 @@ pub(crate) fn responses<const N: usize>(
     let Some(down) =
         layout.fits(cells.len(), weights.len()).filter(|_| span <= N && out.len() >= span && span % 2 == 1 && span > 1)
     else {
-        return plain::responses(parts, room, spare, cells, layout, weights, out);
+        return plain::responses(pieces, room, spare, cells, layout, weights, out);
     };
     let read = row.next_multiple_of(8);
     let rows = Rows { width: row, cells: stride.wrapping_sub(read), weights: (row.wrapping_sub(read)).wrapping_mul(2) };
-    for y in parts.start..parts.end.min(span) {
+    for y in pieces.start..pieces.end.min(span) {
         let Some(out) = out.get_mut(y) else { return };
         let from = cells.as_ptr().wrapping_add(y * stride);
         let mut x = 0;
@@ -290,14 +290,14 @@ impl Rows {
 }
 
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
-/// The parts of [`gather`] are the channels.
-pub(crate) const GATHER_PARTS: Option<usize> = Some(STEP);
+/// The pieces of [`gather`] are the channels.
+pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 /// The offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// See [`plain::gather`]. A part is a channel. `spare` holds its sums.
+/// See [`plain::gather`]. A piece is a channel. `spare` holds its sums.
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -314,14 +314,14 @@ pub(crate) fn gather<const N: usize>(
     let fitting = layout.fits(cells.len(), sums.len()).filter(room_for);
     let (of_cells, _) = sums.as_chunks_mut::<STEP>();
     let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len() + MOST)) else {
-        return plain::gather(layout.whole(parts), room, spare, cells, layout, errors, sums);
+        return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
     // Chooses six or seven sums, whichever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
     let across = row / STEP;
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
-    for channel in parts.start..parts.end.min(STEP) {
+    for channel in pieces.start..pieces.end.min(STEP) {
         let plane = room.0.as_mut_ptr().cast::<i8>();
         // SAFETY: one byte of each cell under the filter is read. `fits` has checked that the cells are there,
         // `room_for` that the room suffices.

@@ -6,7 +6,7 @@ use crate::kernels::plain::products as plain;
 use core::arch::wasm32::*;
 use core::ops::Range;
 
-pub(crate) use plain::{GATHER_PARTS, TAKES_ROWS_OF_CELLS};
+pub(crate) use plain::{GATHER_PIECES, TAKES_ROWS_OF_CELLS};
 
 /// Numbers in a vector.
 const LANES: usize = 8;
@@ -31,7 +31,7 @@ fn last_lanes(count: usize) -> v128 {
 
 /// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -40,10 +40,10 @@ pub(crate) fn responses<const N: usize>(
     out: &mut [[i32; N]],
 ) {
     if layout.fits(cells.len(), weights.len()).is_none() {
-        return plain::responses(parts, room, spare, cells, layout, weights, out);
+        return plain::responses(pieces, room, spare, cells, layout, weights, out);
     }
     let Layout { stride, step, span, .. } = layout;
-    for y in parts.start..parts.end.min(span) {
+    for y in pieces.start..pieces.end.min(span) {
         let Some(out) = out.get_mut(y) else { return };
         let out = out.get_mut(..span.min(N)).unwrap_or_default();
         let at = |x: usize| cells.as_ptr().wrapping_add(y * stride + x * step);
@@ -92,7 +92,7 @@ fn across(sum: v128) -> i32 {
 
 /// See [`plain::gather`].
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     room: &mut Packed,
     spare: &mut [i32],
     cells: &[i8],
@@ -101,10 +101,10 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     if layout.fits(cells.len(), sums.len()).is_none() || layout.span > N {
-        return plain::gather(parts, room, spare, cells, layout, errors, sums);
+        return plain::gather(pieces, room, spare, cells, layout, errors, sums);
     }
     let Layout { row, stride, step, span } = layout;
-    for y in parts.start..parts.end.min(span) {
+    for y in pieces.start..pieces.end.min(span) {
         let Some(errors) = errors.get(y) else { return };
         for (down, sums) in sums.chunks_exact_mut(row).enumerate() {
             let cells = cells.as_ptr().wrapping_add((y + down) * stride);

@@ -4,12 +4,12 @@ use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
 use core::ops::Range;
 
-pub(crate) use plain::{GATHER_PARTS, TAKES_ROWS_OF_CELLS};
+pub(crate) use plain::{GATHER_PIECES, TAKES_ROWS_OF_CELLS};
 
 /// See [`plain::responses`].
 #[target_feature(enable = "avx2")]
 pub(crate) fn responses<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     _: &mut Packed,
     _: &mut [i32],
     cells: &[i8],
@@ -17,13 +17,13 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    plain::responses_inline(parts, cells, layout, weights, out);
+    plain::responses_inline(pieces, cells, layout, weights, out);
 }
 
 /// See [`plain::gather`].
 #[target_feature(enable = "avx2")]
 pub(crate) fn gather<const N: usize>(
-    parts: Range<usize>,
+    pieces: Range<usize>,
     _: &mut Packed,
     _: &mut [i32],
     cells: &[i8],
@@ -31,5 +31,5 @@ pub(crate) fn gather<const N: usize>(
     errors: &[[i16; N]],
     sums: &mut [i32],
 ) {
-    plain::gather_inline(parts, cells, layout, errors, sums);
+    plain::gather_inline(pieces, cells, layout, errors, sums);
 }

@@ -25,7 +25,7 @@ const MOST_ESTIMATE: i32 = 1 << 12;
 
 /// The correction of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in super::super) struct Correction {
+pub(crate) struct Correction {
     /// The shift of the centre to the right and down, in units of 1/4096 of the corrected side.
     centre: [i32; 2],
     /// The factors of width and height, in units of 1/65536.
@@ -34,10 +34,10 @@ pub(in super::super) struct Correction {
 
 impl Correction {
     /// The correction after a lock.
-    pub(in super::super) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
+    pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
     /// Adds an estimate.
-    pub(in super::super) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
+    pub(crate) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
         let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
@@ -50,14 +50,14 @@ impl Correction {
     }
 
     /// Makes the correction smaller by a quarter, because place and size are exact without it.
-    pub(in super::super) fn fade(&mut self) {
+    pub(crate) fn fade(&mut self) {
         self.centre = self.centre.map(|centre| (3 * centre) >> 2);
         self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));
     }
 
     /// The corrected box.
     #[inline(never)]
-    pub(in super::super) fn correct(&self, target: FineRect) -> FineRect {
+    pub(crate) fn correct(&self, target: FineRect) -> FineRect {
         let [right, down] = self.centre;
         let [wider, higher] = self.sides;
         let (x, width) = corrected(target.x, target.width, right, wider);
@@ -68,12 +68,12 @@ impl Correction {
     /// Bytes of the saved form.
     pub(super) const SAVED: usize = 16;
 
-    pub(in super::super) fn save(&self, to: &mut Writer<'_>) {
+    pub(crate) fn save(&self, to: &mut Writer<'_>) {
         self.centre.into_iter().chain(self.sides).for_each(|number| to.i32(number));
     }
 
     /// Reads a saved correction; `None` if a number is out of range.
-    pub(in super::super) fn read(from: &mut Reader<'_>) -> Option<Self> {
+    pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
         Self::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
     }
 

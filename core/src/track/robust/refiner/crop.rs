@@ -8,8 +8,8 @@
 //! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
 //! plain crop small.
 
-use super::super::gradients::root;
-use super::super::sampling::{Lattice, SAMPLED, Sampling};
+use super::super::arithmetic::root;
+use super::super::features::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::rolled;
 use crate::track::saved::{Reader, Writer};
@@ -34,7 +34,7 @@ pub(super) const MEAN: i8 = 64;
 
 /// A crop, sampled row by row.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Crop(());
+pub(crate) struct Crop(());
 
 /// The crop's steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256 pixel.
 fn steps([width, height]: [u32; 2]) -> [i64; 2] {
@@ -60,7 +60,7 @@ fn crop_of(target: FineRect) -> Lattice {
 /// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the
 /// mean of the steps.
 #[inline(never)]
-pub(in super::super) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
+pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
     let blocks = right + down + (2 << 12);
     let (left, width) = range(x, 16 * right + blocks + by, bounds.width);
@@ -126,7 +126,7 @@ fn normalise(crop: &mut [i8; SAMPLES]) {
 }
 
 /// The target in the first frame, as the network sees it. Empty before the first lock, and without the refiner.
-pub(in super::super) struct First {
+pub(crate) struct First {
     crop: Vec<i8, SAMPLES>,
 }
 
@@ -134,46 +134,42 @@ impl First {
     /// Bytes of the saved form.
     pub(super) const SAVED: usize = SAMPLES;
 
-    #[inline(always)]
-    pub(in super::super) const fn new() -> Self {
-        Self { crop: Vec::new() }
-    }
+    /// The memory before the first lock.
+    pub(crate) const NONE: Self = Self { crop: Vec::new() };
 
     pub(super) fn crop(&self) -> &[i8] {
         &self.crop
     }
 
     /// Keeps the crop that [`FirstCrop`] has sampled.
-    pub(in super::super) fn keep(&mut self, bytes: &[i8]) {
+    pub(crate) fn keep(&mut self, bytes: &[i8]) {
         self.crop.clear();
         // Cannot fail: there is room for all.
         let _ = self.crop.extend_from_slice(bytes.get(..SAMPLES).unwrap_or_default());
     }
 
-    pub(in super::super) fn save(&self, to: &mut Writer<'_>) {
+    pub(crate) fn save(&self, to: &mut Writer<'_>) {
         self.crop.iter().for_each(|input| to.put(&input.to_le_bytes()));
     }
 
-    /// Reads a saved crop for [`First::restore`]; `None` if a sample is out of range.
-    pub(in super::super) fn read<'a>(from: &mut Reader<'a>) -> Option<&'a [u8]> {
-        from.slice(SAMPLES).filter(|crop| crop.iter().all(|&input| input <= 127))
-    }
-
-    pub(in super::super) fn restore(&mut self, crop: &[u8]) {
+    /// Reads a saved crop. `None`, and no change, if a sample is out of range or other bytes follow.
+    pub(crate) fn restore(&mut self, from: &mut Reader<'_>) -> Option<()> {
+        let crop = from.slice(SAMPLES).filter(|crop| from.is_empty() && crop.iter().all(|&input| input <= 127))?;
         self.crop.clear();
         // Cannot fail: there is room for all.
         let _ = self.crop.resize_default(SAMPLES);
         self.crop.iter_mut().zip(crop).for_each(|(to, input)| *to = input.cast_signed());
+        Some(())
     }
 }
 
 /// The stage of a lock that samples the crop of the first frame.
 #[derive(Clone, Copy)]
-pub(in super::super) struct FirstCrop(Crop);
+pub(crate) struct FirstCrop(Crop);
 
 impl FirstCrop {
     /// Begins the crop of the box `target` in `bytes`.
-    pub(in super::super) fn begin<const N: usize>(
+    pub(crate) fn begin<const N: usize>(
         target: FineRect,
         bounds: Rect,
         sampling: &mut Sampling,
@@ -185,7 +181,7 @@ impl FirstCrop {
     }
 
     /// Samples a row. True after the last row.
-    pub(in super::super) fn next_row(
+    pub(crate) fn next_row(
         &mut self,
         frame: &Frame<'_>,
         sampling: &mut Sampling,

@@ -21,25 +21,73 @@ mod crop;
 mod network;
 mod opinion;
 
-pub(super) use correction::Correction;
 pub(super) use crop::{First, FirstCrop, reachable};
 #[cfg(feature = "unstable")]
 pub(crate) use network::REFINER_WEIGHTS;
-pub(super) use opinion::Opinion;
 
-use super::sampling::Sampling;
+use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};
 use crate::kernels::{Backend, Dense};
+use crate::track::State;
+use crate::track::saved::{Reader, Writer};
 use crate::track::update::Budget;
+use correction::Correction;
 use crop::Crop;
 use heapless::Vec;
 use network::{Layers, Outputs, ROOM};
+use opinion::Opinion;
 
 /// Bytes that the refiner adds to a saved target.
 pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVED;
 /// The most work of a crop, and of the refiner in a frame.
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
+
+/// The network's review of the followed box, frame after frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Review {
+    correction: Correction,
+    opinion: Opinion,
+}
+
+impl Review {
+    /// The review after a lock.
+    pub(super) const NONE: Self = Self { correction: Correction::NONE, opinion: Opinion::BEST };
+
+    /// Follows an exact match of the early template.
+    pub(super) fn agree(&mut self) {
+        self.correction.fade();
+        self.opinion.agree();
+    }
+
+    /// Follows an estimate. The box is corrected only in a frame from which the tracker has `learned`.
+    pub(super) fn follow(&mut self, estimate: Outputs, learned: bool) {
+        self.opinion.follow(estimate);
+        if learned {
+            self.correction.take(estimate);
+        }
+    }
+
+    /// The corrected box.
+    pub(super) fn correct(&self, target: FineRect) -> FineRect {
+        self.correction.correct(target)
+    }
+
+    /// The best state that the opinion allows.
+    pub(super) fn state(&self) -> State {
+        self.opinion.state()
+    }
+
+    pub(super) fn save(&self, to: &mut Writer<'_>) {
+        self.correction.save(to);
+        self.opinion.save(to);
+    }
+
+    /// Reads a saved review; `None` if a number is out of range.
+    pub(super) fn read(from: &mut Reader<'_>) -> Option<Self> {
+        Some(Self { correction: Correction::read(from)?, opinion: Opinion::read(from)? })
+    }
+}
 
 /// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]

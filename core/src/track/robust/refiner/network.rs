@@ -26,7 +26,7 @@ use crate::track::update::{Budget, units};
 
 /// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height, of
 /// the spread of the place and of the size. Unit: 1/4096.
-pub(in super::super) type Outputs = [i32; 6];
+pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
 const BYTES: usize = 4 * ALL_BIASES + ALL_WEIGHTS;
@@ -143,7 +143,7 @@ pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; SAMPLES]> {
 
 /// The layers under way.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Layers {
+pub(crate) struct Layers {
     /// The number of the layer, and the next row of its outputs.
     number: usize,
     row: usize,

@@ -26,19 +26,19 @@ const LOST_BELOW: i32 = 3277;
 
 /// The opinion: 0 to `MOST`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in super::super) struct Opinion(i32);
+pub(crate) struct Opinion(i32);
 
 impl Opinion {
     /// The opinion after a lock.
-    pub(in super::super) const BEST: Self = Self(MOST);
+    pub(crate) const BEST: Self = Self(MOST);
 
     /// Follows the spreads of an estimate, which are below 2^28.
-    pub(in super::super) fn follow(&mut self, [.., place, size]: Outputs) {
+    pub(crate) fn follow(&mut self, [.., place, size]: Outputs) {
         self.near((-(place + size)).clamp(0, MOST));
     }
 
     /// Follows an exact match of the early template.
-    pub(in super::super) fn agree(&mut self) {
+    pub(crate) fn agree(&mut self) {
         self.near(MOST);
     }
 
@@ -47,7 +47,7 @@ impl Opinion {
     }
 
     /// The best state that this opinion allows.
-    pub(in super::super) fn state(self) -> State {
+    pub(crate) fn state(self) -> State {
         if self.0 < LOST_BELOW {
             State::Lost
         } else if self.0 < UNCERTAIN_BELOW {
@@ -60,12 +60,12 @@ impl Opinion {
     /// Bytes of the saved form.
     pub(super) const SAVED: usize = 4;
 
-    pub(in super::super) fn save(self, to: &mut Writer<'_>) {
+    pub(crate) fn save(self, to: &mut Writer<'_>) {
         to.i32(self.0);
     }
 
     /// Reads a saved opinion; `None` if it is out of range.
-    pub(in super::super) fn read(from: &mut Reader<'_>) -> Option<Self> {
+    pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
         from.i32().filter(|opinion| (0..=MOST).contains(opinion)).map(Self)
     }
 }

@@ -1,0 +1,86 @@
+//! The gate: accepts or refuses the peak of a search by its lead over the runner-up, and by its contrast, which a covered lens lacks.
+
+use super::config::{Config, Fraction};
+use super::search::{Found, Peak, Wanted};
+use super::template::Template;
+use super::track::Track;
+use crate::image::Rect;
+use crate::similarity::{Contrast, Table};
+use crate::track::State;
+use core::cmp::Ordering;
+
+impl Track {
+    /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn passes(&self, found: &Found, state: State, config: &Config) -> bool {
+        let peak = found.peak.score;
+        // `None`: the runner-up is below the peak, and the decision does not depend on it.
+        let runner_up = found.runner_up.unwrap_or(0);
+        let leads = peak.saturating_sub(runner_up) > u32::from(config.gate_lead) * u32::from(Table::ONE);
+        let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
+        stands_out && ratio(peak, self.target.area()) >= config.least_ratio
+    }
+
+    /// The result that a search must have to decide on `state`.
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
+        let ratio = self.ratio(state, config);
+        match ratio.numerator.cmp(&ratio.denominator) {
+            _ if config.runner_up_always => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Greater => Wanted::RunnerUp(config.neighbourhood),
+            Ordering::Equal => Wanted::Equals(config.neighbourhood),
+            Ordering::Less => Wanted::Peak,
+        }
+    }
+
+    /// True if the decision on `peak` needs a result for which the search was not started.
+    pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
+        match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
+            (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
+            (first, then) => first != then,
+        }
+    }
+
+    /// The ratio of peak and runner-up needed to enter `state`.
+    #[cfg_attr(smr_small, inline(never))]
+    const fn ratio(&self, state: State, config: &Config) -> Fraction {
+        match (self.state, state) {
+            (State::Lost, _) => config.gate_lost,
+            (_, State::Leaving) => config.gate_leaving,
+            _ if self.edge => config.gate_returning,
+            _ => config.gate_tracking,
+        }
+    }
+}
+
+impl<const PIXELS: usize> Template<PIXELS> {
+    /// True if a patch of the same size with the contrast `is` can show the target: it has enough contrast, and not too
+    /// many pixels at 0 or 255.
+    pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
+        if is.is_enough_for_any() {
+            return true;
+        }
+        if self.contrast == Contrast::NONE {
+            self.contrast = self.image().map_or(Contrast::NONE, Contrast::of);
+        }
+        is.has_contrast_of(self.contrast) && !is.is_cut_off_beside(self.contrast)
+    }
+}
+
+/// Gives a pair for each state: whether the search includes the runner-up from the start, and whether a second search
+/// for it may follow.
+pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
+    let bounds = Rect::new(0, 0, 1, 1);
+    let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];
+    states.into_iter().map(move |(state, edge)| {
+        let track = Track { state, edge, ..Track::new(bounds, bounds) };
+        let [inside, outside] = [State::Tracking, State::Leaving].map(|to| track.wanted(to, config));
+        let first = matches!(inside, Wanted::RunnerUp(_));
+        (first, !first && outside != Wanted::Peak && outside != inside)
+    })
+}
+
+/// `score` / `pixels` in units of 1/65535, rounded down.
+pub(super) fn ratio(score: u32, pixels: u32) -> u16 {
+    u16::try_from(score / pixels.max(1)).unwrap_or(Table::ONE)
+}

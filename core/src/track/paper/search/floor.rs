@@ -1,0 +1,182 @@
+//! The best offset so far, and the least score that an offset needs to change the result. An offset below it can be
+//! skipped.
+//!
+//! If the runner-up is wanted, the least score is bounded by a floor:
+//!
+//! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
+//! 2. So for any final peak the runner-up is at least the smaller score of such a pair. The largest of these is the
+//!    floor.
+//! 3. An offset at or below the floor changes neither the peak nor the runner-up.
+
+use super::runner_up::Maxima;
+use super::window::{Found, Peak, Wanted, Window};
+use core::cmp::Ordering;
+
+pub(super) struct Leaders<const SPAN: usize> {
+    best: Option<Peak>,
+    beside: Beside,
+    /// See [`Self::needed`].
+    needed: u32,
+    maxima: Maxima<SPAN>,
+}
+
+/// The goal of the search beside the peak, and its progress.
+#[derive(Clone, Copy)]
+enum Beside {
+    Nothing,
+    Equals(Equals),
+    RunnerUp { neighbourhood: u16, floor: u32 },
+}
+
+/// The bounding box of the offsets that have the peak's score. Each of its sides touches one of them, so the box
+/// suffices to decide whether one lies outside the peak's neighbourhood.
+#[derive(Clone, Copy)]
+struct Equals {
+    neighbourhood: u16,
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+}
+
+impl Equals {
+    const fn of(neighbourhood: u16, peak: &Peak) -> Self {
+        Self { neighbourhood, left: peak.x, right: peak.x, top: peak.y, bottom: peak.y }
+    }
+
+    fn add(&mut self, other: &Peak) {
+        (self.left, self.right) = (self.left.min(other.x), self.right.max(other.x));
+        (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
+    }
+
+    /// True if some offset is outside the neighbourhood, whichever of them becomes the peak.
+    fn are_apart(&self) -> bool {
+        self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
+    }
+
+    fn are_outside(&self, peak: &Peak) -> bool {
+        let columns = peak.x.abs_diff(self.left).max(self.right.abs_diff(peak.x));
+        let rows = peak.y.abs_diff(self.top).max(self.bottom.abs_diff(peak.y));
+        columns.max(rows) > self.neighbourhood.into()
+    }
+}
+
+impl<const SPAN: usize> Leaders<SPAN> {
+    #[inline(always)]
+    pub(super) const fn new() -> Self {
+        Self { best: None, beside: Beside::Nothing, needed: 0, maxima: Maxima::new() }
+    }
+
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn reset(&mut self, window: &Window, wanted: Wanted) {
+        (self.best, self.needed) = (None, 0);
+        self.beside = match wanted {
+            Wanted::Peak => Beside::Nothing,
+            Wanted::Equals(neighbourhood) => Beside::Equals(Equals::of(neighbourhood, &Peak { x: 0, y: 0, score: 0 })),
+            Wanted::RunnerUp(neighbourhood) => Beside::RunnerUp { neighbourhood, floor: 0 },
+        };
+        self.maxima.reset(window);
+    }
+
+    pub(super) const fn best(&self) -> Option<Peak> {
+        self.best
+    }
+
+    /// The least score with which an offset can still change the result.
+    pub(super) const fn needed(&self) -> u32 {
+        self.needed
+    }
+
+    /// The least score with which the offset at (`x`, `y`) can still change the result. It is one more than
+    /// [`Self::needed`] if the offset loses a tie with the peak and cannot become the runner-up.
+    pub(super) fn needed_at(&self, window: &Window, x: i32, y: i32) -> u32 {
+        let needed = self.needed();
+        let loses_tie = self.best.is_some_and(|best| {
+            let is_decided = match &self.beside {
+                Beside::Nothing => true,
+                Beside::Equals(equals) => equals.are_apart(),
+                Beside::RunnerUp { floor, .. } => *floor >= best.score,
+            };
+            is_decided && best.score == needed && best.beats(&Peak { x, y, score: needed }, window)
+        });
+        needed.saturating_add(u32::from(loses_tie))
+    }
+
+    pub(super) fn note(&mut self, window: &Window, candidate: Peak) {
+        match (&mut self.beside, &self.best) {
+            (Beside::Nothing, _) => {}
+            (Beside::Equals(equals), best) => {
+                match best.map_or(Ordering::Greater, |best| candidate.score.cmp(&best.score)) {
+                    Ordering::Less => {}
+                    Ordering::Equal => equals.add(&candidate),
+                    Ordering::Greater => *equals = Equals::of(equals.neighbourhood, &candidate),
+                }
+            }
+            (Beside::RunnerUp { neighbourhood, floor }, best) => {
+                if let Some(best) = best
+                    && candidate.is_further_than(2 * u32::from(*neighbourhood), best)
+                {
+                    *floor = candidate.score.min(best.score).max(*floor);
+                }
+                self.maxima.note(window, &candidate);
+            }
+        }
+        if self.best.is_none_or(|best| candidate.beats(&best, window)) {
+            self.best = Some(candidate);
+        }
+        self.set_needed();
+    }
+
+    /// Computes `needed` after a change of the peak or the floor.
+    fn set_needed(&mut self) {
+        let best = self.best.map_or(0, |best| best.score);
+        self.needed = match self.beside {
+            Beside::RunnerUp { floor, .. } => best.min(floor.saturating_add(1)),
+            _ => best,
+        };
+    }
+
+    /// Raises the floor by pairs among all offsets noted so far. (`note` only sees pairs with the peak.)
+    pub(super) fn raise_floor(&mut self) {
+        if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
+            *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
+            self.set_needed();
+        }
+    }
+
+    pub(super) const fn looks_for_runner_up(&self) -> bool {
+        matches!(self.beside, Beside::RunnerUp { .. })
+    }
+
+    pub(super) fn found(&self, window: &Window) -> Option<Found> {
+        let peak = self.best?;
+        let runner_up = match &self.beside {
+            Beside::Nothing => None,
+            Beside::Equals(equals) => (peak.score > 0 && equals.are_outside(&peak)).then_some(peak.score),
+            Beside::RunnerUp { neighbourhood, .. } => Some(self.maxima.outside(window, &peak, *neighbourhood)),
+        };
+        Some(Found { peak, runner_up })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Rect;
+    use crate::track::paper::search::Radius;
+
+    /// The floor is just below the peak. An offset with the peak's score that loses the tie is the runner-up.
+    #[test]
+    fn a_runner_up_may_score_as_much_as_the_peak() {
+        let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);
+        let mut leaders = Leaders::<21>::new();
+        leaders.reset(&window, Wanted::RunnerUp(2));
+        leaders.note(&window, Peak { x: 20, y: 20, score: 4 });
+        leaders.note(&window, Peak { x: 30, y: 20, score: 3 });
+        assert_eq!(leaders.needed_at(&window, 10, 20), 4);
+        leaders.note(&window, Peak { x: 10, y: 20, score: 4 });
+        assert_eq!(leaders.found(&window).and_then(|found| found.runner_up), Some(4));
+        // The runner-up equals the peak: only a larger score changes something.
+        assert_eq!(leaders.needed_at(&window, 10, 25), 5);
+    }
+}

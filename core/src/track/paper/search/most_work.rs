@@ -1,0 +1,79 @@
+//! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
+
+use super::exclusion::{Ranges, SIDE};
+use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
+
+/// The size of a search.
+pub(crate) struct Extent {
+    /// Offsets on each axis.
+    pub(crate) window: (usize, usize),
+    /// Pixels of the template on each axis.
+    pub(crate) template: (u16, u16),
+    pub(crate) pruning: bool,
+}
+
+impl Extent {
+    fn offsets(&self) -> u64 {
+        wide(self.window.0) * wide(self.window.1)
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.template.0) * u64::from(self.template.1)
+    }
+
+    /// Columns plus rows of the window.
+    fn axes(&self) -> u64 {
+        wide(self.window.0) + wide(self.window.1)
+    }
+
+    /// The most comparisons for the SAD of the last position, the descent, the score where it ends, and the score of
+    /// the last position.
+    fn descent(&self) -> u64 {
+        let step = first_step_of(self.window);
+        if !self.pruning {
+            return 0;
+        }
+        if step == 0 {
+            return self.pixels();
+        }
+        let sad = u64::from(self.template.0) * u64::from(self.template.1.div_ceil(SAD_STEP));
+        2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
+    }
+
+    /// The most comparisons for the peak: the whole window once.
+    fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
+        let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
+        self.offsets() * self.pixels() + groups
+    }
+
+    /// The most comparisons for the runner-up: nine scouts and the whole window once. The floor is raised at the start,
+    /// then each time for at most 1/32 of the work since; the maxima are read once more at the end.
+    fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
+        let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
+        let all = scouts + self.peak::<PIXELS, SPAN>();
+        all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
+    }
+
+    /// The most comparisons of a search with or without the runner-up, and of a second one for it if `again`.
+    pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
+        let first = match (runner_up, self.pruning) {
+            (true, true) => self.runner_up::<PIXELS, SPAN>(),
+            // Every offset is scored; the maxima are read at the end.
+            (true, false) => self.peak::<PIXELS, SPAN>() + self.axes(),
+            (false, _) => self.peak::<PIXELS, SPAN>(),
+        };
+        self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
+    }
+
+    /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
+    /// words.
+    pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
+        let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
+        let most = self.pixels().max(row) + 7 * wide(SPAN);
+        u32::try_from(most).unwrap_or(u32::MAX)
+    }
+}
+
+fn wide(count: usize) -> u64 {
+    u64::try_from(count).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,159 @@
+//! The progress of a search, its budget, and what all of its stages do: score an offset and raise the floor.
+
+use super::exclusion::{Ranges, Tile};
+use super::floor::Leaders;
+use super::window::{Found, Peak, Window};
+use crate::image::{Frame, Image};
+use crate::similarity::{self, Scorer};
+
+/// The inputs of a search; the same in every step.
+pub(crate) struct Scene<'a> {
+    pub(crate) frame: Frame<'a>,
+    pub(crate) template: Image<'a>,
+    pub(crate) window: Window,
+    pub(crate) scorer: &'a Scorer<'a>,
+}
+
+/// The progress of a search, and its working memory.
+pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
+    pub(super) leaders: Leaders<SPAN>,
+    pub(super) ranges: Ranges<PIXELS, SPAN>,
+    /// The present tile.
+    pub(super) tile: Tile,
+    pub(super) stage: Stage,
+    pub(super) place: Place,
+    pub(super) descent: Descent,
+    pub(super) pruning: bool,
+    /// The offsets of the present row of a group that may matter: see [`Scorer::candidates`].
+    pub(super) candidates: u8,
+    /// Comparisons that the present step may make.
+    pub(super) granted: u32,
+    /// Comparisons in the present step.
+    pub(super) work: u32,
+    /// Comparisons since the floor was raised last, without those of the present step (modulo 2^32).
+    pub(super) since_floor: u32,
+}
+
+/// The next stage.
+#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
+pub(super) enum Stage {
+    Done,
+    /// The SAD of the last position.
+    LastPosition,
+    Descent,
+    Scouts,
+    /// Rows of ranges.
+    Ranges,
+    /// The bounds of groups.
+    Exclude,
+    /// The offsets of groups that were not excluded.
+    Refine,
+    /// All offsets, where there are no groups.
+    Offsets,
+}
+
+/// The place that the present stage has reached.
+pub(super) struct Place {
+    /// The first offset of the tile, or the present offset where there are no groups.
+    pub(super) column: usize,
+    pub(super) row: usize,
+    /// The next neighbour, scout, row of ranges, or group.
+    pub(super) next: usize,
+    /// The next offset of the present group.
+    pub(super) offset: u8,
+    /// The pass over the tile.
+    pub(super) pass: u8,
+}
+
+impl Place {
+    /// The place at the start of a tile.
+    pub(super) const fn tile(column: usize, row: usize) -> Self {
+        Self { column, row, next: 0, offset: 0, pass: 0 }
+    }
+}
+
+/// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
+#[derive(Clone, Copy)]
+pub(super) struct Descent {
+    /// The position around which the descent looks.
+    pub(super) x: i32,
+    pub(super) y: i32,
+    /// The position with the least SAD so far, and that SAD.
+    pub(super) best: (i32, i32),
+    pub(super) distance: u32,
+    pub(super) step: u8,
+}
+
+impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self {
+            leaders: Leaders::new(),
+            ranges: const { Ranges::new() },
+            tile: Tile { column: 0, row: 0, columns: 0, rows: 0 },
+            stage: Stage::Done,
+            place: Place::tile(0, 0),
+            descent: Descent { x: 0, y: 0, best: (0, 0), distance: 0, step: 0 },
+            pruning: false,
+            candidates: 0,
+            granted: 0,
+            work: 0,
+            since_floor: 0,
+        }
+    }
+
+    /// True if the step ends here.
+    pub(super) fn is_spent(&self) -> bool {
+        self.work >= self.granted
+    }
+
+    pub(crate) fn is_done(&self) -> bool {
+        self.stage == Stage::Done
+    }
+
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn spend(&mut self, comparisons: u32) {
+        self.work = self.work.saturating_add(comparisons);
+    }
+
+    /// The result; `None` until the search is done.
+    pub(crate) fn found(&self, window: &Window) -> Option<Found> {
+        if self.is_done() { self.leaders.found(window) } else { None }
+    }
+
+    pub(super) fn raise_floor(&mut self, scene: &Scene<'_>) {
+        if self.leaders.looks_for_runner_up() {
+            self.leaders.raise_floor();
+            self.spend(axes(scene));
+            self.since_floor = self.work.wrapping_neg();
+        }
+    }
+
+    #[cfg_attr(smr_small, inline(never))]
+    pub(super) fn score(&mut self, scene: &Scene<'_>, x: i32, y: i32) {
+        if self.leaders.best().is_some_and(|best| (best.x, best.y) == (x, y)) {
+            return; // noted already
+        }
+        self.spend(area(scene));
+        let needed = if self.pruning { self.leaders.needed_at(&scene.window, x, y) } else { 0 };
+        let score = similarity::score_at_least(&scene.frame, scene.template, x, y, scene.scorer, needed);
+        if let Some(score) = score {
+            self.leaders.note(&scene.window, Peak { x, y, score });
+        }
+    }
+}
+
+pub(super) fn area(scene: &Scene<'_>) -> u32 {
+    u32::from(scene.template.width()) * u32::from(scene.template.height())
+}
+
+/// The number of maxima: one per column and one per row of the window.
+pub(super) fn axes(scene: &Scene<'_>) -> u32 {
+    let (columns, rows) = scene.window.size();
+    words(columns + rows)
+}
+
+pub(super) fn words(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}

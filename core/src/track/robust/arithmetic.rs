@@ -1,0 +1,106 @@
+//! Division of wide numbers, and roots.
+//!
+//! On processors with registers of 32 bits, the compiler's function for it takes 1 KB of flash. An update divides few
+//! wide numbers, so here a loop divides bit by bit.
+
+/// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.
+#[inline(never)]
+pub(super) fn quotient(number: i64, divisor: i64) -> i64 {
+    let size = divided(number.unsigned_abs(), divisor.unsigned_abs()).cast_signed();
+    if (number < 0) == (divisor < 0) { size } else { size.wrapping_neg() }
+}
+
+#[cfg(target_pointer_width = "64")]
+fn divided(number: u64, divisor: u64) -> u64 {
+    number.checked_div(divisor).unwrap_or(0)
+}
+
+#[cfg(not(target_pointer_width = "64"))]
+fn divided(number: u64, divisor: u64) -> u64 {
+    long_division(number, divisor)
+}
+
+/// The quotient, bit by bit from the highest; 0 if `divisor` is 0.
+#[cfg(any(not(target_pointer_width = "64"), test))]
+fn long_division(number: u64, divisor: u64) -> u64 {
+    if divisor == 0 {
+        return 0;
+    }
+    // The divisor is shifted below the highest bit of the number, then back place by place.
+    let places = divisor.leading_zeros().saturating_sub(number.leading_zeros());
+    let (mut rest, mut subtracted, mut quotient) = (number, divisor << places, 0);
+    for _ in 0..=places {
+        quotient <<= 1;
+        if rest >= subtracted {
+            rest -= subtracted;
+            quotient += 1;
+        }
+        subtracted >>= 1;
+    }
+    quotient
+}
+
+/// The square root, rounded down, bit by bit: Armv6-M has no division.
+#[cfg(all(smr_swar, target_arch = "arm"))]
+pub(super) fn root(number: u32) -> u32 {
+    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
+    while bit > 0 {
+        let subtracted = root + bit;
+        root >>= 1;
+        if rest >= subtracted {
+            rest -= subtracted;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    root
+}
+
+/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
+/// they are faster than `isqrt`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
+pub(super) fn root(number: u32) -> u32 {
+    let places = (number | 1).leading_zeros() & !1;
+    let scaled = (number | 1) << places;
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
+    // is never too small.
+    let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
+    root = (root + scaled / root) / 2;
+    root = (root + scaled / root) / 2;
+    root >>= places / 2;
+    // 0 was treated as 1, and the result may be too large by 1.
+    root - u32::from(root * root > number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn bit_by_bit_the_quotient_is_the_same(number: u64, divisor: u64, less in 0u32..64, shorter in 0u32..64) {
+            let (number, divisor) = (number >> less, divisor >> shorter);
+            prop_assert_eq!(long_division(number, divisor), number.checked_div(divisor).unwrap_or(0));
+        }
+
+        #[test]
+        fn a_quotient_is_rounded_toward_zero(number in -(1i64 << 60)..1 << 60, divisor in -(1i64 << 40)..1 << 40) {
+            prop_assert_eq!(quotient(number, divisor), number.checked_div(divisor).unwrap_or(0));
+        }
+    }
+
+    #[test]
+    fn a_root_is_rounded_down() {
+        for root_of in 0..=46_341 {
+            let square: u32 = root_of * root_of;
+            for number in [square.saturating_sub(1), square, square + 1, square + root_of] {
+                assert_eq!(root(number), number.isqrt(), "{number}");
+            }
+        }
+        for number in (0..(u32::MAX - (1 << 17))).step_by(997) {
+            assert_eq!(root(number), number.isqrt(), "{number}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The confidence that the tracker still follows the target: a running mean of each frame's evidence. It decides the
+//! state.
+//!
+//! ```text
+//! evidence   = agreement + min(response, 1/2)
+//! mean'      = min(mean + (1 - patience / 256) * (evidence - mean), evidence + lead)
+//! confidence = 2/3 mean
+//! ```
+//!
+//! `response` is the penalised one ([`response`](super::super::filter::response)), at least 0. A filter that learns from its own
+//! answers responds well to anything it follows, so its response is weak evidence and counts for at most 1/2. The early
+//! template hardly learns, so its agreement counts for up to 1. Evidence and mean are in units of 1/65536, at most 1.5.
+//! A patch that cannot show the target has an evidence of 0.
+
+use super::super::config::Config;
+use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
+use super::super::verification::Candidate;
+use crate::track::State;
+
+/// The evidence for the target in one frame or one window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Evidence(i32);
+
+impl Evidence {
+    /// The evidence of a candidate; 0 if its patch cannot show the target.
+    #[inline(never)]
+    pub(crate) fn of(candidate: &Candidate) -> Self {
+        if candidate.visible { Self::new(candidate.agreement, candidate.response) } else { Self(0) }
+    }
+
+    fn new(agreement: u16, response: i32) -> Self {
+        Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
+    }
+
+    /// True if the filter may learn from the frame.
+    pub(crate) fn may_be_learned(self) -> bool {
+        self.0 >= LEARNED_FROM
+    }
+
+    /// True if this is enough evidence to find the lost target again. `there` is the evidence at its last place.
+    pub(crate) fn finds(self, there: Self) -> bool {
+        self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
+    }
+}
+
+/// The running mean of the evidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Confidence(i32);
+
+impl Confidence {
+    /// The confidence after a lock.
+    pub(super) const FULL: Self = Self(MOST_EVIDENCE);
+
+    /// The confidence after the target was found again.
+    pub(crate) const fn found(evidence: Evidence) -> Self {
+        Self(evidence.0)
+    }
+
+    /// The mean, as it is saved.
+    pub(crate) const fn mean(self) -> i32 {
+        self.0
+    }
+
+    /// The confidence with a saved mean; `None` if the mean is out of range.
+    pub(crate) const fn restore(mean: i32) -> Option<Self> {
+        if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
+    }
+
+    /// The confidence after a frame with this evidence.
+    pub(crate) fn after(self, evidence: Evidence, patience: u8) -> Self {
+        let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
+        Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
+    }
+
+    #[inline(never)]
+    pub(crate) fn state(self, config: &Config) -> State {
+        let confidence = self.value();
+        if confidence < config.lost_below {
+            State::Lost
+        } else if confidence < config.uncertain_below {
+            State::Uncertain
+        } else {
+            State::Tracking
+        }
+    }
+
+    /// True if one frame without evidence would make the target lost.
+    pub(crate) fn may_be_lost_next(self, config: &Config) -> bool {
+        self.after(Evidence(0), config.patience).state(config) == State::Lost
+    }
+
+    /// 2/3 of the mean, in units of 1/65535.
+    #[inline(never)]
+    pub(crate) fn value(self) -> u16 {
+        u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evidence_is_bounded() {
+        assert_eq!(Evidence::new(0, -ONE), Evidence(0));
+        assert_eq!(
+            [ONE / 2, 9 * ONE].map(|response| Evidence::new(u16::MAX, response)),
+            [Evidence(MOST_EVIDENCE - 1); 2]
+        );
+        assert_eq!([Confidence::FULL, Confidence::found(Evidence(0))].map(Confidence::value), [u16::MAX, 0]);
+    }
+
+    #[test]
+    fn without_evidence_a_target_is_uncertain_and_then_lost() {
+        let config = Config::robust();
+        let next = |confidence: &Confidence| Some(confidence.after(Evidence(0), config.patience));
+        let states = core::iter::successors(Some(Confidence::FULL), next).map(|confidence| confidence.state(&config));
+        let runs: std::vec::Vec<State> = states.take(8).collect();
+        use State::{Lost, Tracking, Uncertain};
+        assert_eq!(runs, [Tracking, Uncertain, Lost, Lost, Lost, Lost, Lost, Lost]);
+    }
+
+    #[test]
+    fn states_begin_at_their_thresholds() {
+        let state = |mean: i32| Confidence(mean).state(&Config::robust());
+        // The confidence is 2/3 of the mean.
+        assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
+        assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
+    }
+
+    #[test]
+    fn a_find_needs_much_evidence_and_a_lead() {
+        assert!(Evidence(66_000).finds(Evidence(50_000)) && !Evidence(65_999).finds(Evidence(50_000)));
+        assert!(Evidence(FOUND_FROM).finds(Evidence(FOUND_FROM - FOUND_LEAD)));
+        assert!(
+            !Evidence(FOUND_FROM - 1).finds(Evidence(0))
+                && !Evidence(FOUND_FROM).finds(Evidence(FOUND_FROM - FOUND_LEAD + 1))
+        );
+        assert!(Evidence(LEARNED_FROM).may_be_learned() && !Evidence(LEARNED_FROM - 1).may_be_learned());
+    }
+}

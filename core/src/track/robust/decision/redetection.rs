@@ -1,0 +1,45 @@
+//! Redetection: while the target is lost, a second window is searched in each frame. One after the other, these windows
+//! sweep the whole frame.
+//!
+//! The windows cover the frame side by side, row by row. Each is searched and verified like the first window. So a lost
+//! frame costs a second search and verification, of about the same work each time, but no learning.
+
+use super::super::arithmetic::quotient;
+use super::super::constants::{PIXEL, PIXEL_BITS};
+use crate::image::Rect;
+
+/// The sweep of the frame: the number of the next window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sweep {
+    pub(crate) next: u32,
+}
+
+impl Sweep {
+    pub(crate) const fn new() -> Self {
+        Self { next: 0 }
+    }
+
+    pub(crate) fn move_on(&mut self) {
+        self.next = self.next.wrapping_add(1);
+    }
+
+    /// The middle of the next window. Neighbouring windows are at most `side` apart, in units of positions.
+    pub(crate) fn middle(self, side: u32, bounds: Rect) -> (i64, i64) {
+        let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
+        let number = self.next % (columns * rows).max(1);
+        (centre(number % columns, columns, bounds.width), centre(number / columns, rows, bounds.height))
+    }
+}
+
+/// The number of windows on an axis. A step of the grid is at least 409, so a side is at least 13,088, and the product
+/// of two such counts is below 2^32.
+fn count(size: u16, side: u32) -> u32 {
+    (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
+}
+
+/// The middle of a window on an axis.
+#[inline(never)]
+fn centre(number: u32, count: u32, size: u16) -> i64 {
+    let middle = quotient((2 * i64::from(number) + 1) * i64::from(size) * PIXEL, 2 * i64::from(count));
+    (middle - PIXEL / 2).max(0)
+}

@@ -1,0 +1,83 @@
+//! The track of a target: what the tracker remembers of its place, size and state.
+
+use super::super::config::Config;
+use super::super::constants::{PIXEL, SCALE};
+use super::super::features::{Grid, Motion, Place};
+use super::super::refiner::Review;
+use super::super::verification::Light;
+use super::confidence::Confidence;
+use super::redetection::Sweep;
+use crate::image::{FineRect, Rect};
+use crate::track::{Quality, State};
+
+/// The track of a target: place, velocity, scale, confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Track {
+    pub(crate) bounds: Rect,
+    pub(crate) grid: Grid,
+    /// The size of the locked box.
+    pub(crate) size: [u16; 2],
+    pub(crate) motion: Motion,
+    /// The scale when the state was last tracking. Unit: 1/65536.
+    pub(crate) tracked_scale: u32,
+    pub(crate) confidence: Confidence,
+    pub(crate) sweep: Sweep,
+    pub(crate) quality: Quality,
+    pub(crate) review: Review,
+    pub(crate) light: Light,
+}
+
+impl Track {
+    pub(crate) fn new(bounds: Rect, target: Rect) -> Self {
+        Self {
+            bounds,
+            grid: Grid::new(target),
+            size: [target.width, target.height],
+            motion: Motion::at(Place::of(target)),
+            tracked_scale: SCALE,
+            confidence: Confidence::FULL,
+            sweep: Sweep::new(),
+            quality: Quality::NONE,
+            review: Review::NONE,
+            light: Light::NONE,
+        }
+    }
+
+    /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.
+    #[inline(never)]
+    pub(crate) fn state(&self, config: &Config) -> State {
+        let (state, opinion) = (self.confidence.state(config), self.review.state());
+        if config.refines() && opinion.code() > state.code() { opinion } else { state }
+    }
+
+    /// The box of the answer: the followed box, corrected by the refiner.
+    #[inline(never)]
+    pub(crate) fn bbox(&self) -> FineRect {
+        self.review.correct(self.followed())
+    }
+
+    /// The box of the followed place and scale, without the refiner's correction.
+    pub(crate) fn followed(&self) -> FineRect {
+        let Place { x, y, scale } = self.motion.place;
+        let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
+        let [width, height] = self.size.map(size);
+        let corner = |middle: i64, size: u32| {
+            let corner = ((middle + PIXEL / 2) >> 4) - i64::from(size / 2);
+            i32::try_from(corner).unwrap_or(0)
+        };
+        FineRect { x: corner(x, width), y: corner(y, height), width, height }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_grows_around_its_middle() {
+        let mut track = Track::new(Rect::new(0, 0, 100, 80), Rect::new(20, 30, 10, 20));
+        assert_eq!(track.bbox().whole(), Rect::new(20, 30, 10, 20));
+        track.motion.place.scale = 2 * SCALE;
+        assert_eq!(track.bbox().whole(), Rect::new(15, 20, 20, 40));
+    }
+}

@@ -1,0 +1,304 @@
+//! Cells of gradient orientations (HOG; Dalal and Triggs, 2005) and gray: ten features for each cell of 4x4 samples.
+//!
+//! ```text
+//! x[c, k] = gain * h[c, k] / (norm(c) + floor),   k = 0 to 8: gradients at 20 k or 20 k + 180 degrees
+//! x[c, 9] = mean gray of the cell - 128
+//! ```
+//!
+//! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
+//! contrast. A gradient g is split between the two orientations u and v next to it: g = a u + b v. That is linear, so
+//! it takes no root, angle or division.
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `h` | sum of gradients over a cell | 1/4 gray level | 16 * 361 * 1.02 * 4 = 23,600 |
+//! | energy | sum of squared gradients | gray level^2 | 5,900^2 |
+//! | `norm`, `floor` | norm of the gradients | 1/8 gray level | 2^16 |
+//! | `x` | feature | 1/127 of 0.4 `norm` | -128 to 127 |
+//!
+//! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
+
+use super::super::arithmetic::root;
+use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
+use super::grid::Extent;
+use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
+use crate::image::{Frame, Rect};
+use crate::kernels::{PACKED, Packed, SIDE, features, gradients, rolled};
+use crate::track::update::Budget;
+use core::cell::Cell;
+use heapless::Vec;
+
+/// Cells in the longest row.
+pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
+
+/// Units of work for each sample, including its share of the features.
+const FEATURED: u32 = 64;
+/// Lines of samples that a row of cells needs.
+const LINES: u32 = CELL as u32 + 2;
+
+/// The most work for the features of a window.
+pub(crate) const fn most_work(extent: Extent) -> u32 {
+    let (columns, rows) = (columns(extent), (extent.down + 2 * extent.reach) * CELL as u32 + 2);
+    columns * rows * FEATURED + most_read(columns, rows)
+}
+
+/// The most work for a row of cells.
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+    LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
+}
+
+/// Columns of samples of a window.
+const fn columns(extent: Extent) -> u32 {
+    (extent.across + 2 * extent.reach) * CELL as u32 + 2
+}
+
+/// Sums over the samples of each cell in a row, channel by channel: gradients by orientation, and gray (at most 4,080).
+pub(super) type Row = [[u16; ROW]];
+const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
+
+/// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
+pub(crate) struct Extractor {
+    sampling: Sampling,
+    lines: [[u8; COLUMNS]; SIDE],
+    /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
+    sums: Packed,
+    /// Energies of the last three rows of cells.
+    energies: [[u32; ROW]; 3],
+    /// Cells on each axis of the window.
+    across: u16,
+    down: u16,
+    /// The next row of cells.
+    next: u16,
+}
+
+impl Extractor {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self {
+            sampling: Sampling::new(),
+            lines: [[0; COLUMNS]; SIDE],
+            sums: Packed::new(),
+            energies: [[0; ROW]; 3],
+            across: 0,
+            down: 0,
+            next: 0,
+        }
+    }
+
+    /// Lends the memory of the sums to the filter's products, between two windows.
+    pub(crate) fn lend_sums(&mut self) -> &mut Packed {
+        &mut self.sums
+    }
+
+    pub(crate) fn sampling(&mut self) -> &mut Sampling {
+        &mut self.sampling
+    }
+
+    /// Begins the features of `lattice`, which covers whole cells and one sample more on each side. False if there is
+    /// no room; `out` is then empty.
+    #[inline(never)]
+    pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
+        self.begin_rows(bounds, lattice);
+        let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
+        // Old cells need not be cleared: every byte is written.
+        let fits = out.resize_default(cells * CHANNELS).is_ok();
+        if !fits {
+            out.clear();
+        }
+        fits
+    }
+
+    #[inline(never)]
+    fn begin_rows(&mut self, bounds: Rect, lattice: &Lattice) {
+        (self.across, self.down) = (lattice.columns / CELL, lattice.rows / CELL);
+        self.next = 0;
+        self.energies = [[0; ROW]; 3];
+        lattice.prepare(bounds, &mut self.sampling);
+    }
+
+    /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
+    #[cfg_attr(smr_small, inline(never))]
+    pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
+        let done = self.row(frame, out);
+        budget.spend(self.sampling.work(FEATURED));
+        done
+    }
+
+    #[inline(never)]
+    fn row(&mut self, frame: &Frame<'_>, out: &mut [i8]) -> bool {
+        let Self { sampling, lines, sums, energies, across, down, next } = self;
+        let Some(mut sampler) = sampling.sampler(frame) else { return true };
+        let (across, down, row) = (usize::from(*across).min(ROW), *down, *next);
+        *next += 1;
+        // This call computes the sums and energies of `row`, and then normalises the row before it, which now knows the row below.
+        let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
+        let (computed, finished) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
+        let [above, at, below] = &mut *energies; // of the finished row; `below` is `row`
+        for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
+            (*above, *at, *below) = (*at, *below, 0);
+        }
+        if row < down {
+            let first = if row == 0 { 0 } else { 2 };
+            for (number, line) in (CELL * row..).zip(&mut *lines).skip(first) {
+                sampler.row(number, line);
+            }
+            gradients(lines, computed, below, across);
+            // The next row of cells begins with the last two lines. An assignment would copy by way of the stack.
+            let [first, second, _, _, fifth, sixth] = &mut *lines;
+            for (to, from) in [(first, fifth), (second, sixth)] {
+                let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
+                if let (Some(to), Some(from)) = (to.get_mut(..columns), from.get(..columns)) {
+                    to.copy_from_slice(from);
+                }
+            }
+        }
+        let of_row = across * CHANNELS;
+        // Not by `chunks`: the compiler would link the panic of `chunks`.
+        let from = row.checked_sub(1).map(|row| usize::from(row) * of_row);
+        if let Some(out) = from.and_then(|from| out.get_mut(from..from + of_row)) {
+            normalise(finished, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
+        }
+        row >= down
+    }
+
+    #[cfg(any(test, feature = "unstable"))]
+    /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
+    pub(crate) fn features<const N: usize>(
+        &mut self,
+        frame: &Frame<'_>,
+        lattice: &Lattice,
+        out: &mut Vec<i8, N>,
+    ) -> bool {
+        if !self.begin(frame.bounds(), lattice, out) || !frame.covers(lattice.pixels(frame.bounds())) {
+            out.clear();
+            return false;
+        }
+        while !self.row(frame, out) {}
+        true
+    }
+}
+
+/// Normalises a row of cells by the energies of three rows, `rows` of which lie in the lattice; the others are 0. The
+/// first row of energies is used as scratch memory.
+#[inline(never)]
+fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
+    let (out, _) = out.as_chunks_mut::<CHANNELS>();
+    let Some(inverses) = above.get_mut(..out.len()) else { return };
+    rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
+    invert(inverses, rows);
+    features(sums, above, out);
+}
+
+/// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the
+/// lattice.
+fn invert(columns: &mut [u32], rows: u32) {
+    let columns = Cell::from_mut(columns).as_slice_of_cells();
+    let (mut left, mut here) = (0, 0);
+    let mut right = columns.iter().skip(1);
+    for column in rolled(columns.iter()) {
+        let middle = column.get();
+        // Cells beyond the edge do not count.
+        let (next, cells) = right.next().map_or((0, here + rows), |next| (next.get(), here + 2 * rows));
+        column.set(inverse(left + middle + next, cells));
+        (left, here) = (middle, rows);
+    }
+}
+
+/// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
+#[cfg_attr(smr_dsp, inline(never))]
+fn inverse(energy: u32, cells: u32) -> u32 {
+    // Nine energies are below 2^29; 64 times their mean is below 2^32.
+    (NORM_GAIN << 16) / (root(64 * mean(energy, cells)) + NORM_FLOOR)
+}
+
+/// `energy / cells`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+fn mean(energy: u32, cells: u32) -> u32 {
+    energy / cells.max(1)
+}
+
+#[cfg(all(smr_swar, target_arch = "arm"))]
+use mean_by_parts as mean;
+
+/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time: Armv6-M has no division.
+#[cfg(any(test, all(smr_swar, target_arch = "arm")))]
+fn mean_by_parts(energy: u32, cells: u32) -> u32 {
+    // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
+    const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
+    let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
+    let (mut rest, mut mean) = (0, 0);
+    for places in [20, 10, 0] {
+        let part = rest << 10 | (energy >> places & 1023);
+        let digit = (part * inverse) >> 16;
+        (rest, mean) = (part - digit * cells, mean << 10 | digit);
+    }
+    mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::constants::PIXEL;
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn means_are_exact() {
+        for cells in 1..=9 {
+            // All rests with all ten bits that may follow, and large energies.
+            let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
+            for energy in (0..cells << 10).chain(large) {
+                assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");
+            }
+        }
+    }
+
+    /// FNV-1a of all bytes.
+    fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    }
+
+    fn noise(count: usize, spread: u32) -> std::vec::Vec<u8> {
+        let mut state = 7u32;
+        let next = || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            u8::try_from((state >> 16) % spread).unwrap()
+        };
+        core::iter::repeat_with(next).take(count).collect()
+    }
+
+    fn features(pixels: &[u8], step: i64, cells: (u16, u16)) -> std::vec::Vec<i8> {
+        let frame = Frame::whole(Image::new(pixels, 120, 90).unwrap());
+        let lattice = Lattice {
+            x: 57 * PIXEL,
+            y: 40 * PIXEL + 1234,
+            step,
+            step_down: step,
+            columns: cells.0 * CELL + 2,
+            rows: cells.1 * CELL + 2,
+        };
+        let mut out = Vec::<i8, 20_000>::new();
+        assert!(Extractor::new().features(&frame, &lattice, &mut out));
+        assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
+        out.to_vec()
+    }
+
+    #[test]
+    fn features_of_noise_stay_what_they_are() {
+        let of = |spread, step, cells| {
+            hash(features(&noise(120 * 90, spread), step, cells).into_iter().map(i8::cast_unsigned))
+        };
+        let hashes = [
+            of(256, PIXEL, (30, 30)),
+            of(256, 5 * PIXEL / 2, (9, 20)),
+            of(3, PIXEL / 2, (48, 22)),
+            of(30, 17 * PIXEL / 3, (4, 5)),
+        ];
+        assert_eq!(
+            hashes,
+            [6880912278910408271, 12147416471690805507, 3213091790189083990, 15582275044360090699],
+            "as the plainest code gave"
+        );
+    }
+}

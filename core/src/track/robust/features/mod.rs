@@ -1,0 +1,12 @@
+//! The features of a window: where it lies (`motion`), its samples on the target's grid (`grid`, `sampling`), and `cells` of them.
+
+pub(super) mod cells;
+mod grid;
+mod motion;
+mod sampling;
+
+pub(super) use cells::Extractor;
+pub(super) use grid::Extent;
+pub use grid::Grid;
+pub(super) use motion::{Motion, Place};
+pub(super) use sampling::{Lattice, SAMPLED, Sampling, most_read, row_of};

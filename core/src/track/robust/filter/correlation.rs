@@ -1,0 +1,172 @@
+//! The measure of a filter: its responses to a window of cells, and the gradient of its error.
+//!
+//! ```text
+//! response   r[d]    = sum over cells c and channels k of  w[c, k] * x[c + d, k]
+//! gradient   g[c, k] = sum over offsets d of               e[d] * x[c + d, k]
+//! ```
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `x` | feature | 1/127 | -128 to 127 |
+//! | `w` | coded weight ([`Coded`]) | 2^shift of a weight's 2^-16 / 16384 | +-8191 |
+//! | `r` | response | 1/16384 of the label | +-2^24 |
+//! | `e` | coded error | 2^shift / 16384 | +-16,383 |
+//!
+//! At most 2000 weights and 289 offsets keep every sum below 2^31: 2000 * 8191 * 128 and 289 * 16,383 * 128.
+//! Cost: one product for each weight and offset.
+
+use crate::kernels::{GradientStep, Layout, Packed, Products, ScaledSums, rolled};
+use heapless::Vec;
+
+/// Cells, and the layout of the filter on them.
+#[derive(Clone, Copy)]
+pub(crate) struct Window<'a> {
+    pub(crate) cells: &'a [i8],
+    pub(crate) layout: Layout,
+}
+
+/// Adds one piece of the gradient. Returns true after the last piece. `packed` and `spare` are scratch memory.
+pub(super) fn add_gradient<const S: usize>(
+    products: Products,
+    packed: &mut Packed,
+    spare: &mut [i32],
+    Window { cells, layout }: Window<'_>,
+    errors: &[[i16; S]],
+    piece: usize,
+    gradient: &mut [i32],
+) -> bool {
+    products.gather(piece..piece + 1, packed, spare, cells, layout, errors, gradient);
+    piece + 1 >= products.gather_pieces(layout, gradient.len())
+}
+
+/// The largest coded number: 2000 of them times a byte stay below 2^31.
+pub(crate) const LARGEST: u32 = 8191;
+
+/// Up to `N` numbers coded in 16 bits each, with one power of two for all (block floating point). The value of each is number * 2^`shift`.
+pub(crate) struct Coded<const N: usize> {
+    numbers: Vec<i16, N>,
+    shift: u32,
+}
+
+impl<const N: usize> Coded<N> {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { numbers: Vec::new(), shift: 0 }
+    }
+
+    pub(crate) fn numbers(&self) -> &[i16] {
+        &self.numbers
+    }
+
+    pub(super) fn numbers_mut(&mut self) -> &mut [i16] {
+        &mut self.numbers
+    }
+
+    pub(crate) const fn shift(&self) -> u32 {
+        self.shift
+    }
+
+    /// Codes `count` numbers in units of 2^`unit`. `largest` is the largest absolute value among them.
+    #[cfg_attr(smr_small, inline(never))]
+    pub(crate) fn set(&mut self, numbers: ScaledSums<'_>, count: usize, largest: u32, unit: u32) {
+        let shift = shift_below(largest, LARGEST);
+        // Cannot fail: no caller has more than `N`.
+        let _ = self.numbers.resize_default(count);
+        numbers.code(shift, &mut self.numbers);
+        self.shift = unit + shift;
+    }
+
+    /// Computes one piece of the responses at all offsets, in units of 2^`shift`. Returns true after the last piece.
+    pub(crate) fn respond<const S: usize>(
+        &self,
+        products: Products,
+        packed: &mut Packed,
+        spare: &mut [i32],
+        Window { cells, layout }: Window<'_>,
+        piece: usize,
+        out: &mut [[i32; S]; S],
+    ) -> bool {
+        products.responses(piece..piece + 1, packed, spare, cells, layout, &self.numbers, out);
+        piece + 1 >= products.pieces(layout, self.numbers.len())
+    }
+
+    /// Turns sums that `respond` computed into responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.
+    #[inline(never)]
+    pub(crate) fn to_responses<const S: usize>(&self, sums: &mut [[i32; S]]) {
+        // One of both is 0.
+        let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
+        // The bound holds before the shift to the left, which then loses no bit.
+        let most = (1 << 24) >> left;
+        rolled(sums.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
+    }
+}
+
+/// The least shift to the right that makes `largest` less than `bound`.
+#[cfg_attr(smr_small, inline(never))]
+pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
+    let mut shift = 0;
+    while largest >> shift >= bound {
+        shift += 1;
+    }
+    shift
+}
+
+/// The filter: up to `N` weights, for each channel of each cell on the target and around it, cell by cell, in units of 2^-16 / 16384.
+pub(crate) struct Filter<const N: usize> {
+    weights: Vec<i32, N>,
+}
+
+impl<const N: usize> Filter<N> {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { weights: Vec::new() }
+    }
+
+    /// Starts with `count` weights of 0.
+    pub(crate) fn start(&mut self, count: usize) {
+        self.weights.clear();
+        // Cannot fail: no grid has more than `N` weights.
+        let _ = self.weights.resize_default(count);
+    }
+
+    /// Takes `count` saved weights.
+    pub(crate) fn restore(&mut self, count: usize, weights: impl Iterator<Item = i32>) {
+        self.start(count);
+        self.weights.iter_mut().zip(weights).for_each(|(weight, saved)| *weight = saved);
+    }
+
+    pub(crate) fn weights(&self) -> &[i32] {
+        &self.weights
+    }
+
+    /// Writes the weights to `coded`.
+    #[inline(never)]
+    pub(crate) fn code(&self, coded: &mut Coded<N>) {
+        let numbers = ScaledSums::of(&self.weights);
+        coded.set(numbers, self.weights.len(), numbers.largest(), 0);
+    }
+
+    /// Takes a step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
+    /// below 2^60. A weight that would overflow an `i32` stays as it is.
+    #[inline(never)]
+    pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
+        GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }
+            .apply(&mut self.weights, direction.numbers());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coded_numbers_are_bounded() {
+        for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
+            let (mut coded, numbers) = (Coded::<2>::new(), [largest, -largest]);
+            let numbers = ScaledSums::of(&numbers);
+            coded.set(numbers, 2, numbers.largest(), 0);
+            assert!(coded.numbers.iter().all(|coded| u32::from(coded.unsigned_abs()) <= LARGEST), "{largest}");
+            assert!(coded.shift == 0 || coded.numbers[0] > 4000, "{largest}");
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Learning: one step of ridge regression on a Gaussian label, in each frame with enough evidence.
+//!
+//! ```text
+//! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
+//! error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
+//! direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
+//! step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! ```
+//!
+//! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in
+//! ATOM; Danelljan et al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al.,
+//! 2017). `m` is a Gaussian on the filter's cells: cells far from the target's middle show the target less often, so
+//! they learn less. A whole step would follow each frame too closely; `rate` shortens it. There is one division.
+//!
+//! | symbol | what | unit | bound |
+//! |---|---|---|---|
+//! | `r`, `y` | response, label | 1/16384 | 2^24, 2^14 |
+//! | `e` | error, clamped; coded | 1/16384; a power of two | 65,535; 16,383 |
+//! | `grad E`, `p` | coded | a power of two | 8191 |
+//! | `grad E . p` | | | 2000 * 8191^2 < 2^37 |
+//! | `a` | step length | 44 fractional bits | 2^47 |
+//!
+//! Cost: 578 products for each weight by default, twice as many as the responses of a search.
+
+use super::super::arithmetic::quotient;
+use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
+use super::super::features::{Extent, Grid};
+use super::correlation::{Coded, Filter, Window, add_gradient, shift_below};
+use super::gaussian::Gaussian;
+use super::response::{self, CODED, Responses};
+use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
+use crate::track::update::{Budget, largest, units};
+
+/// Units of work for each weight when the direction is computed.
+const SLOPED: u32 = 64;
+
+/// The most work for a step: the errors, the gradient, the direction, and the responses to it.
+pub(crate) const fn most_work(extent: Extent) -> u32 {
+    extent.offsets() + 2 * response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
+}
+
+/// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+    let errors = extent.offsets() + CODED * extent.weights();
+    let last = response::most_of_a_piece(extent) + CODED * extent.weights();
+    largest(&[errors, SLOPED * extent.weights(), last])
+}
+
+/// The inputs of a step: the filter, and a window in which the target was found.
+pub(crate) struct Training<'a> {
+    pub(crate) filter: &'a Filter<WEIGHTS>,
+    pub(crate) grid: &'a Grid,
+    pub(crate) window: Window<'a>,
+    /// The filter's responses to the window.
+    pub(crate) responses: &'a Responses,
+    pub(crate) products: Products,
+}
+
+/// Sums for each weight and for each offset, and coded errors. Other stages use the sums, too: see `run/buffers.rs`.
+pub(crate) struct Sums {
+    /// The gradient, in the unit of the coded errors. While responses are computed, their spare memory.
+    pub(crate) per_weight: [i32; WEIGHTS],
+    /// The errors before they are coded, in units of 1/16384; spare memory while the gradient is summed; then the
+    /// responses to the direction, in the unit of the direction.
+    pub(super) per_offset: [[i32; SPAN]; SPAN],
+    /// In units of 2^`error_shift` / 16384.
+    coded_errors: [[i16; SPAN]; SPAN],
+}
+
+impl Sums {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
+    }
+
+    /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
+    #[inline(never)]
+    fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
+        let Self { per_weight: gradient, per_offset: errors, coded_errors: coded } = self;
+        let shift = shift_below(compute_errors(training, target, errors), MOST_CODED_ERROR);
+        ScaledSums::of(errors.as_flattened()).code(shift, coded.as_flattened_mut());
+        rolled(gradient.iter_mut()).for_each(|sum| *sum = 0);
+        shift
+    }
+
+    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction.
+    ///
+    /// A slope, an element of grad E, is `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
+    /// below 2^30, and `error_shift` is at most 3, so a slope can take more than 32 bits. Units of 2^`unit` are tried from
+    /// the largest on, until the steepest slope has 8191 of them. So it keeps 13 bits, if it has them:
+    ///
+    /// | `unit` | used if | slopes are below |
+    /// |---|---|---|
+    /// | 16 + `error_shift` | the steepest slope has 8191 units | 2^31 units |
+    /// | 14 | else, and it has 8191 of these | 2^18 units, since it was below 8191 * 2^19 |
+    /// | 0 | else | 2^27, since it was below 8191 * 2^14 |
+    #[inline(never)]
+    fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
+        let weights = training.filter.weights();
+        // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
+        // without a response must be 0.
+        self.per_offset.as_flattened_mut().fill(0);
+        let gradient_unit = 16 + error_shift;
+        for unit in [gradient_unit, 14, 0] {
+            // In units of 2^`unit`: weight * factor / 2^32 + gradient * 2^left.
+            let factor = REGULARISATION << (32 - unit);
+            let slopes = ScaledSums { weights, factor, sums: &self.per_weight, left: gradient_unit - unit };
+            let steepest = slopes.largest();
+            if steepest >= super::correlation::LARGEST || unit == 0 {
+                direction.set(slopes, weights.len(), steepest, unit);
+                return apply_mask(training.grid, direction.numbers_mut());
+            }
+        }
+        0
+    }
+
+    /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47.
+    #[inline(never)] // gives its loops registers of their own
+    fn step_length(&self, direction: &[i16], descent: i64, rate: u16) -> i64 {
+        // At most 2000 * 8191^2 < 2^37.
+        let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
+        // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
+        let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
+        let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
+        (i64::from(rate) * quotient(descent << 26, curvature.max(1))) >> 8
+    }
+}
+
+/// e = r - y at all offsets, clamped. Returns the largest. `target` is the target's place from the middle, in units of
+/// 1/256 cell.
+#[inline(never)] // keeps its stack out of that of a step
+fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
+    let (label, span) = (Gaussian::label(training.grid), training.responses.span);
+    let reach = u16::try_from(span / 2).unwrap_or(0);
+    let mut across = [0; SPAN];
+    for (offset, value) in rolled(across.iter_mut().enumerate()) {
+        *value = label.at_offset(offset, target.0, reach);
+    }
+    let mut largest = 0;
+    errors.as_flattened_mut().fill(0);
+    for (row, (errors, responses)) in errors.iter_mut().zip(&training.responses.rows).enumerate().take(span) {
+        let down = label.at_offset(row, target.1, reach);
+        for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(&across).take(span)) {
+            let label = (across * down + (1 << 13)) >> 14;
+            *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
+            largest = largest.max(error.unsigned_abs());
+        }
+    }
+    largest
+}
+
+/// p = m * grad E, in place. Returns grad E . p.
+#[inline(never)]
+fn apply_mask(grid: &Grid, slopes: &mut [i16]) -> i64 {
+    let [across, down] = Gaussian::mask(grid);
+    // The distance from the target's middle to a cell's, in units of 1/256 cell.
+    let from_middle = |at: usize, cells: u16| 128 * (2 * i32::try_from(at).unwrap_or(0) + 1 - i32::from(cells));
+    let mut descent = 0;
+    for (y, row) in slopes.chunks_mut(usize::from(grid.across.max(1)) * CHANNELS).enumerate() {
+        let down = down.at(from_middle(y, grid.down));
+        for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
+            let factor = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
+            descent += i64::from(scale_by(cell, factor));
+        }
+    }
+    descent
+}
+
+/// A step of learning.
+#[derive(Clone, Copy)]
+pub(crate) struct Learning {
+    /// The target's place from the middle of the window, in units of 1/256 cell.
+    target: (i32, i32),
+    /// The part of a whole step. Unit: 1/256.
+    rate: u16,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Computes the errors.
+    Errors,
+    /// Adds a piece of the gradient.
+    Gradient { piece: usize, error_shift: u32 },
+    /// Computes the direction.
+    Direction { error_shift: u32 },
+    /// Computes a piece of the responses to the direction.
+    Curvature { piece: usize, descent: i64 },
+}
+
+impl Learning {
+    pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
+        Self { target, rate, phase: Phase::Errors }
+    }
+
+    /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid.
+    pub(crate) fn next_piece(
+        &mut self,
+        training: &Training<'_>,
+        direction: &mut Coded<WEIGHTS>,
+        sums: &mut Sums,
+        packed: &mut Packed,
+        budget: &mut Budget,
+    ) -> Option<i64> {
+        let Training { filter, grid, window, products, .. } = training;
+        let (layout, count) = (window.layout, filter.weights().len());
+        match self.phase {
+            Phase::Errors => {
+                let error_shift = sums.code_errors(training, self.target);
+                budget.spend(units(layout.span.pow(2)) + CODED * grid.work_on_weights());
+                self.phase = Phase::Gradient { piece: 0, error_shift };
+            }
+            Phase::Gradient { piece, error_shift } => {
+                budget.spend(units(products.gather_work(piece, layout, count)));
+                let Sums { per_weight: gradient, per_offset: spare, coded_errors } = sums;
+                let (gradient, spare) = (gradient.get_mut(..count).unwrap_or_default(), spare.as_flattened_mut());
+                let done = add_gradient(*products, packed, spare, *window, coded_errors, piece, gradient);
+                self.phase = if done {
+                    Phase::Direction { error_shift }
+                } else {
+                    Phase::Gradient { piece: piece + 1, error_shift }
+                };
+            }
+            Phase::Direction { error_shift } => {
+                let descent = sums.code_direction(training, error_shift, direction);
+                budget.spend(SLOPED * grid.work_on_weights());
+                self.phase = Phase::Curvature { piece: 0, descent };
+            }
+            Phase::Curvature { piece, descent } => {
+                budget.spend(units(products.work(piece, layout, count)));
+                if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
+                    budget.spend(CODED * grid.work_on_weights());
+                    return Some(sums.step_length(direction.numbers(), descent, self.rate));
+                }
+                self.phase = Phase::Curvature { piece: piece + 1, descent };
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::response::layout;
+    use super::*;
+    use crate::kernels::Backend;
+    use std::vec::Vec as Many;
+
+    /// Compares with sums in 64 bits, where all units are 1.
+    #[test]
+    fn slopes_are_coded_in_any_unit() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let count = grid.weights();
+        let (mut filter, mut sums, mut direction) = (Filter::new(), Sums::new(), Coded::new());
+        let responses = Responses::new();
+        let mut state = 1_u32;
+        let mut noise = |places: u32| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state.cast_signed() >> 3) >> (28 - places)
+        };
+        for (of_weight, of_sum) in
+            [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0)]
+        {
+            for shift in 0..=3 {
+                filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
+                sums.per_weight.fill_with(|| noise(of_sum));
+                let pairs = filter.weights().iter().zip(&sums.per_weight);
+                let slope = |(&weight, &sum): (&i32, &i32)| {
+                    REGULARISATION * i64::from(weight) + (i64::from(sum) << (16 + shift))
+                };
+                let slopes: Many<i64> = pairs.map(slope).collect();
+                let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
+                let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
+                let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
+                let mut wanted: Many<i16> = slopes.iter().map(round).collect();
+                let descent = apply_mask(&grid, &mut wanted);
+                let window = Window { cells: &[], layout: layout(&grid, SPAN) };
+                let products = Products::new(Backend::Scalar);
+                let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+                let given = sums.code_direction(&training, shift, &mut direction);
+                assert_eq!((given, direction.shift()), (descent, scale), "{of_weight} {of_sum} {shift}");
+                assert_eq!(direction.numbers(), &*wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_gradient_leaves_behind_does_not_count() {
+        const SMALL: usize = 11;
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: Many<i8> =
+            (0..24 * 24 * CHANNELS as u32).map(|at| (at.wrapping_mul(40_503) >> 3) as u8 as i8).collect();
+        let mut filter = Filter::new();
+        filter.start(grid.weights());
+        let window = Window { cells: &cells, layout: layout(&grid, SMALL) };
+        let responses = Responses { span: SMALL, ..Responses::new() };
+        let products = Products::new(Backend::Scalar);
+        let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+        let length = |left: i32| {
+            let (mut sums, mut direction) = (Sums::new(), Coded::new());
+            let (mut packed, mut budget, mut learning) = (Packed::new(), Budget::NOTHING, Learning::begin((0, 0), 160));
+            loop {
+                let length = learning.next_piece(&training, &mut direction, &mut sums, &mut packed, &mut budget);
+                if let Some(length) = length {
+                    return length;
+                }
+                if matches!(learning.phase, Phase::Direction { .. }) {
+                    sums.per_offset = [[left; SPAN]; SPAN];
+                }
+            }
+        };
+        assert_eq!(length(0), length(1 << 30));
+    }
+
+    #[test]
+    fn the_filter_answers_where_it_learned() {
+        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
+        let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
+            .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
+            .collect();
+        let (mut filter, mut sums, mut coded) = (Filter::new(), Sums::new(), Coded::new());
+        filter.start(grid.weights());
+        let (products, mut packed, mut budget) = (Products::new(Backend::Scalar), Packed::new(), Budget::NOTHING);
+        let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
+        let mut responses = Responses { span: SPAN, ..Responses::new() };
+        for _ in 0..25 {
+            let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
+            let mut learning = Learning::begin((512, -256), 160);
+            let mut length = None;
+            while length.is_none() {
+                length = learning.next_piece(&training, &mut coded, &mut sums, &mut packed, &mut budget);
+            }
+            filter.descend(length.unwrap(), &coded);
+            filter.code(&mut coded);
+            let mut pieces = 0..;
+            while !responses.compute(
+                &coded,
+                products,
+                &mut packed,
+                &mut sums.per_weight,
+                window,
+                pieces.next().unwrap(),
+                &mut budget,
+            ) {}
+        }
+        let peak = responses.peak(false);
+        assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");
+    }
+}

@@ -1,0 +1,12 @@
+//! The correlation filter: weights and their sums (`correlation`), the `response` in place and `scale`, `learning` on a label (`gaussian`).
+
+mod correlation;
+mod gaussian;
+pub(super) mod learning;
+pub(super) mod response;
+pub(super) mod scale;
+
+pub(super) use correlation::{Coded, Filter, Window};
+pub(super) use learning::{Learning, Sums, Training};
+pub(super) use response::{CODED, Responses, layout};
+pub(super) use scale::{Borrowed, ScaleSearch, Tools, other_scales};

@@ -1,0 +1,141 @@
+//! The scale search: compares the filter's response at the last scale and at 1/1.02 and 1.02 times it (as in DSST;
+//! Danelljan et al., 2014).
+//!
+//! ```text
+//! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
+//! ```
+//!
+//! `peak(s)` is the top of the parabolas through the responses, without penalty. All three scales are sampled around
+//! the same place, so that none has an advantage by its place. Offsets of up to one cell are searched. If refinement
+//! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
+//! Cost: three small windows of features, and 27 products for each weight.
+
+use super::super::arithmetic::quotient;
+use super::super::constants::{
+    CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
+};
+use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
+use super::correlation::{Coded, Window};
+use super::learning::Sums;
+use super::response::{self, layout, peak};
+use crate::image::{Frame, Rect};
+use crate::kernels::Products;
+use crate::track::update::Budget;
+use heapless::Vec;
+
+/// Bytes of the largest window. The longest filter has the longest margin.
+const CELLS: usize =
+    (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
+/// Offsets on each axis.
+const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
+
+/// The most work for all three scales.
+pub(crate) const fn most_work(extent: Extent) -> u32 {
+    let extent = extent.with_reach(SCALE_REACH);
+    3 * (cells::most_work(extent) + response::most_work(extent))
+}
+
+/// The most work for a piece: the responses at one scale.
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+    response::most_work(extent.with_reach(SCALE_REACH))
+}
+
+/// The features at one scale.
+pub(crate) type Cells = Vec<i8, CELLS>;
+
+/// A scale search.
+#[derive(Clone, Copy)]
+pub(crate) struct ScaleSearch {
+    place: Place,
+    /// The height of the best peak so far, in units of 1/16384, and its scale, in units of 1/65536.
+    highest: i64,
+    best: u32,
+    /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
+    number: usize,
+    /// Whether its features are known.
+    sampled: bool,
+}
+
+/// The inputs of a scale search.
+pub(crate) struct Tools<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) bounds: Rect,
+    /// The filter's weights.
+    pub(crate) weights: &'a Coded<WEIGHTS>,
+    pub(crate) products: Products,
+}
+
+/// The memory that a scale search borrows.
+pub(crate) struct Borrowed<'a> {
+    pub(crate) extractor: &'a mut Extractor,
+    pub(crate) cells: &'a mut Cells,
+    pub(crate) sums: &'a mut Sums,
+}
+
+impl ScaleSearch {
+    pub(crate) fn begin(place: Place, tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> Self {
+        let lattice = Lattice::search_window(&place, tools.grid, SCALE_REACH);
+        borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
+        Self { place, highest: i64::MIN, best: place.scale, number: 0, sampled: false }
+    }
+
+    /// Does one piece of work. Returns the best scale after the last piece.
+    pub(crate) fn next_piece(
+        &mut self,
+        tools: &Tools<'_>,
+        frame: &Frame<'_>,
+        borrowed: &mut Borrowed<'_>,
+        budget: &mut Budget,
+    ) -> Option<u32> {
+        if !self.sampled {
+            self.sampled = borrowed.extractor.next_row(frame, borrowed.cells, budget);
+            return None;
+        }
+        let [smaller, larger] = other_scales(self.place.scale);
+        let scales = [self.place.scale, smaller, larger];
+        let height = peak_height(tools, borrowed);
+        budget.spend(u32::from(2 * SCALE_REACH + 1).pow(2) * tools.grid.work_on_weights());
+        let counted = if self.number == 0 { height } else { (height * SCALE_PENALTY) >> 8 };
+        if let Some(&scale) = scales.get(self.number).filter(|_| counted > self.highest) {
+            (self.highest, self.best) = (counted, scale);
+        }
+        self.number += 1;
+        let Some(&scale) = scales.get(self.number) else { return Some(self.best) };
+        let lattice = Lattice::search_window(&Place { scale, ..self.place }, tools.grid, SCALE_REACH);
+        self.sampled = false;
+        borrowed.extractor.begin(tools.bounds, &lattice, borrowed.cells);
+        None
+    }
+}
+
+/// The height of the responses' peak at one scale.
+fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
+    let Borrowed { extractor, cells, sums: Sums { per_weight: spare, per_offset: responses, .. } } = borrowed;
+    let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
+    let mut pieces = 0..;
+    let mut respond =
+        |piece| tools.weights.respond(tools.products, extractor.lend_sums(), spare, window, piece, responses);
+    while !respond(pieces.next().unwrap_or(0)) {}
+    let rows = responses.get_mut(..OFFSETS).unwrap_or_default();
+    tools.weights.to_responses(rows);
+    peak(rows, OFFSETS, false).height.into()
+}
+
+/// The next smaller and the next larger scale.
+#[inline(never)]
+pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
+    let scale = i64::from(scale);
+    [quotient(scale << 16, SCALE_STEP), (scale * SCALE_STEP) >> 16]
+        .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
+}
+
+/// A scale grown by `growth` / 65536, within the least and the most scale.
+pub(crate) fn grown(scale: u32, growth: i32) -> u32 {
+    let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
+    u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
+}
+
+/// True if a target can have this scale.
+pub(crate) fn is_possible(scale: u32) -> bool {
+    (LEAST_SCALE..=MOST_SCALE).contains(&scale)
+}

@@ -1,0 +1,115 @@
+//! The most work of an update, a lock and a step: that of the stages, which say it beside their formulas.
+//!
+//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel
+//! read from the frame.
+
+use super::super::config::Config;
+use super::super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};
+use super::super::features::{Extent, cells};
+use super::super::filter::{CODED, learning, response, scale};
+use super::super::refiner;
+use super::super::verification::{COPIED, REFINED, agreement, lighting};
+use crate::track::MostWork;
+use crate::track::update::largest;
+
+/// The most work of an update.
+const fn update(config: &Config, extent: Extent) -> u32 {
+    let begin = CODED * extent.weights() + COPIED * extent.pixels();
+    let scales = if config.size { scale::most_work(extent) } else { 0 };
+    let refiner = if config.refines() { refiner::WORK } else { 0 };
+    // A frame is learned or redetected, never both.
+    let learned = learning::most_work(extent) + refiner;
+    let redetected = if config.sweep { search(extent) } else { 0 };
+    begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])
+}
+
+/// The most work for the features and the light of a search window.
+const fn window(extent: Extent) -> u32 {
+    cells::most_work(extent) + lighting::most_work(extent)
+}
+
+/// The most work of a search with its verification.
+const fn search(extent: Extent) -> u32 {
+    window(extent) + response::most_work(extent) + agreement::most_work(extent)
+}
+
+/// The most work of a lock.
+const fn lock(config: &Config, extent: Extent) -> u32 {
+    let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
+    let step = CODED * extent.weights() + response::most_work(extent) + learning::most_work(extent);
+    crop + agreement::most_of_a_view(extent) + window(extent) + FIRST_STEPS * step
+}
+
+/// The largest piece of work that cannot be divided.
+const fn piece(extent: Extent) -> u32 {
+    largest(&[
+        // The last row of features, and the light.
+        cells::most_of_a_piece(extent) + lighting::most_work(extent),
+        agreement::most_of_a_piece(extent),
+        REFINED * extent.pixels(),
+        scale::most_of_a_piece(extent),
+        learning::most_of_a_piece(extent),
+    ])
+}
+
+impl Config {
+    /// The most work of an update, a lock and a step, for any frames and any target.
+    ///
+    /// ```
+    /// use smr_core::robust::Config;
+    /// const MOST: smr_core::MostWork = Config::robust().most_work();
+    /// assert!(MOST.update < 6_500_000 && MOST.lock < 50_600_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
+    /// ```
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation)] // 200 cells
+    pub const fn most_work(&self) -> MostWork {
+        let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
+        let mut across = 1;
+        while across <= MOST_SIDE as u32 {
+            // More rows are more work.
+            let down = MOST_CELLS as u32 / across;
+            let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
+            let extent = Extent { across, down, reach: self.reach as u32 };
+            let (update, lock) = (update(self, extent) as u64, lock(self, extent) as u64);
+            most.update = if update > most.update { update } else { most.update };
+            most.lock = if lock > most.lock { lock } else { most.lock };
+            most.beyond_a_step = largest(&[most.beyond_a_step, piece(extent)]);
+            across += 1;
+        }
+        most
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{format, string::String};
+
+    /// The figures of the drawing in `robust/mod.rs`: the most work of each stage, for the filter with the most in all.
+    #[test]
+    fn the_drawing_has_the_work_of_each_stage() {
+        let config = Config::robust();
+        let extents = (1..=MOST_SIDE as u32).map(|across| {
+            let down = (MOST_CELLS as u32 / across).min(MOST_SIDE as u32);
+            Extent { across, down, reach: config.reach.into() }
+        });
+        let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();
+        assert_eq!(u64::from(update(&config, extent)), config.most_work().update);
+        let stages = [
+            ("cells", cells::most_work(extent)),
+            ("response", response::most_work(extent)),
+            ("(lighting)", agreement::most_work(extent) + lighting::most_work(extent)),
+            ("refinement", REFINED * extent.pixels()),
+            ("scale", scale::most_work(extent)),
+            ("redetection", search(extent)),
+            ("learning", learning::most_work(extent)),
+            ("answer", update(&config, extent)),
+        ]
+        .map(|(stage, work)| (stage, format!("{:.2}", f64::from(work) / 1e6)));
+        let stands = |(stage, figure): &(&str, String)| {
+            let mut lines = include_str!("../mod.rs").lines().filter(|line| line.contains(&format!(" {stage} ")));
+            lines.any(|line| line.split(' ').any(|word| word == figure))
+        };
+        assert!(stages.iter().all(stands), "in millions: {stages:?}");
+    }
+}

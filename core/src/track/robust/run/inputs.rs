@@ -1,0 +1,78 @@
+//! The inputs of the stages, and the stages that updates and locks share.
+
+use super::super::config::Config;
+use super::super::decision::{Memory, Track};
+use super::super::features::{Lattice, Place};
+use super::super::filter::{Learning, Training, Window, layout};
+use super::super::verification::{Early, measuring, window_contrast};
+use super::buffers::Buffers;
+use crate::kernels::Products;
+use crate::track::update::Budget;
+
+/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
+/// `memory` at each step of learning.
+pub(crate) struct Inputs<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) memory: &'a Memory,
+    /// The track before this frame.
+    pub(crate) track: &'a Track,
+}
+
+impl Inputs<'_> {
+    /// Begins the features of the search window around `centre`.
+    #[inline(never)]
+    pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
+        let lattice = Lattice::search_window(centre, &self.track.grid, self.config.reach());
+        buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
+    }
+
+    /// Measures the light of the search window, whose features are computed.
+    #[inline(never)]
+    pub(super) fn measure_light(&self, buffers: &mut Buffers, budget: &mut Budget) {
+        buffers.comparison.expect(self.track.light, window_contrast(&buffers.large));
+        budget.spend(measuring(&buffers.large));
+    }
+
+    /// Begins the view of a place.
+    pub(crate) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
+        let Buffers { extractor, comparison, .. } = buffers;
+        comparison.begin_view(place, &self.track.grid, self.track.bounds, extractor.sampling());
+    }
+
+    /// Computes a piece of the responses, and counts it. True after the last one.
+    #[inline(never)]
+    pub(crate) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
+        let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
+        let (window, spare) = (self.window(large), &mut sums.per_weight);
+        let done = responses.compute(coded, self.products(), extractor.lend_sums(), spare, window, *piece, budget);
+        *piece += 1;
+        done
+    }
+
+    /// Does a piece of learning. Returns the length of the filter's step after the last one.
+    #[inline(never)]
+    pub(crate) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
+        let Buffers { large, responses, extractor, coded, sums, .. } = buffers;
+        let training = Training {
+            filter: &self.memory.filter,
+            grid: &self.track.grid,
+            window: self.window(large),
+            responses,
+            products: self.products(),
+        };
+        learning.next_piece(&training, coded, sums, extractor.lend_sums(), budget)
+    }
+
+    pub(crate) fn early(&self) -> Early<'_> {
+        Early { config: self.config, template: &self.memory.template, grid: &self.track.grid }
+    }
+
+    fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
+        Window { cells, layout: layout(&self.track.grid, self.config.span()) }
+    }
+
+    #[inline(never)]
+    pub(crate) fn products(&self) -> Products {
+        Products::new(self.config.backend())
+    }
+}

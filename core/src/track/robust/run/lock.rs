@@ -1,0 +1,166 @@
+//! The pipeline of a lock: learns the target from its first frame.
+//!
+//! ```text
+//! crop (feature `refiner`) -> view, which becomes the template -> features -> learning
+//!   24 times:                                                      -> response -> learning
+//! ```
+//!
+//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each of
+//! its 25 steps of learning changes the weights. Its end sets template and track.
+
+use super::super::config::Config;
+use super::super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
+use super::super::decision::{Memory, Track};
+use super::super::filter::{CODED, Learning};
+use super::super::refiner::FirstCrop;
+use super::super::verification::{Light, measuring, window_contrast};
+use super::buffers::Buffers;
+use super::inputs::Inputs;
+use crate::image::Frame;
+use crate::track::Quality;
+use crate::track::update::Budget;
+
+/// The next stage, with its inputs.
+#[derive(Clone, Copy)]
+enum Stage {
+    Done,
+    FirstCrop(FirstCrop),
+    Template,
+    Features,
+    /// The number of the next piece.
+    Response(usize),
+    Learning(Learning),
+}
+
+/// The progress of a lock.
+#[derive(Clone, Copy)]
+pub(crate) struct LockPipeline {
+    stage: Stage,
+    track: Track,
+    /// Steps of learning left, including the present one.
+    steps_left: u32,
+}
+
+impl LockPipeline {
+    pub(crate) fn begin(track: Track, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Self {
+        memory.track = None;
+        memory.filter.start(track.grid.weights());
+        let mut lock = Self { stage: Stage::Done, track, steps_left: FIRST_STEPS };
+        let Buffers { extractor, small, .. } = buffers;
+        if config.refines()
+            && let Some(crop) = FirstCrop::begin(track.bbox(), track.bounds, extractor.sampling(), small)
+        {
+            lock.stage = Stage::FirstCrop(crop);
+        } else {
+            lock.begin_template(config, memory, buffers);
+        }
+        lock
+    }
+
+    /// Continues until the grant is spent. True if no stage is left.
+    pub(crate) fn step(
+        &mut self,
+        (config, memory): (&Config, &mut Memory),
+        buffers: &mut Buffers,
+        budget: &mut Budget,
+        frame: &Frame<'_>,
+    ) -> bool {
+        loop {
+            if matches!(self.stage, Stage::Done) {
+                return true;
+            }
+            if budget.is_spent() {
+                return false;
+            }
+            self.next_piece((config, memory), buffers, budget, frame);
+        }
+    }
+
+    /// Does one piece of work.
+    #[inline(never)] // as in `pipeline.rs`
+    fn next_piece(
+        &mut self,
+        (config, memory): (&Config, &mut Memory),
+        buffers: &mut Buffers,
+        budget: &mut Budget,
+        frame: &Frame<'_>,
+    ) {
+        let inputs = Inputs { config, memory, track: &self.track };
+        match &mut self.stage {
+            Stage::Done => {}
+            Stage::FirstCrop(crop) => {
+                let Buffers { extractor, small, .. } = buffers;
+                if crop.next_row(frame, extractor.sampling(), small, budget) {
+                    self.begin_template(config, memory, buffers);
+                }
+            }
+            Stage::Template => {
+                let Buffers { extractor, comparison, .. } = buffers;
+                if comparison.next_row(frame, extractor.sampling(), budget) {
+                    inputs.begin_features(&self.track.motion.place, buffers);
+                    self.stage = Stage::Features;
+                }
+            }
+            Stage::Features => {
+                if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                    self.measure_light(buffers, budget);
+                    // All weights are 0, and so are their responses.
+                    buffers.responses.clear(config.span());
+                    self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
+                }
+            }
+            Stage::Response(piece) => {
+                if inputs.respond(piece, buffers, budget) {
+                    self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
+                }
+            }
+            Stage::Learning(learning) => {
+                if let Some(length) = inputs.learn(learning, buffers, budget) {
+                    self.learned(length, memory, buffers, budget);
+                }
+            }
+        }
+    }
+
+    /// Begins the view that becomes the early template.
+    #[inline(never)]
+    fn begin_template(&mut self, config: &Config, memory: &Memory, buffers: &mut Buffers) {
+        let inputs = Inputs { config, memory, track: &self.track };
+        inputs.begin_view(&self.track.motion.place, buffers);
+        self.stage = Stage::Template;
+    }
+
+    /// The light of the lock, in which the gain is 1.
+    fn measure_light(&mut self, buffers: &Buffers, budget: &mut Budget) {
+        self.track.light = Light::of(ONE_GAIN, window_contrast(&buffers.large));
+        budget.spend(measuring(&buffers.large));
+    }
+
+    /// Changes the weights after a step of learning, and begins the responses of the next one.
+    fn learned(&mut self, length: i64, memory: &mut Memory, buffers: &mut Buffers, budget: &mut Budget) {
+        memory.filter.descend(length, &buffers.coded);
+        self.steps_left -= 1;
+        self.stage = Stage::Done;
+        if self.steps_left > 0 {
+            memory.filter.code(&mut buffers.coded);
+            budget.spend(CODED * self.track.grid.work_on_weights());
+            self.stage = Stage::Response(0);
+        }
+    }
+
+    /// Sets template and track. Returns how distinct the target is.
+    pub(crate) fn commit(&self, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Quality {
+        let Buffers { comparison, small, .. } = buffers;
+        let mut track = self.track;
+        comparison.table_mut().set(config.table, QUALITY_ALPHA);
+        if let Some(patch) = comparison.patch(&track.grid, (0, 0)) {
+            track.quality = Quality::of(patch, comparison.table());
+            memory.template.start(patch);
+        }
+        if config.refines() {
+            memory.first.keep(small);
+        }
+        memory.track = Some(track);
+        track.quality
+    }
+}

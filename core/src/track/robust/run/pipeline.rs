@@ -1,0 +1,307 @@
+//! The pipeline of an update: runs a frame through the stages, piece by piece, so that it can be done in steps.
+//!
+//! ```text
+//! search -> verification -> refinement -> scale -> decision
+//!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
+//!   if there is less:              -> refiner, for its opinion of the box
+//!   if the target is lost:         -> search -> verification, in a second window
+//! ```
+//!
+//! A search computes features and responses. Each stage holds its inputs and passes on its result. To add a stage, add
+//! it to `Stage` and `next_piece`, and begin it at the end of the stage before it; one that runs in every frame before
+//! the decision begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. A lock has a pipeline of its
+//! own (`lock.rs`).
+
+use super::super::arithmetic::quotient;
+use super::super::config::Config;
+use super::super::constants::CELL;
+#[cfg(feature = "unstable")]
+use super::super::constants::SPAN;
+use super::super::decision::{Confidence, Evidence, Memory, Track};
+#[cfg(feature = "unstable")]
+use super::super::features::Lattice;
+use super::super::features::{Grid, Motion, Place};
+use super::super::filter::{Borrowed, CODED, Learning, ScaleSearch, Tools, scale};
+use super::super::refiner::Refiner;
+use super::super::verification::{Alignment, COPIED, Candidate, REFINED, Refined, Verification, Verified, refine};
+use super::buffers::Buffers;
+use super::inputs::Inputs;
+use super::windows::{expected, swept};
+use crate::image::Frame;
+use crate::track::State;
+use crate::track::update::Budget;
+
+/// The next stage, with its inputs.
+#[derive(Clone, Copy)]
+enum Stage {
+    Done,
+    Features,
+    /// The number of the next piece.
+    Response(usize),
+    Verification(Verification),
+    Refinement(Verified),
+    /// The search, and the growth that refinement found, if any. Unit: 1/65536.
+    Scale(ScaleSearch, Option<i32>),
+    Learning(Learning),
+    Refiner(Refiner),
+}
+
+/// The progress of an update, and its decisions.
+#[derive(Clone, Copy)]
+pub(crate) struct Pipeline {
+    stage: Stage,
+    /// The middle of the present window.
+    centre: Place,
+    /// True while the target is searched elsewhere.
+    redetects: bool,
+    /// The new track.
+    track: Track,
+    /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
+    candidate: Candidate,
+    /// The best alignment of the early template.
+    alignment: Alignment,
+    /// The length of the filter's step, with 44 fractional bits, if the tracker learns from this frame.
+    learned: Option<i64>,
+}
+
+impl Pipeline {
+    /// Begins an update.
+    pub(crate) fn begin(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
+        let grid = &inputs.track.grid;
+        inputs.memory.filter.code(&mut buffers.coded);
+        buffers.comparison.begin(&inputs.early());
+        budget.spend(CODED * grid.work_on_weights() + COPIED * grid.pixels());
+        let centre = expected(inputs.track);
+        inputs.begin_features(&centre, buffers);
+        Self {
+            stage: Stage::Features,
+            centre,
+            redetects: false,
+            track: *inputs.track,
+            candidate: Candidate::NONE,
+            alignment: (0, 0),
+            learned: None,
+        }
+    }
+
+    /// The candidate on which the answer is based.
+    pub(crate) const fn candidate(&self) -> &Candidate {
+        &self.candidate
+    }
+
+    /// Continues until the grant is spent. True if no stage is left.
+    pub(crate) fn step(
+        &mut self,
+        inputs: &Inputs<'_>,
+        buffers: &mut Buffers,
+        budget: &mut Budget,
+        frame: &Frame<'_>,
+    ) -> bool {
+        loop {
+            if matches!(self.stage, Stage::Done) {
+                return true;
+            }
+            if budget.is_spent() {
+                return false;
+            }
+            self.next_piece(inputs, buffers, budget, frame);
+        }
+    }
+
+    /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
+    /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
+    fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
+        match &mut self.stage {
+            Stage::Done => {}
+            Stage::Features => {
+                if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
+                    inputs.measure_light(buffers, budget);
+                    self.stage = Stage::Response(0);
+                }
+            }
+            Stage::Response(piece) => {
+                if inputs.respond(piece, buffers, budget) {
+                    self.verify(inputs, buffers);
+                }
+            }
+            Stage::Verification(verification) => {
+                let Buffers { extractor, comparison, .. } = buffers;
+                let early = inputs.early();
+                let verified = verification.next_piece(&early, frame, extractor.sampling(), comparison, budget);
+                match verified {
+                    None => {}
+                    Some(Verified { candidate, .. }) if self.redetects => self.redetect(candidate),
+                    Some(verified) => self.stage = Stage::Refinement(verified),
+                }
+            }
+            Stage::Refinement(_) => self.refine(inputs, buffers, budget),
+            Stage::Scale(search, growth) => {
+                let (tools, mut borrowed) = scale_search(inputs, buffers);
+                if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
+                    let last = self.candidate.place.scale;
+                    let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
+                    self.scaled(inputs, scale, buffers);
+                }
+            }
+            Stage::Learning(learning) => {
+                let length = inputs.learn(learning, buffers, budget);
+                if length.is_some() {
+                    (self.learned, self.stage) = (length, Stage::Done);
+                    if inputs.config.refines() {
+                        self.begin_refiner(buffers);
+                    }
+                }
+            }
+            Stage::Refiner(refiner) => {
+                let Buffers { extractor, large, .. } = buffers;
+                let (backend, first) = (inputs.config.backend(), &inputs.memory.first);
+                let estimate = refiner.next_piece(backend, frame, first, extractor.sampling(), large, budget);
+                if let Some(estimate) = estimate {
+                    self.stage = Stage::Done;
+                    self.track.review.follow(estimate, self.learned.is_some());
+                }
+            }
+        }
+    }
+
+    /// Begins the verification of the peak.
+    #[inline(never)] // see `next_piece`
+    fn verify(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+        let Track { grid, bounds, .. } = inputs.track;
+        let peak = buffers.responses.peak(true);
+        // 1/256 cell is 1/64 pixel of the grid.
+        let place = self.centre.moved(grid, (peak.x, peak.y)).inside(*bounds);
+        let candidate = Candidate::new(place, peak.response);
+        inputs.begin_view(&place, buffers);
+        self.stage = Stage::Verification(Verification::begin(candidate));
+    }
+
+    /// Refines a verified candidate and begins the scale search, if the configuration has one.
+    #[inline(never)] // see `next_piece`
+    fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
+        let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
+        let Track { grid, bounds, .. } = inputs.track;
+        let comparison = &buffers.comparison;
+        let refined = match (comparison.patch(grid, alignment), comparison.relit(grid)) {
+            (Some(patch), Some(relit)) => refine(candidate.agreement, alignment, patch, relit, comparison.alpha()),
+            _ => None,
+        };
+        if let Some(Refined { x, y, .. }) = refined {
+            candidate.place = candidate.place.moved(grid, (x, y)).inside(*bounds);
+        }
+        budget.spend(REFINED * grid.pixels());
+        (self.candidate, self.alignment) = (candidate, alignment);
+        if inputs.config.size {
+            let (tools, mut borrowed) = scale_search(inputs, buffers);
+            let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);
+            self.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
+        } else {
+            self.scaled(inputs, candidate.place.scale, buffers);
+        }
+    }
+
+    /// Sets the candidate's scale. Place and scale are known now.
+    #[inline(never)] // see `next_piece`
+    fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
+        self.candidate.place.scale = scale;
+        self.decide(inputs, buffers);
+    }
+
+    /// Decides on the state, and on learning or redetection.
+    fn decide(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+        let Self { track, candidate, .. } = self;
+        self.stage = Stage::Done;
+        let evidence = Evidence::of(candidate);
+        track.confidence = track.confidence.after(evidence, inputs.config.patience);
+        track.motion.follow(candidate.visible.then_some(candidate.place));
+        if track.confidence.state(inputs.config) == State::Lost {
+            if inputs.config.sweep {
+                (self.centre, self.redetects) = (swept(inputs.track, inputs.config), true);
+                self.stage = Stage::Features;
+                inputs.begin_features(&self.centre, buffers);
+            }
+        } else if evidence.may_be_learned() {
+            // Cells and responses are still those of the first window.
+            let target = offset(&inputs.track.grid, self.centre, candidate.place);
+            self.stage = Stage::Learning(Learning::begin(target, inputs.config.learning_rate));
+        } else if candidate.visible && inputs.config.refines() {
+            self.begin_refiner(buffers);
+        }
+    }
+
+    /// Ends redetection: follows its candidate if that is the lost target.
+    #[inline(never)] // see `next_piece`
+    fn redetect(&mut self, candidate: Candidate) {
+        self.stage = Stage::Done;
+        let Self { track, .. } = self;
+        track.sweep.move_on();
+        let evidence = Evidence::of(&candidate);
+        if evidence.finds(Evidence::of(&self.candidate)) {
+            track.motion = Motion::at(candidate.place);
+            track.confidence = Confidence::found(evidence);
+            self.candidate = candidate;
+        }
+    }
+
+    /// Begins the refiner, unless the early template gave the exact place and size. The window's features are not
+    /// needed any more, so the refiner uses their memory.
+    #[inline(never)] // see `next_piece`
+    fn begin_refiner(&mut self, buffers: &mut Buffers) {
+        let Self { track, candidate, .. } = self;
+        let Buffers { extractor, large, .. } = buffers;
+        if candidate.is_exact() {
+            track.review.agree();
+        } else if let Some(refiner) = Refiner::begin(track.bbox(), track.bounds, extractor.sampling(), large) {
+            self.stage = Stage::Refiner(refiner);
+        }
+    }
+
+    /// Changes the memory as decided.
+    pub(crate) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
+        let Self { track, alignment, .. } = self;
+        if let Some(length) = self.learned {
+            let patch = buffers.comparison.patch(&track.grid, *alignment);
+            patch.into_iter().for_each(|patch| memory.template.learn(patch, config.early_rate));
+            memory.filter.descend(length, &buffers.coded);
+            track.light = track.light.following(buffers.comparison.light());
+        }
+        if track.confidence.state(config) == State::Tracking {
+            track.tracked_scale = track.motion.place.scale;
+        }
+        memory.track = Some(*track);
+    }
+}
+
+fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers) -> (Tools<'a>, Borrowed<'a>) {
+    let Buffers { extractor, small, coded, sums, .. } = buffers;
+    let Track { grid, bounds, .. } = inputs.track;
+    (
+        Tools { grid, bounds: *bounds, weights: coded, products: inputs.products() },
+        Borrowed { extractor, cells: small, sums },
+    )
+}
+
+/// The target's place from the middle of a window, in units of 1/256 cell.
+fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
+    let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
+    let cells = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);
+    (cells(target.x, centre.x), cells(target.y, centre.y))
+}
+
+/// Computes the features of the search window of the next update. False if a needed pixel is not in memory.
+#[cfg(feature = "unstable")]
+pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
+    let place = expected(inputs.track);
+    let lattice = Lattice::search_window(&place, &inputs.track.grid, inputs.config.reach());
+    buffers.extractor.features(frame, &lattice, &mut buffers.large)
+}
+
+/// Computes the filter's responses to these features, without penalty.
+#[cfg(feature = "unstable")]
+pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
+    inputs.memory.filter.code(&mut buffers.coded);
+    buffers.responses.rows = [[0; SPAN]; SPAN];
+    let mut piece = 0;
+    while !inputs.respond(&mut piece, buffers, budget) {}
+    buffers.responses.rows
+}

@@ -1,0 +1,81 @@
+//! The windows of an update: where it looks for the target, and the pixels of the frame that it may read there.
+
+use super::super::config::Config;
+use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
+use super::super::decision::Track;
+use super::super::features::{Grid, Lattice, Motion, Place};
+use super::super::filter::other_scales;
+use super::super::refiner::reachable;
+use crate::image::Rect;
+
+/// The place where the target is expected in the next frame: the middle of the first window.
+pub(crate) fn expected(track: &Track) -> Place {
+    track.motion.expected(track.bounds)
+}
+
+/// The middle of the second window, that of redetection, at the scale when the state was last tracking.
+#[inline(never)]
+pub(super) fn swept(track: &Track, config: &Config) -> Place {
+    let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
+    let (x, y) = track.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), track.bounds);
+    Place { x, y, scale: track.tracked_scale }
+}
+
+/// The pixels that an update may read around the expected place: the search window, the view of any place in it, the
+/// windows of other scales, and the refiner's crop.
+#[inline(never)]
+pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
+    let (centre, reach) = (expected(track), config.reach());
+    let mut pixels = pixels(track, &centre, reach + MARGIN_CELLS);
+    if config.size {
+        for scale in other_scales(centre.scale) {
+            pixels = union(pixels, self::pixels(track, &Place { scale, ..centre }, reach + 2 * SCALE_REACH));
+        }
+    }
+    if config.refines() {
+        pixels = union(pixels, refined_pixels(track, centre, reach));
+    }
+    pixels
+}
+
+/// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is `Some`
+/// whenever it may be.
+#[inline(never)]
+pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
+    let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config);
+    may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
+}
+
+/// The pixels that a lock reads: the box and its surroundings, up to the reach of a search window, and the refiner's
+/// crop of the box.
+pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
+    let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
+    if config.refines() {
+        return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));
+    }
+    window
+}
+
+/// The pixels of the frame that the search window around a place reads.
+fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
+    Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
+}
+
+/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Beyond
+/// the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement
+/// moves by up to a pixel, and the scale may grow by a step.
+fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
+    let [_, larger] = other_scales(centre.scale);
+    let pixels = (reach + 1) * CELL + MARGIN + 2;
+    let by = i64::from(pixels) * track.grid.step_at(larger);
+    let target = Track { motion: Motion::at(Place { scale: larger, ..centre }), ..*track };
+    reachable(target.bbox(), by, track.bounds)
+}
+
+/// The smallest rectangle that holds both.
+#[inline(never)]
+fn union(a: Rect, b: Rect) -> Rect {
+    let (left, top) = (a.x.min(b.x), a.y.min(b.y));
+    let side = |from: i32, to: i32| u16::try_from(to.saturating_sub(from)).unwrap_or(u16::MAX);
+    Rect::new(left, top, side(left, a.right().max(b.right())), side(top, a.bottom().max(b.bottom())))
+}

@@ -1,0 +1,355 @@
+//! Verification: compares the early template with the patch at the peak, to tell whether the target is there.
+//!
+//! The view around the peak is sampled. The early template is moved to its best fit
+//! ([`alignment`](super::alignment)), and both are compared tile by tile:
+//!
+//! ```text
+//! agreement = the fourth lowest of the SMR ratios of 4x4 tiles, in units of 1/65535
+//! ```
+//!
+//! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. With the fourth
+//! lowest tile, three tiles may be hidden or turned away, but not four. The template is first adapted to the light of
+//! the patch (`lighting.rs`). A patch with too little contrast, or clipped to black or white, shows no
+//! target (`similarity/contrast.rs`).
+//!
+//! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
+
+use super::super::config::Config;
+use super::super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
+use super::super::features::{Extent, Grid, Lattice, Place, SAMPLED, Sampling, most_read};
+use super::alignment::{Alignment, Alignments, in_view};
+use super::lighting::{self, Light};
+use super::template::Template;
+use crate::image::{Frame, Image, Rect};
+use crate::similarity::{Contrast, CutTable, Scorer};
+use crate::track::update::Budget;
+use heapless::Vec;
+
+/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of
+/// margin.
+const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
+    * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
+
+/// Units of work for each pixel of the template that is copied, compared and relit.
+pub(crate) const COPIED: u32 = 16;
+const COMPARED: u32 = 12;
+const RELIT: u32 = 20;
+
+/// The most work for a view.
+pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
+    // The longest template that a filter covers has the longest margin.
+    let (columns, rows) =
+        (extent.across * CELL as u32 + 2 * MARGIN as u32, extent.down * CELL as u32 + 2 * MARGIN as u32);
+    columns * rows * SAMPLED + most_read(columns, rows)
+}
+
+/// The most work: the view, the alignments, and the agreement.
+pub(crate) const fn most_work(extent: Extent) -> u32 {
+    let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
+    most_of_a_view(extent) + agreement * extent.pixels()
+}
+
+/// The most work for a piece: the first alignment, for which the template is relit.
+pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
+    (RELIT + COMPARED) * extent.pixels()
+}
+
+/// The early template, with the configuration and the grid for comparing it.
+pub(crate) struct Early<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) template: &'a Template,
+    pub(crate) grid: &'a Grid,
+}
+
+/// A place where the target may be, and the evidence for it.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate {
+    pub(crate) place: Place,
+    /// The filter's penalised response at the peak. Unit: 1/16384.
+    pub(crate) response: i32,
+    /// The early template's agreement; 0 until it is computed. Unit: 1/65535.
+    pub(crate) agreement: u16,
+    /// False: too little contrast, or clipped. False until the agreement is computed.
+    pub(crate) visible: bool,
+}
+
+impl Candidate {
+    pub(crate) const NONE: Self = Self::new(Place::NONE, 0);
+
+    pub(crate) const fn new(place: Place, response: i32) -> Self {
+        Self { place, response, agreement: 0, visible: false }
+    }
+
+    /// True if the early template agrees so well that it gives the exact place and size.
+    pub(crate) const fn is_exact(&self) -> bool {
+        self.agreement >= REFINED_FROM
+    }
+}
+
+/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
+/// alignment.
+#[repr(C)] // see `Workspace`
+pub(crate) struct Comparison {
+    table: CutTable,
+    /// The early template's own contrast.
+    contrast: Contrast,
+    /// The contrast of the search window, in units of 1/16 gray level.
+    window: u32,
+    /// The gain that it lets expect, and that of the last relighting, in units of 1/256.
+    expected: u32,
+    gain: u32,
+    view: Vec<u8, VIEW>,
+    relit: Vec<u8, MOST_PIXELS>,
+}
+
+impl Comparison {
+    #[inline(always)]
+    pub(crate) const fn new() -> Self {
+        Self {
+            view: Vec::new(),
+            relit: Vec::new(),
+            table: const { CutTable::EMPTY },
+            contrast: Contrast::NONE,
+            window: 0,
+            expected: 0,
+            gain: 0,
+        }
+    }
+
+    /// Measures the template's contrast, before an update.
+    pub(crate) fn begin(&mut self, early: &Early<'_>) {
+        early.template.copy_to(&mut self.relit);
+        self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
+    }
+
+    /// Sets the gain that is expected in the light of a search window, whose contrast is `window`.
+    pub(crate) fn expect(&mut self, light: Light, window: u32) {
+        (self.window, self.expected) = (window, light.gain(window));
+    }
+
+    /// The light of the window and of the last patch.
+    pub(crate) fn light(&self) -> Light {
+        Light::of(self.gain, self.window)
+    }
+
+    pub(crate) fn table_mut(&mut self) -> &mut CutTable {
+        &mut self.table
+    }
+
+    pub(crate) fn table(&self) -> &CutTable {
+        &self.table
+    }
+
+    /// Begins the view of a place.
+    #[inline(never)]
+    pub(crate) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
+        Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
+    }
+
+    /// Samples a row of the view; true after the last one.
+    #[inline(never)]
+    pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
+        let done = sampling.next_row(frame, &mut self.view);
+        budget.spend(sampling.work(SAMPLED));
+        done
+    }
+
+    pub(crate) fn alpha(&self) -> u16 {
+        self.table.threshold()
+    }
+
+    /// The patch of the view under the aligned template.
+    pub(crate) fn patch(&self, grid: &Grid, alignment: Alignment) -> Option<Image<'_>> {
+        patch(&self.view, grid, alignment)
+    }
+
+    /// The template in the light of the patch.
+    #[inline(never)]
+    pub(crate) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
+        Image::new(&self.relit, grid.columns, grid.rows).ok()
+    }
+
+    /// Relights the template to the light of a patch, and sets alpha. True if the patch can show a target.
+    #[inline(never)]
+    fn relight(&mut self, early: &Early<'_>, alignment: Alignment) -> bool {
+        let Self { table, contrast, view, relit, expected, .. } = self;
+        let Some(patch) = patch(view, early.grid, alignment) else { return false };
+        early.template.copy_to(relit);
+        let (seen, gain) = lighting::relight(relit, *contrast, patch, *expected);
+        self.gain = gain;
+        table.set(early.config.table, lighting::alpha(seen, *contrast, gain));
+        lighting::can_show(seen, *contrast, *expected)
+    }
+
+    /// The score of the aligned template in the light of its last relighting.
+    fn score(&self, early: &Early<'_>, alignment: Alignment) -> u32 {
+        let scorer = Scorer::new(early.config.backend(), &self.table);
+        match (self.patch(early.grid, alignment), self.relit(early.grid)) {
+            (Some(patch), Some(relit)) => scorer.score(patch, relit).unwrap_or(0),
+            _ => 0,
+        }
+    }
+
+    /// The agreement of the aligned template.
+    fn agreement(&self, early: &Early<'_>, alignment: Alignment) -> u16 {
+        let scorer = Scorer::new(early.config.backend(), &self.table);
+        match (self.patch(early.grid, alignment), self.relit(early.grid)) {
+            (Some(patch), Some(relit)) => fourth_least(patch, relit, &scorer),
+            _ => 0,
+        }
+    }
+}
+
+#[inline(never)]
+fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<'a>> {
+    let Grid { columns, rows, .. } = *grid;
+    let [left, top] = in_view(alignment).map(i32::from);
+    let view = Image::new(view, columns + 2 * MARGIN, rows + 2 * MARGIN).ok()?;
+    view.crop(Rect::new(left, top, columns, rows))
+}
+
+/// The verification of a candidate.
+#[derive(Clone, Copy)]
+pub(crate) struct Verification {
+    candidate: Candidate,
+    alignments: Alignments,
+    phase: Phase,
+}
+
+#[derive(Clone, Copy)]
+enum Phase {
+    /// Samples a row of the view.
+    View,
+    /// Scores the alignment of this number.
+    Alignment(u16),
+    /// Measures the agreement at the best one.
+    Agreement,
+}
+
+/// A candidate with its agreement, and the best alignment of the early template.
+#[derive(Clone, Copy)]
+pub(crate) struct Verified {
+    pub(crate) candidate: Candidate,
+    pub(crate) alignment: Alignment,
+}
+
+impl Verification {
+    /// Begins with the view, which has begun.
+    pub(crate) fn begin(candidate: Candidate) -> Self {
+        Self { candidate, alignments: Alignments::new(), phase: Phase::View }
+    }
+
+    /// Does one piece of work. Returns the result after the last piece.
+    pub(crate) fn next_piece(
+        &mut self,
+        early: &Early<'_>,
+        frame: &Frame<'_>,
+        sampling: &mut Sampling,
+        comparison: &mut Comparison,
+        budget: &mut Budget,
+    ) -> Option<Verified> {
+        let pixels = early.grid.pixels();
+        let (phase, alignments) = (&mut self.phase, &mut self.alignments);
+        match phase {
+            Phase::View => {
+                if comparison.next_row(frame, sampling, budget) {
+                    *phase = Phase::Alignment(0);
+                }
+            }
+            Phase::Alignment(number) => {
+                let alignment = alignments.alignment(*number);
+                if *number == 0 {
+                    comparison.relight(early, alignment);
+                    budget.spend(RELIT * pixels);
+                }
+                alignments.add(*number, comparison.score(early, alignment));
+                budget.spend(COMPARED * pixels);
+                *number += 1;
+                if *number == ALIGNMENTS {
+                    *phase = Phase::Agreement;
+                }
+            }
+            Phase::Agreement => {
+                let Self { mut candidate, alignments: Alignments { best, .. }, .. } = *self;
+                candidate.visible = comparison.relight(early, best);
+                if candidate.visible {
+                    candidate.agreement = comparison.agreement(early, best);
+                }
+                budget.spend((RELIT + COMPARED) * pixels);
+                return Some(Verified { candidate, alignment: best });
+            }
+        }
+        None
+    }
+}
+
+/// The fourth lowest ratio of the tiles.
+fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
+    let mut least = [u16::MAX; RANK];
+    for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
+        let cut = |side: u16, number: u16| number * side / TILES;
+        let (left, top) = (cut(patch.width(), column), cut(patch.height(), row));
+        let (right, bottom) = (cut(patch.width(), column + 1), cut(patch.height(), row + 1));
+        let tile = Rect::new(left.into(), top.into(), right - left, bottom - top);
+        let (Some(patch), Some(relit)) = (patch.crop(tile), relit.crop(tile)) else { continue };
+        let mut ratio = u16::try_from(scorer.score(patch, relit).unwrap_or(0) / tile.area().max(1)).unwrap_or(u16::MAX);
+        for least in &mut least {
+            if ratio < *least {
+                core::mem::swap(&mut ratio, least);
+            }
+        }
+    }
+    let [.., fourth] = least;
+    fourth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec as Pixels;
+
+    /// The agreement of a template of 16x16 pixels with a patch.
+    fn agreement(template: &[u8], patch: &[u8]) -> u16 {
+        const SIDE: u16 = 16 + 2 * MARGIN;
+        let mut early = Template::new();
+        early.start(Image::new(template, 16, 16).unwrap());
+        let (config, grid) = (Config::robust(), Grid::new(Rect::new(0, 0, 16, 16)));
+        let grid = Grid { columns: 16, rows: 16, ..grid };
+        let early = Early { config: &config, template: &early, grid: &grid };
+        let mut comparison = std::boxed::Box::new(Comparison::new());
+        comparison.begin(&early);
+        comparison.expect(Light::of(256, 256), 256);
+        comparison.view.resize_default((SIDE * SIDE).into()).unwrap();
+        for (row, patch) in comparison.view.chunks_mut(SIDE.into()).skip(MARGIN.into()).zip(patch.chunks(16)) {
+            row[MARGIN.into()..][..16].copy_from_slice(patch);
+        }
+        comparison.relight(&early, (0, 0));
+        comparison.agreement(&early, (0, 0))
+    }
+
+    fn pixel(at: usize) -> u8 {
+        u8::try_from(at * 37 % 200).unwrap()
+    }
+
+    /// The agreement if the first `hidden` of the 16 tiles show something else.
+    fn with_hidden(hidden: usize) -> u16 {
+        let template: Pixels<u8> = (0..256).map(pixel).collect();
+        let tile = |at: usize| at / 64 * 4 + at % 16 / 4;
+        let patch: Pixels<u8> =
+            (0..256).map(|at| if tile(at) < hidden { 199 - pixel(at) } else { pixel(at) }).collect();
+        agreement(&template, &patch)
+    }
+
+    #[test]
+    fn three_tiles_may_be_hidden_but_not_four() {
+        assert_eq!(with_hidden(0), u16::MAX);
+        assert!(with_hidden(3) > 60_000, "{}", with_hidden(3));
+        assert!(with_hidden(4) < 40_000, "{}", with_hidden(4));
+    }
+
+    #[test]
+    fn a_plain_patch_does_not_agree() {
+        let template: Pixels<u8> = (0..=255).map(|at: u8| if at.is_multiple_of(3) { 20 } else { 180 }).collect();
+        assert_eq!(agreement(&template, &[90; 256]), 0);
+    }
+}

@@ -1,0 +1,80 @@
+//! Alignment: finds the place in the view at which the early template fits best.
+//!
+//! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers
+//! drifts. The early template hardly learns. It is compared, by SMR, at 17 alignments: nine that are two pixels
+//! apart, then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
+
+use super::super::constants::{COARSE_STEP, MARGIN};
+
+/// The place of the template in the view: pixels of the grid from the middle to the right and down, at most [`MARGIN`]
+/// on each axis.
+pub(crate) type Alignment = (i16, i16);
+
+/// The alignments that are compared, and the best one.
+#[derive(Clone, Copy)]
+pub(super) struct Alignments {
+    /// The best one so far.
+    pub(crate) best: Alignment,
+    score: u32,
+    /// The centre of the present round of alignments.
+    middle: Alignment,
+}
+
+impl Alignments {
+    pub(crate) const fn new() -> Self {
+        Self { best: (0, 0), score: 0, middle: (0, 0) }
+    }
+
+    /// The alignment with this number, in the order in which they are compared. 0 is the middle.
+    #[inline(never)]
+    pub(crate) fn alignment(&self, number: u16) -> Alignment {
+        let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
+        // The middle is the fifth of nine, row by row.
+        let ninth = match number {
+            0 => 4,
+            1..=4 => number - 1,
+            _ => number,
+        };
+        let by = |third: u16| step * (i16::try_from(third).unwrap_or(1) - 1);
+        (self.middle.0 + by(ninth % 3), self.middle.1 + by(ninth / 3))
+    }
+
+    /// Takes the score of an alignment. The first of equal scores wins.
+    pub(crate) fn add(&mut self, number: u16, score: u32) {
+        if score > self.score {
+            (self.best, self.score) = (self.alignment(number), score);
+        }
+        if number == 8 {
+            self.middle = self.best;
+        }
+    }
+}
+
+/// The column and row of the view where the aligned template begins.
+pub(super) fn in_view((right, down): Alignment) -> [u16; 2] {
+    [right, down].map(|by| MARGIN.saturating_add_signed(by))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::constants::ALIGNMENTS;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn the_best_is_surrounded_next() {
+        let mut alignments = Alignments::new();
+        let mut places = Vec::new();
+        for number in 0..ALIGNMENTS {
+            places.push(alignments.alignment(number));
+            let (x, y) = alignments.alignment(number);
+            alignments.add(number, 1000 - u32::from(x.abs_diff(3) + y.abs_diff(-1)));
+        }
+        assert_eq!(places[..9].iter().filter(|&&(x, y)| x % 2 == 0 && y % 2 == 0).count(), 9);
+        assert_eq!(alignments.best, (3, -1));
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(places.len(), usize::from(ALIGNMENTS), "none is compared twice");
+        assert!(places.iter().all(|&(x, y)| x.unsigned_abs() <= MARGIN && y.unsigned_abs() <= MARGIN));
+    }
+}

@@ -1,0 +1,13 @@
+//! The comparison with the early `template`: its `alignment` and `lighting`, its `agreement` tile by tile, and the `refinement` of the place.
+
+pub(super) mod agreement;
+mod alignment;
+pub(super) mod lighting;
+mod refinement;
+mod template;
+
+pub(super) use agreement::{COPIED, Candidate, Comparison, Early, Verification, Verified};
+pub(super) use alignment::Alignment;
+pub(super) use lighting::{Light, measuring, window_contrast};
+pub(super) use refinement::{REFINED, Refined, refine};
+pub(super) use template::Template;
