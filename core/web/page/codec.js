@@ -30,7 +30,7 @@ export async function lacking(file, video) {
   return name !== undefined && video.canPlayType(type) === "" ? name : null;
 }
 
-// In MP4 the name comes 16 bytes after `stsd`. Sound has one, too.
+// In MP4 the codec's name is 16 bytes after the start of `stsd`. A sound track has one, too; `CODECS` lacks it.
 function codecOf(bytes) {
   const all = [...bytes.matchAll(/stsd.{12}(.{4})/gs), ...bytes.matchAll(/(V_[A-Z0-9/_]+)/g)];
   return all.map(([, name]) => name).find((name) => CODECS[name] !== undefined);

@@ -4,7 +4,7 @@ const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 // The number of steps of a key across the picture.
 const STEPS = 64;
-// How near to an edge counts as on it, in pixels of the page. Fingers are wide.
+// The distance from an edge, in pixels of the page, up to which the pointer is on it. Fingers are wide.
 const REACH = { touch: 26, pen: 16 };
 const MOUSE_REACH = 10;
 // Less is a click.

@@ -39,8 +39,8 @@ export class Graph {
 
   /**
    * Draws `charts` over the frames from `first` to `last`, in the element `place` of each: { place, title, most, digits, lines } or { place, title,
-   * bands }. A line or a band is { title, look, isSecond, numbers, values }, with a value for each of the frames `numbers`, which are in their order;
-   * `read(at)` says a value in words. `now`: the frame to mark. `hidden`: [first frame, last frame] of each span to shade. `named`: a frame as the axis has it.
+   * bands }. A line or a band is { title, look, isSecond, numbers, values }: `values` has one entry for each frame in `numbers`, in ascending order.
+   * `read(at)`: text of value `at`. `now`: the frame to mark. `hidden`: spans to shade, [first, last]. `named(frame)`: the frame's label on the axis.
    */
   draw({ now = null, hidden = [], named = String, timeOf, ...shown }) {
     const hasChanged = shown.first !== this.#shown?.first || shown.last !== this.#shown?.last;
@@ -64,7 +64,7 @@ export class Graph {
     this.#show(around - (around - from) * factor, around + (to - around) * factor);
   }
 
-  /** Does what a key stands for; false if it stands for nothing. */
+  /** Zooms by the keys `+`, `-` and `0` (all). Returns false for any other key. */
   key({ key }) {
     const act = { "+": () => this.zoomBy(0.5), "-": () => this.zoomBy(2), 0: () => this.showAll() }[key];
     act?.();
@@ -77,7 +77,7 @@ export class Graph {
     this.#place();
   }
 
-  // ---- the part of the frames
+  // ---- the frames that are shown: all, or a part
 
   #all() {
     return { from: this.#shown.first - 0.5, to: this.#shown.last + 0.5 };
@@ -384,8 +384,8 @@ function drawLine(context, line, x, y, span) {
 }
 
 /**
- * Places in the list of those values that are drawn in so many columns: the least and the largest of each column, in their order; null where values
- * are missing. So a long recording takes no longer than the canvas is wide.
+ * Thins a line to about `columns` columns. Returns indices: the least and the largest value of each column, in order; null for a column without
+ * values. So the number of points to draw depends on the width of the canvas, not on the length of the recording.
  */
 export function thinned({ numbers, values }, { from, to }, columns) {
   const [first, end] = [Math.max(placeIn(numbers, from) - 1, 0), Math.min(placeIn(numbers, to) + 1, numbers.length)];

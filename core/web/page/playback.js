@@ -17,7 +17,7 @@ export class Playback {
   /** The first and the last frame that can be reached. */
   first = 1;
   last = 1;
-  /** True if a live picture goes on by itself. */
+  /** True if playback of a live source moves to each new frame by itself. */
   followsNewest = true;
   #pictures;
   #page;

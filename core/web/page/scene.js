@@ -3,7 +3,7 @@
 
 const [width, height] = [320, 240];
 
-/** What draws frame `index`, counted from 0, as a canvas has it: { data, width, height }. `bytes` are the module. */
+/** Loads the WebAssembly module `bytes`. Returns a function: frame `index`, from 0, as canvas pixels: { data, width, height }. */
 export async function scene(bytes) {
   const { memory, street_frame } = (await WebAssembly.instantiate(bytes, { Math })).instance.exports;
   return (index) => ({ data: new Uint8ClampedArray(memory.buffer, street_frame(index), 4 * width * height).slice(), width, height });

@@ -12,7 +12,7 @@ export class VideoFile {
   #seen;
   #end = Infinity; // the last frame, once the trackers were there
 
-  /** `page`: { failed(text) }. */
+  /** `page.failed(text)` is told why the file ends early or cannot be played. */
   constructor(file, page) {
     [this.#file, this.#page] = [file, page];
     [this.name, this.words] = [file.name, quoted(file.name)];

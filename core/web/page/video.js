@@ -5,7 +5,7 @@ import { htmlNode } from "./dom.js";
 
 // The time from a picture to the next one in seconds, assumed until it is known.
 const LIKELY_STEP = 1 / 30;
-// A gap of this many steps may hide a picture.
+// A gap between pictures of more than this many steps may hide a skipped one.
 const GAP = 1.5;
 // A picture may last so many steps, because their times are rounded.
 const SLACK = 1.25;
@@ -345,7 +345,7 @@ export class Video {
     return !this.#known.isTimed || (!isThere && Math.abs(found.time - before) < GAP * step);
   }
 
-  // The picture that is there; null if there is none yet.
+  // The picture that the video element shows now, and its time; null if there is none yet.
   #shown() {
     const picture = pictureOf(this.#video);
     if (picture === null) {

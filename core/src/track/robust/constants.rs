@@ -88,7 +88,7 @@ pub(super) const TILES: u16 = 4;
 pub(super) const RANK: usize = 4;
 /// The least and the most alpha, in gray levels. A matching pixel differs by less than alpha, so 2 allows the rounding
 /// of both.
-/// With 8, a target with little contrast matches whatever is as plain: see `verification/lighting.rs`.
+/// If the least were 8, a target with little contrast would match any patch as plain: `verification/lighting.rs`.
 pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of the template's contrast of 1.

@@ -31,7 +31,7 @@ pub struct Film {
 }
 
 enum Way {
-    /// The first frame starts ffmpeg. It is dropped before its output, so it ends before its file is removed.
+    /// The first frame starts ffmpeg. Fields drop in order: ffmpeg ends before its output file is removed.
     Video(Option<Ffmpeg>, Output, &'static [&'static str]),
     Pictures(Folder),
 }

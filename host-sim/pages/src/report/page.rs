@@ -94,7 +94,7 @@ fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     (0..film.targets.len()).filter_map(of).collect()
 }
 
-/// The sentence on top: how many frames each method is right in, and the frame in which the others part from the best. `None` without ground truth.
+/// The sentence on top: each method's correct frames, and where each but the best leaves the target for longest. `None` without ground truth.
 fn lead(film: &Film) -> Result<Option<String>> {
     let Some(Evaluation { visible, scores, .. }) = film.evaluation()? else { return Ok(None) };
     let correct = |method: usize| scores[method].1.correct;

@@ -12,7 +12,7 @@ pub(super) struct Entrant {
     pub name: String,
     /// As it stands on the page.
     pub title: String,
-    /// As it stands where there is little room.
+    /// Short title, for places with little room.
     pub short: String,
     pub look: usize,
     /// One a frame.

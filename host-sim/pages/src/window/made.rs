@@ -34,7 +34,7 @@ pub(super) struct Progress {
     file: Option<String>,
     error: Option<String>,
     cancelled: bool,
-    /// `None` once it has ended.
+    /// The running process; `None` once it has ended.
     #[serde(skip)]
     process: Option<Arc<Process>>,
 }
@@ -73,7 +73,7 @@ impl Made {
         Ok((name, bytes))
     }
 
-    /// Writes a page that leads to `address`, for this user alone: all users can see the arguments of a program.
+    /// Writes an HTML page, readable by this user alone, that forwards to `address`: all users can see a program's arguments.
     pub fn door(&self, address: &str) -> Result<PathBuf> {
         let head = "<!DOCTYPE html><title>host-sim</title><meta name=\"referrer\" content=\"no-referrer\">";
         let lead = format!(

@@ -25,7 +25,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Returns a work that nothing has been done in yet.
+    /// Returns the empty work on a recording: no method, options or targets yet.
     pub fn new(recording: &str) -> Self {
         let (recording, method, options) = (recording.to_owned(), String::new(), Map::new());
         Self { smr_session: VERSION, recording, method, options, targets: Vec::new(), frame: None }

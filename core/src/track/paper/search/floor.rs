@@ -20,7 +20,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// The goal of the search beside the peak, and its progress.
+/// The second goal of a search, and its progress: nothing, an equal peak outside the neighbourhood, or the runner-up.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,

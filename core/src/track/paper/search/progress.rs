@@ -34,7 +34,7 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pub(super) since_floor: u32,
 }
 
-/// The next stage.
+/// The next stage of a search.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 pub(super) enum Stage {
@@ -67,7 +67,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The place at the start of a tile.
+    /// The start of the tile at (`column`, `row`) of the window, or that offset itself where there are no groups.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }

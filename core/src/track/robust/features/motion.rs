@@ -73,7 +73,7 @@ impl Motion {
         self.place = place;
     }
 
-    /// Moves the place with the picture, by units of 1/256 pixel. The target's own velocity stays.
+    /// Moves the place along with the picture when the camera turns (1/256 pixel). The target's own velocity stays.
     pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

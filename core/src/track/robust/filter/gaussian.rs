@@ -42,7 +42,7 @@ impl Gaussian {
         Self { entries: (i64::from(FINE) << 20) / i64::try_from(sigma).unwrap_or(1) }
     }
 
-    /// The value at a distance from the middle.
+    /// The Gaussian at a distance from its middle, in units of 1/16384. The distance is in units of 1/256 cell.
     #[inline(never)]
     pub(crate) fn at(self, distance: i32) -> i32 {
         let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;

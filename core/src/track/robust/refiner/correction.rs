@@ -15,7 +15,7 @@ use crate::track::saved::{Reader, Writer};
 
 /// A factor of 1.
 const ONE: i32 = 1 << 16;
-/// The least and the most factor: 1/2 and 2.
+/// The least and the largest factor of width and height: 1/2 and 2.
 const LEAST: i32 = ONE / 2;
 const MOST: i32 = 2 * ONE;
 /// The largest shift of the centre: half a side of the box, in units of 1/4096.

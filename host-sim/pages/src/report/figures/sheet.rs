@@ -11,7 +11,7 @@ use minijinja::HtmlEscape;
 
 pub(super) const WIDTH: f64 = 760.0;
 pub(super) const GAP: f64 = 20.0;
-/// From one line of words to the next.
+/// Distance from one line of text to the next, in units of the SVG.
 pub(super) const LINE: f64 = 22.0;
 /// The top of what stands below the title and one more line.
 pub(super) const TOP: f64 = 2.0 * GAP + LINE;
