@@ -30,3 +30,6 @@ function placed({ number, box }) {
   const place = box === null ? "gone" : `${box.x},${box.y},${box.width},${box.height}`;
   return number === 1 ? place : `${place}@${number}`;
 }
+
+/** A name as a shell takes it. */
+export const quoted = (name) => (/^[\w./-]+$/.test(name) && !name.startsWith("-") ? name : `'${name.replaceAll("'", "'\\''")}'`);

@@ -1,8 +1,7 @@
 // A video file as a source of frames: one decoder for the trackers, another for the eyes, so that neither waits for the other.
 
+import { quoted } from "./command.js";
 import { Video } from "./video.js";
-
-const quoted = (name) => (/^[\w./-]+$/.test(name) && !name.startsWith("-") ? name : `'${name.replaceAll("'", "'\\''")}'`);
 
 export class VideoFile {
   live = false;

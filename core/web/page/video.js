@@ -1,6 +1,7 @@
 // The pictures of a video file by their numbers. None is lost: where the browser skipped a picture, this goes back for it.
 
 import { lacking } from "./codec.js";
+import { quoted } from "./command.js";
 import { htmlNode } from "./dom.js";
 
 // The time from a picture to the next one in seconds, assumed until it is known.
@@ -176,7 +177,7 @@ export class Video {
   async #whyNot(hasSound) {
     const codec = await lacking(this.#file, this.#video);
     if (codec !== null) {
-      return `${this.#file.name} is ${codec}, which this browser does not play: host-sim view ${this.#file.name} does${codec.startsWith("HEVC") ? ", or a current Safari or Edge" : ""}.`;
+      return `${this.#file.name} is ${codec}, which this browser does not play: host-sim view ${quoted(this.#file.name)} does${codec.startsWith("HEVC") ? ", or a current Safari or Edge" : ""}.`;
     }
     return hasSound ? `${this.#file.name} has no pictures.` : `${this.#file.name} is damaged or no video: expected MP4, WebM or another that this browser knows.`;
   }

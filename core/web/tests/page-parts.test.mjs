@@ -8,7 +8,7 @@ import { copyWindow, frameOf } from "../frame.js";
 import { bundle } from "../page/bundle.mjs";
 import { about, instructions } from "../page/cost.js";
 import { csv, json } from "../page/rows.js";
-import { initsOf, optionsOf, typed } from "../page/command.js";
+import { initsOf, optionsOf, quoted, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
 import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 
@@ -85,7 +85,8 @@ test("rows are those of host-sim", () => {
   assert.deepEqual([lost.time, lost.box, lost.fine, lost.found_again, lost.quality], [null, null, null, false, null]);
 });
 
-test("options are those of host-sim", () => {
+test("options and names are those of a shell", () => {
+  assert.deepEqual(["a-b/c.mp4", "it's a car.mp4", "-x"].map(quoted), ["a-b/c.mp4", "'it'\\''s a car.mp4'", "'-x'"]);
   const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: false, refiner: false } };
   assert.deepEqual(optionsOf("smr", settings), {});
   assert.deepEqual(typed(optionsOf("robust", settings)), ["--set reach=6", "--set size=off", "--set sweep=off", "--set refiner=off"]);

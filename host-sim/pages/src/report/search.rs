@@ -27,7 +27,7 @@ pub struct Search {
 pub(super) struct Looking {
     kind: MethodKind,
     tracker: Looked,
-    /// Of the last frame, until it is taken.
+    /// The sight of the last frame, until it is taken.
     pub sight: Option<Sight>,
 }
 
