@@ -2,7 +2,7 @@
 
 const STATES = ["tracking", "leaving", "uncertain", "lost"];
 // Whole numbers stand for 1.0 in the trackers; figures.js and curves.js take those.
-const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1 };
+const UNITS = { x: 1, y: 1, width: 1, height: 1, confidence: 65535, alpha: 1, ratio: 65535, scale: 65536, work: 1, runnerUpRatio: 65535 };
 const COLUMNS = Object.keys(UNITS);
 const LEAST = 1024;
 

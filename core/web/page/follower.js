@@ -5,11 +5,14 @@ export class Follower {
   #waiting = new Map(); // by ticket
   #tickets = 0;
 
-  /** `address`: that of the worker's script. `broken` is called if the script cannot run. */
-  constructor(address, broken) {
+  /** `address`: that of the worker's script. */
+  constructor(address) {
     this.#worker = new Worker(address);
     this.#worker.onmessage = ({ data }) => this.#answered(data);
-    this.#worker.onerror = (event) => broken(event.message ?? "the worker does not start");
+    this.#worker.onerror = ({ message }) => {
+      this.#waiting.forEach(({ reject }) => reject(new Error(`The trackers do not run here: ${message ?? "the worker does not start"}.`)));
+      this.#waiting.clear();
+    };
   }
 
   /** Asks for one of the worker's wishes. A `picture` goes to the worker without a copy. */

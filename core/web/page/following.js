@@ -228,9 +228,10 @@ const locked = (number, box, quality) => {
 };
 
 // A row as answers.js takes it.
-function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work }) {
+function shown(id, { number, state, fineBox: { x, y, width, height }, confidence, alpha, ratio, scale, work, runnerUpRatio }) {
   const part = (value, unit) => (value === undefined || value === null ? undefined : value / unit);
   return [
     id, number, state, x / 256, y / 256, width / 256, height / 256, part(confidence, 65535), alpha ?? undefined, part(ratio, 65535), part(scale, 65536), work,
+    part(runnerUpRatio, 65535),
   ];
 }

@@ -30,7 +30,7 @@ export class Local {
     if (typeof OffscreenCanvas !== "function" || typeof DecompressionStream !== "function") {
       throw new Error("This browser is too old for this page: use a current Firefox, Chrome, Edge or Safari.");
     }
-    this.#follower = new Follower(await workerAddress(), (text) => this.#say(`The trackers do not run here: ${text}.`));
+    this.#follower = new Follower(await workerAddress());
     this.#following = new Following(this.#follower, (news) => this.#tell(news));
     this.#version = (await this.#follower.ask("start", { modules: packedModules() })).version;
     return this.#use(new BuiltIn(this.#follower));

@@ -137,6 +137,11 @@ onPage("without WebAssembly there is one clear line", async (page) => {
   assert.equal(await page.value(`document.getElementById("stage").offsetHeight`), 0);
 }, { prepare: "delete globalThis.WebAssembly;" });
 
+onPage("a worker that cannot run is said to be", async (page) => {
+  await page.until(`document.getElementById("said").textContent.startsWith("The trackers do not run here: ")`);
+  page.errors.length = 0; // the worker's own
+}, { prepare: `{ const Real = Worker; self.Worker = class extends Real { constructor() { super(URL.createObjectURL(new Blob(["throw new Error(1)"]))); } }; }` });
+
 for (const scheme of ["light", "dark"]) {
   onPage(`it is seen in the ${scheme}, in the colors of host-sim's pages`, async (page) => {
     await page.until(`${NUMBER} > 40`);

@@ -322,8 +322,8 @@ fn number<T: FromStr>(query: &str, name: &str) -> Result<T> {
     text.parse().ok().with_context(|| format!("{name}={text}: expected a number"))
 }
 
-/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, time]`
-fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row)) -> Value {
+/// `[target, frame, state, x, y, width, height, confidence, alpha, ratio, scale, work, runner-up's ratio]`
+fn told_row(&(target, frame, Row { report, shown, .. }): &(u32, usize, Row)) -> Value {
     let Report { state, evidence, work, .. } = report;
     let BoundingBox { x, y, width, height } = shown;
     json!([
@@ -339,6 +339,6 @@ fn told_row(&(target, frame, Row { report, shown, time, .. }): &(u32, usize, Row
         evidence.map(|evidence| rounded(evidence.ratio)),
         evidence.map(|evidence| rounded(evidence.scale)),
         work,
-        time.map(rounded),
+        evidence.and_then(|evidence| evidence.runner_up_ratio).map(rounded),
     ])
 }
