@@ -10,7 +10,7 @@ use crate::track::{UpdateError, robust};
 #[cfg(feature = "refiner")]
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use crate::kernels::{CutTable, Scorer, check};
-pub use crate::track::paper::search::{Found, Peak, Window};
+pub use crate::track::paper::search::{Peak, Peaks, Window};
 
 /// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first
 /// lock.
@@ -75,6 +75,6 @@ pub fn score_of<const PIXELS: usize, const SPAN: usize>(
 
 /// The peak and the runner-up of the last search, even if the gate refused the peak. `None` while a search is under way.
 #[must_use]
-pub fn found<const PIXELS: usize, const SPAN: usize>(workspace: &paper::Workspace<PIXELS, SPAN>) -> Option<Found> {
-    workspace.found()
+pub fn peaks<const PIXELS: usize, const SPAN: usize>(workspace: &paper::Workspace<PIXELS, SPAN>) -> Option<Peaks> {
+    workspace.peaks()
 }

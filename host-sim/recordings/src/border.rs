@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use crate::Paper;
     use smr_core::paper::Config;
-    use smr_core::unstable::{Found, found};
+    use smr_core::unstable::{Peaks, peaks};
     use smr_core::{Answer, State, Tracker};
 
     /// Each rule decides in the frame that the script has for it.
@@ -75,8 +75,8 @@ mod tests {
         let mut frames = frames();
         let first = frames.next().unwrap();
         tracker.lock(&first.frame(), sequence().start().unwrap()).unwrap();
-        let answers: Vec<(Answer, Found)> = frames
-            .map(|frame| (tracker.update(&frame.frame()).unwrap(), found(tracker.workspace()).unwrap()))
+        let answers: Vec<(Answer, Peaks)> = frames
+            .map(|frame| (tracker.update(&frame.frame()).unwrap(), peaks(tracker.workspace()).unwrap()))
             .collect();
         let answer = |frame: usize| answers[frame - 1].0;
         let runner_up = |frame: usize| answers[frame - 1].1.runner_up;

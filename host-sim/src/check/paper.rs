@@ -12,7 +12,7 @@ use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::Serialize;
-use smr_core::unstable::{Found, Window, found, offsets, score_of};
+use smr_core::unstable::{Peaks, Window, offsets, peaks, score_of};
 use smr_core::{Answer, Rect, State};
 use smr_evaluation::Paper;
 use smr_recordings::GrayFrame;
@@ -58,15 +58,15 @@ impl Checked for Paper {
         let offsets = offsets(sides.core.target()).context("the tracker is locked")?;
         let scores = core_scores(sides.core.target(), &offsets, frame)?;
         let answer = sides.update(&frame.frame())?;
-        let found = found(sides.core.workspace()).context("the update is finished")?;
+        let peaks = peaks(sides.core.workspace()).context("the update is finished")?;
         let step = sides.reference.update(&frame.pixels);
         sides.counts.scores += scores.len() as u64;
         sides.counts.runners_up += usize::from(step.runner_up_asked);
         Ok(window(&offsets, &step)
             .or_else(|| sides.counts.each_score(&offsets, &scores, &step))
-            .or_else(|| decisions(&answer, &found, &step))
+            .or_else(|| decisions(&answer, &peaks, &step))
             .or_else(|| template(sides.core.target(), &sides.reference))
-            .or_else(|| sides.counts.exact_arg_max(number, &found, &step)))
+            .or_else(|| sides.counts.exact_arg_max(number, &peaks, &step)))
     }
 }
 
@@ -104,8 +104,8 @@ impl Counts {
     }
 
     /// Notes a frame where exact sums would have decided otherwise, and tells whether they may.
-    fn exact_arg_max(&mut self, frame: usize, found: &Found, step: &Step) -> Option<Violation> {
-        let peak = (i64::from(found.peak.x), i64::from(found.peak.y));
+    fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
+        let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {
             return None;
         }
@@ -133,12 +133,12 @@ fn window(core: &Window, step: &Step) -> Option<Violation> {
     differs("window (left, right, top, bottom)", ends, expected)
 }
 
-fn decisions(answer: &Answer, found: &Found, step: &Step) -> Option<Violation> {
+fn decisions(answer: &Answer, peaks: &Peaks, step: &Step) -> Option<Violation> {
     let position = |x: i32, y: i32| (i64::from(x), i64::from(y));
-    differs("peak's position", position(found.peak.x, found.peak.y), step.peak.0)
-        .or_else(|| differs("peak's score", f64::from(found.peak.score), step.peak.1))
+    differs("peak's position", position(peaks.peak.x, peaks.peak.y), step.peak.0)
+        .or_else(|| differs("peak's score", f64::from(peaks.peak.score), step.peak.1))
         .or_else(|| {
-            differs("runner-up", found.runner_up.map(f64::from), step.runner_up_asked.then_some(step.runner_up))
+            differs("runner-up", peaks.runner_up.map(f64::from), step.runner_up_asked.then_some(step.runner_up))
         })
         .or_else(|| differs("alpha, rounded up", answer.alpha.map(f64::from), Some(step.alpha.ceil())))
         .or_else(|| differs("state", answer.state, state(step.decision)))

@@ -1,7 +1,7 @@
 //! The gate: accepts or refuses the peak of a search by its lead over the runner-up, and by its contrast, which a covered lens lacks.
 
 use super::config::{Config, Fraction};
-use super::search::{Found, Peak, Wanted};
+use super::search::{Peak, Peaks, Wanted};
 use super::template::Template;
 use super::track::Track;
 use crate::image::Rect;
@@ -12,10 +12,10 @@ use core::cmp::Ordering;
 impl Track {
     /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
     #[cfg_attr(smr_small, inline(never))]
-    pub(super) fn passes(&self, found: &Found, state: State, config: &Config) -> bool {
-        let peak = found.peak.score;
+    pub(super) fn passes(&self, peaks: &Peaks, state: State, config: &Config) -> bool {
+        let peak = peaks.peak.score;
         // `None`: the runner-up is below the peak, and the decision does not depend on it.
-        let runner_up = found.runner_up.unwrap_or(0);
+        let runner_up = peaks.runner_up.unwrap_or(0);
         let leads = peak.saturating_sub(runner_up) > u32::from(config.gate_lead) * u32::from(Table::ONE);
         let stands_out = leads || self.ratio(state, config).exceeded_by(peak, runner_up);
         stands_out && ratio(peak, self.target.area()) >= config.least_ratio

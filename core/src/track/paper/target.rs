@@ -3,7 +3,7 @@
 use super::config::Config;
 use super::gate::{ratio, searches};
 use super::saved;
-use super::search::{Extent, Found, Peak, Scene, Search, Window};
+use super::search::{Extent, Peak, Peaks, Scene, Search, Window};
 use super::template::Template;
 use super::track::Track;
 use crate::image::{FineRect, Frame, Image, Rect};
@@ -87,14 +87,14 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
     }
 
     /// Applies the gate to the result of the search, and sets the new state, box and template.
-    fn decide(&mut self, frame: &Frame<'_>, track: Track, found: Found) -> Answer {
+    fn decide(&mut self, frame: &Frame<'_>, track: Track, peaks: Peaks) -> Answer {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
-        let (target, state) = track.at(&found.peak);
-        let passes = track.passes(&found, state, self.config());
+        let (target, state) = track.at(&peaks.peak);
+        let passes = track.passes(&peaks, state, self.config());
         // A box partly outside the frame has no patch and is not checked.
         let patch = if passes && self.config().least_ratio > 0 { frame.patch(target) } else { None };
         let seen = patch.map_or(Contrast::NONE, Contrast::of);
-        let track = track.after(&found.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
+        let track = track.after(&peaks.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
         if track.state != State::Lost
             && self.config().update_zone.kept_by(track.target, track.bounds)
             && let Some(patch) = frame.patch(track.target)
@@ -102,14 +102,14 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
             self.template.update(patch, seen, Self::configured(&self.config));
         }
         self.track = Slot::Full(track);
-        let peak = ratio(found.peak.score, pixels);
+        let peak = ratio(peaks.peak.score, pixels);
         Answer {
             bbox: track.target,
             fine: track.target.into(),
             state: track.state,
             confidence: if track.state == State::Lost { 0 } else { peak },
             ratio: peak,
-            runner_up_ratio: found.runner_up.map(|score| ratio(score, pixels)),
+            runner_up_ratio: peaks.runner_up.map(|score| ratio(score, pixels)),
             alpha: Some(threshold),
             scale: 1 << 16,
             found_again: before == State::Lost && track.state != State::Lost,
@@ -268,8 +268,8 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         if !search.is_done() {
             return false;
         }
-        match search.found(&window) {
-            Some(Found { peak, runner_up: None }) if track.asks_for_more(&peak, config) => {
+        match search.peaks(&window) {
+            Some(Peaks { peak, runner_up: None }) if track.asks_for_more(&peak, config) => {
                 search.begin_runner_up(&scene, config.neighbourhood);
                 false
             }
@@ -284,7 +284,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 
     fn commit(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Answer {
         let track = self.track.get().copied().unwrap_or(Track::new(frame.bounds(), Rect::default()));
-        self.decide(frame, track, workspace.found().unwrap_or(NOTHING))
+        self.decide(frame, track, workspace.peaks().unwrap_or(NOTHING))
     }
 
     #[inline(never)] // keeps its stack out of that of a step
@@ -303,7 +303,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
 }
 
 /// Stands for the result of an empty window. No search has one.
-const NOTHING: Found = Found { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
+const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
 /// Scratch memory for an update of any number of targets, one at a time: `PIXELS` bytes of ranges, `20 * SPAN` bytes of maxima and bounds, and a table.
 ///
@@ -337,14 +337,14 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
 
     /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
     /// search is under way. The result of an update is its [`Answer`].
-    pub(crate) fn found(&self) -> Option<Found> {
-        self.search.found(&self.window)
+    pub(crate) fn peaks(&self) -> Option<Peaks> {
+        self.search.peaks(&self.window)
     }
 }
 
 impl<const PIXELS: usize, const SPAN: usize> fmt::Debug for Workspace<PIXELS, SPAN> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Workspace").field("found", &self.found()).finish_non_exhaustive()
+        f.debug_struct("Workspace").field("peaks", &self.peaks()).finish_non_exhaustive()
     }
 }
 

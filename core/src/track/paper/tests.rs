@@ -404,6 +404,6 @@ fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
     let mut tracker = std::boxed::Box::new(Tracker::<Paper<65536, 3>>::with(config).unwrap());
     tracker.lock(&frame, frame.bounds()).unwrap();
     let answer = tracker.update(&frame).unwrap();
-    assert_eq!((answer.ratio, tracker.workspace().found().unwrap().peak.score), (65535, 65536 * 65535));
+    assert_eq!((answer.ratio, tracker.workspace().peaks().unwrap().peak.score), (65535, 65536 * 65535));
     Ok(())
 }

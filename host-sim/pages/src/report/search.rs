@@ -90,7 +90,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
     let work = tracker.work();
-    let found = smr_core::unstable::found(tracker.workspace()).context("the update is finished")?;
+    let found = smr_core::unstable::peaks(tracker.workspace()).context("the update is finished")?;
     let peak = Rect { x: found.peak.x, y: found.peak.y, ..answer.bbox };
     let search = Search { difference: Difference::new(frame, peak, template), alpha: answer.alpha };
     let report = Report { work: Some(work), ..answer.into() };

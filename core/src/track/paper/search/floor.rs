@@ -9,7 +9,7 @@
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
 use super::runner_up::Maxima;
-use super::window::{Found, Peak, Wanted, Window};
+use super::window::{Peak, Peaks, Wanted, Window};
 use core::cmp::Ordering;
 
 pub(super) struct Leaders<const SPAN: usize> {
@@ -148,14 +148,14 @@ impl<const SPAN: usize> Leaders<SPAN> {
         matches!(self.beside, Beside::RunnerUp { .. })
     }
 
-    pub(super) fn found(&self, window: &Window) -> Option<Found> {
+    pub(super) fn peaks(&self, window: &Window) -> Option<Peaks> {
         let peak = self.best?;
         let runner_up = match &self.beside {
             Beside::Nothing => None,
             Beside::Equals(equals) => (peak.score > 0 && equals.are_outside(&peak)).then_some(peak.score),
             Beside::RunnerUp { neighbourhood, .. } => Some(self.maxima.outside(window, &peak, *neighbourhood)),
         };
-        Some(Found { peak, runner_up })
+        Some(Peaks { peak, runner_up })
     }
 }
 
@@ -175,7 +175,7 @@ mod tests {
         leaders.note(&window, Peak { x: 30, y: 20, score: 3 });
         assert_eq!(leaders.needed_at(&window, 10, 20), 4);
         leaders.note(&window, Peak { x: 10, y: 20, score: 4 });
-        assert_eq!(leaders.found(&window).and_then(|found| found.runner_up), Some(4));
+        assert_eq!(leaders.peaks(&window).and_then(|peaks| peaks.runner_up), Some(4));
         // The runner-up equals the peak: only a larger score changes something.
         assert_eq!(leaders.needed_at(&window, 10, 25), 5);
     }

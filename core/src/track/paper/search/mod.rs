@@ -26,7 +26,7 @@ mod window;
 pub(crate) use most_work::Extent;
 pub(crate) use progress::{Scene, Search};
 pub(crate) use window::Wanted;
-pub use window::{Found, Peak, Radius, Window};
+pub use window::{Peak, Peaks, Radius, Window};
 
 #[cfg(test)]
 mod tests;

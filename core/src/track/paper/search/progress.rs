@@ -2,7 +2,7 @@
 
 use super::exclusion::{Ranges, Tile};
 use super::floor::Leaders;
-use super::window::{Found, Peak, Window};
+use super::window::{Peak, Peaks, Window};
 use crate::image::{Frame, Image};
 use crate::similarity::{self, Scorer};
 
@@ -118,8 +118,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// The result; `None` until the search is done.
-    pub(crate) fn found(&self, window: &Window) -> Option<Found> {
-        if self.is_done() { self.leaders.found(window) } else { None }
+    pub(crate) fn peaks(&self, window: &Window) -> Option<Peaks> {
+        if self.is_done() { self.leaders.peaks(window) } else { None }
     }
 
     pub(super) fn raise_floor(&mut self, scene: &Scene<'_>) {

@@ -112,7 +112,7 @@ impl Case {
     }
 
     /// The result by the definitions, from the scores of all offsets.
-    fn expected(&self, wanted: Wanted, score: impl Fn(i32, i32) -> u32) -> Found {
+    fn expected(&self, wanted: Wanted, score: impl Fn(i32, i32) -> u32) -> Peaks {
         let all = || self.window.ys().flat_map(|y| self.window.xs().map(move |x| (x, y)));
         let peaks = all().map(|(x, y)| Peak { x, y, score: score(x, y) });
         let (centre_x, centre_y) = self.window.centre();
@@ -129,7 +129,7 @@ impl Case {
             Wanted::Equals(_) => peak.score > 0 && runner_up == peak.score,
             Wanted::RunnerUp(_) => true,
         };
-        Found { peak, runner_up: is_wanted.then_some(runner_up) }
+        Peaks { peak, runner_up: is_wanted.then_some(runner_up) }
     }
 }
 
@@ -143,7 +143,7 @@ struct Way {
     work: u32,
 }
 
-fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, way: Way) -> (Found, u64) {
+fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, way: Way) -> (Peaks, u64) {
     let table = CutTable::new(case.scale, case.threshold);
     let scorer = Scorer::new(backend, &table);
     let scene = Scene { frame, template, window: case.window, scorer: &scorer };
@@ -160,7 +160,7 @@ fn search(case: &Case, backend: Backend, frame: Frame<'_>, template: Image<'_>, 
         search.begin_runner_up(&scene, case.neighbourhood);
         run(&mut search);
     }
-    (search.found(&case.window).unwrap(), work)
+    (search.peaks(&case.window).unwrap(), work)
 }
 
 proptest! {
@@ -219,7 +219,7 @@ fn among_equals_the_closest_wins_then_the_upper_then_the_left_one() {
         for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
             leaders.note(&window, Peak { x, y, score: u32::from(equals.contains(&(x, y))) });
         }
-        let peak = leaders.found(&window).unwrap().peak;
+        let peak = leaders.peaks(&window).unwrap().peak;
         (peak.x, peak.y)
     };
     assert_eq!(best_of(&[(8, 10), (10, 11), (15, 15)]), (10, 11));

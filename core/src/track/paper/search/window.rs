@@ -154,7 +154,7 @@ pub(crate) enum Wanted {
 /// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Found {
+pub struct Peaks {
     /// The offset with the largest score.
     pub peak: Peak,
     /// The largest score outside the peak's neighbourhood; 0 if the neighbourhood covers the window. `None` if the

@@ -20,7 +20,7 @@ use heapless::Vec;
 
 /// Cells, and the layout of the filter on them.
 #[derive(Clone, Copy)]
-pub(crate) struct Window<'a> {
+pub(crate) struct FeatureWindow<'a> {
     pub(crate) cells: &'a [i8],
     pub(crate) layout: Layout,
 }
@@ -30,7 +30,7 @@ pub(super) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,
     spare: &mut [i32],
-    Window { cells, layout }: Window<'_>,
+    FeatureWindow { cells, layout }: FeatureWindow<'_>,
     errors: &[[i16; S]],
     piece: usize,
     gradient: &mut [i32],
@@ -82,7 +82,7 @@ impl<const N: usize> Coded<N> {
         products: Products,
         packed: &mut Packed,
         spare: &mut [i32],
-        Window { cells, layout }: Window<'_>,
+        FeatureWindow { cells, layout }: FeatureWindow<'_>,
         piece: usize,
         out: &mut [[i32; S]; S],
     ) -> bool {

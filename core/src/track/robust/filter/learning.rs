@@ -25,7 +25,7 @@
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
 use super::super::features::{Extent, Grid};
-use super::correlation::{Coded, Filter, Window, add_gradient, shift_below};
+use super::correlation::{Coded, FeatureWindow, Filter, add_gradient, shift_below};
 use super::gaussian::Gaussian;
 use super::response::{self, CODED, Responses};
 use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
@@ -50,7 +50,7 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
 pub(crate) struct Training<'a> {
     pub(crate) filter: &'a Filter<WEIGHTS>,
     pub(crate) grid: &'a Grid,
-    pub(crate) window: Window<'a>,
+    pub(crate) window: FeatureWindow<'a>,
     /// The filter's responses to the window.
     pub(crate) responses: &'a Responses,
     pub(crate) products: Products,
@@ -274,7 +274,7 @@ mod tests {
                 let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
                 let mut wanted: Many<i16> = slopes.iter().map(round).collect();
                 let descent = apply_mask(&grid, &mut wanted);
-                let window = Window { cells: &[], layout: layout(&grid, SPAN) };
+                let window = FeatureWindow { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
                 let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
                 let given = sums.code_direction(&training, shift, &mut direction);
@@ -292,7 +292,7 @@ mod tests {
             (0..24 * 24 * CHANNELS as u32).map(|at| (at.wrapping_mul(40_503) >> 3) as u8 as i8).collect();
         let mut filter = Filter::new();
         filter.start(grid.weights());
-        let window = Window { cells: &cells, layout: layout(&grid, SMALL) };
+        let window = FeatureWindow { cells: &cells, layout: layout(&grid, SMALL) };
         let responses = Responses { span: SMALL, ..Responses::new() };
         let products = Products::new(Backend::Scalar);
         let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
@@ -321,7 +321,7 @@ mod tests {
         let (mut filter, mut sums, mut coded) = (Filter::new(), Sums::new(), Coded::new());
         filter.start(grid.weights());
         let (products, mut packed, mut budget) = (Products::new(Backend::Scalar), Packed::new(), Budget::NOTHING);
-        let window = Window { cells: &cells, layout: layout(&grid, SPAN) };
+        let window = FeatureWindow { cells: &cells, layout: layout(&grid, SPAN) };
         let mut responses = Responses { span: SPAN, ..Responses::new() };
         for _ in 0..25 {
             let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };

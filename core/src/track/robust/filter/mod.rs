@@ -6,7 +6,7 @@ pub(super) mod learning;
 pub(super) mod response;
 pub(super) mod scale;
 
-pub(super) use correlation::{Coded, Filter, Window};
+pub(super) use correlation::{Coded, FeatureWindow, Filter};
 pub(super) use learning::{Learning, Sums, Training};
 pub(super) use response::{CODED, Responses, layout};
 pub(super) use scale::{Borrowed, ScaleSearch, Tools, other_scales};

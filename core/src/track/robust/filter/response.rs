@@ -20,7 +20,7 @@
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
 use super::super::features::{Extent, Grid};
-use super::correlation::{Coded, Window};
+use super::correlation::{Coded, FeatureWindow};
 use crate::kernels::{Layout, Packed, Products};
 use crate::track::update::{Budget, units};
 
@@ -82,7 +82,7 @@ impl Responses {
         products: Products,
         packed: &mut Packed,
         spare: &mut [i32],
-        window: Window<'_>,
+        window: FeatureWindow<'_>,
         piece: usize,
         budget: &mut Budget,
     ) -> bool {

@@ -15,7 +15,7 @@ use super::super::constants::{
     CHANNELS, LEAST_SCALE, MOST_CELLS, MOST_SCALE, MOST_SIDE, SCALE, SCALE_PENALTY, SCALE_REACH, SCALE_STEP, WEIGHTS,
 };
 use super::super::features::{Extent, Extractor, Grid, Lattice, Place, cells};
-use super::correlation::{Coded, Window};
+use super::correlation::{Coded, FeatureWindow};
 use super::learning::Sums;
 use super::response::{self, layout, peak};
 use crate::image::{Frame, Rect};
@@ -111,7 +111,7 @@ impl ScaleSearch {
 /// The height of the responses' peak at one scale.
 fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
     let Borrowed { extractor, cells, sums: Sums { per_weight: spare, per_offset: responses, .. } } = borrowed;
-    let window = Window { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
+    let window = FeatureWindow { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
     let mut pieces = 0..;
     let mut respond =
         |piece| tools.weights.respond(tools.products, extractor.lend_sums(), spare, window, piece, responses);

@@ -3,7 +3,7 @@
 use super::super::config::Config;
 use super::super::decision::{Memory, Track};
 use super::super::features::{Lattice, Place};
-use super::super::filter::{Learning, Training, Window, layout};
+use super::super::filter::{FeatureWindow, Learning, Training, layout};
 use super::super::verification::{Early, measuring, window_contrast};
 use super::buffers::Buffers;
 use crate::kernels::Products;
@@ -67,8 +67,8 @@ impl Inputs<'_> {
         Early { config: self.config, template: &self.memory.template, grid: &self.track.grid }
     }
 
-    fn window<'a>(&self, cells: &'a [i8]) -> Window<'a> {
-        Window { cells, layout: layout(&self.track.grid, self.config.span()) }
+    fn window<'a>(&self, cells: &'a [i8]) -> FeatureWindow<'a> {
+        FeatureWindow { cells, layout: layout(&self.track.grid, self.config.span()) }
     }
 
     #[inline(never)]
