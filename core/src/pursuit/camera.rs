@@ -1,6 +1,6 @@
 //! The camera model: from a place in the picture to an angle from the optical axis, and back.
 
-use super::error::PursuitConfigError;
+use super::error::{PursuitConfigError, first_broken};
 use crate::FineRect;
 use micromath::F32;
 
@@ -70,63 +70,14 @@ impl Camera {
 
     pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
         let numbers = [self.focal_length_pixels, self.principal_x_pixels, self.principal_y_pixels];
-        if !numbers.iter().all(|number| number.is_finite()) {
-            return Err(PursuitConfigError::NotFinite);
-        }
-        if self.focal_length_pixels < 1.0 {
-            return Err(PursuitConfigError::FocalLengthTooShort);
-        }
-        Ok(())
+        first_broken([
+            (numbers.iter().all(|number| number.is_finite()), PursuitConfigError::NotFinite),
+            (self.focal_length_pixels >= 1.0, PursuitConfigError::FocalLengthTooShort),
+        ])
     }
 }
 
 /// The centre of `first..first + size` (units of 1/256 pixel), in pixels.
 fn middle(first: i32, size: u32) -> f32 {
     (first as f32 + size as f32 / 2.0) / 256.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Rect;
-    use proptest::prelude::*;
-
-    #[test]
-    fn right_and_up_are_positive() {
-        let camera = Camera::centred(160.0, 160, 120);
-        assert_eq!(camera.error_radians(Rect::new(70, 50, 20, 20).into()), (0.0, 0.0));
-        let (right, up) = camera.error_radians(Rect::new(80, 40, 20, 20).into());
-        assert!(right > 0.0 && up > 0.0 && right == up);
-        assert_eq!(camera.error_radians(Rect::new(60, 60, 20, 20).into()), (-right, -up));
-    }
-
-    #[test]
-    fn a_turn_of_the_camera_moves_the_picture_the_other_way() {
-        let camera = Camera::centred(160.0, 160, 120);
-        assert_eq!(camera.picture_motion(0.1, 0.2), (-16 * 256, 32 * 256));
-        let (x, y) = camera.picture_motion(f32::NAN, f32::INFINITY);
-        assert_eq!((x, y), (0, i32::MAX));
-    }
-
-    proptest! {
-        #[test]
-        fn angles_are_those_of_the_pinhole(x in -65_535..65_535i32, width in any::<u16>(), focal in 1.0..5000.0f32) {
-            let camera = Camera::centred(focal, 320, 240);
-            let (angle, _) = camera.error_radians(Rect::new(x, 0, width, 1).into());
-            let exact = ((f64::from(x) + f64::from(width) / 2.0 - 160.0) / f64::from(focal)).atan();
-            prop_assert!((f64::from(angle) - exact).abs() < 0.003, "{} for {}", angle, exact);
-        }
-
-        #[test]
-        fn every_camera_that_passes_the_check_gives_angles(
-            (focal, x, y) in (prop::num::f32::ANY, prop::num::f32::ANY, prop::num::f32::ANY),
-            target in any::<(i32, i32, u16, u16)>(),
-        ) {
-            let camera = Camera { focal_length_pixels: focal, principal_x_pixels: x, principal_y_pixels: y };
-            if camera.check().is_ok() {
-                let (right, up) = camera.error_radians(Rect::new(target.0, target.1, target.2, target.3).into());
-                prop_assert!(right.abs() < 1.58 && up.abs() < 1.58, "{} {}", right, up);
-            }
-        }
-    }
 }

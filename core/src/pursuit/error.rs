@@ -47,3 +47,8 @@ errors! {
         ElapsedTime => "the elapsed time is negative, infinite or not a number",
     }
 }
+
+/// The error of the first rule that does not hold.
+pub(super) fn first_broken<const N: usize>(rules: [(bool, PursuitConfigError); N]) -> Result<(), PursuitConfigError> {
+    rules.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, error)| Err(error))
+}

@@ -1,9 +1,8 @@
 //! The configuration of the pursuit, and its way frame by frame: from the answer of the tracker to the pulses of the servos.
 
 use super::camera::Camera;
-use super::controller::Axis;
-use super::error::{FollowError, PursuitConfigError, PursuitError};
-use super::head::{Joint, Servo};
+use super::error::{FollowError, PursuitConfigError, PursuitError, first_broken};
+use super::head::{Axis, Joint, Servo};
 use crate::image::Frame;
 use crate::track::{Answer, State, Target, Tracker};
 use core::fmt;
@@ -41,16 +40,11 @@ impl PursuitConfig {
         self.tilt.check()?;
         self.pan_servo.check()?;
         self.tilt_servo.check()?;
-        if !self.hold_seconds.is_finite() {
-            return Err(PursuitConfigError::NotFinite);
-        }
-        if self.hold_seconds < 0.0 {
-            return Err(PursuitConfigError::Negative);
-        }
-        if usize::from(self.delay_frames) >= TURNS {
-            return Err(PursuitConfigError::DelayTooLong);
-        }
-        Ok(())
+        first_broken([
+            (self.hold_seconds.is_finite(), PursuitConfigError::NotFinite),
+            (self.hold_seconds >= 0.0, PursuitConfigError::Negative),
+            (usize::from(self.delay_frames) < TURNS, PursuitConfigError::DelayTooLong),
+        ])
     }
 }
 
@@ -86,7 +80,7 @@ pub struct Pursuit<P, T, L> {
     camera: Camera,
     pub(super) pan: Joint<P>,
     pub(super) tilt: Joint<T>,
-    indicator: L,
+    pub(super) indicator: L,
     hold_seconds: f32,
     /// The time since a target was last seen.
     lost_seconds: f32,
@@ -175,25 +169,6 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
 
     /// Steers without a target (lost, or not locked yet): turns the indicator off, holds the head for
     /// [`PursuitConfig::hold_seconds`], then turns it home.
-    ///
-    /// ```
-    /// # use embedded_hal_mock::eh1::{digital, pwm};
-    /// # use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};
-    /// # let pin = || pwm::Mock::new(&[pwm::Transaction::max_duty_cycle(20_000), pwm::Transaction::set_duty_cycle(1500)]);
-    /// # let (pan, tilt) = (pin(), pin());
-    /// # let led = digital::Mock::new(&[digital::Transaction::set(digital::State::Low)]);
-    /// # let (mut pan_mock, mut tilt_mock, mut led_mock) = (pan.clone(), tilt.clone(), led.clone());
-    /// # let axis = Axis { min_radians: -1.0, max_radians: 1.0, home_radians: 0.0, gain_per_second: 1.0,
-    /// #     deadband_radians: 0.0, slew_radians_per_second: 1.0, return_radians_per_second: 1.0 };
-    /// # let servo = Servo { pulse_at_min_microseconds: 1000, pulse_at_max_microseconds: 2000, period_microseconds: 20_000 };
-    /// # let config = PursuitConfig { camera: Camera::centred(100.0, 160, 120), pan: axis, tilt: axis,
-    /// #     pan_servo: servo, tilt_servo: servo, hold_seconds: 1.0, delay_frames: 0 };
-    /// let mut pursuit = Pursuit::new(config, pan, tilt, led)?;
-    /// let command = pursuit.wait(0.0)?; // the first pulses: the head goes home
-    /// assert_eq!((command.pan_radians, command.tilt_radians), (0.0, 0.0));
-    /// # (pan_mock.done(), tilt_mock.done(), led_mock.done());
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     ///
     /// # Errors
     /// As [`Pursuit::steer`].

@@ -1,24 +1,83 @@
-//! The servos of the pan/tilt head: from angles to PWM duties.
+//! An axis of the head: from the error to the next angle, and from the angle to the servo's PWM duty.
 
-use super::controller::Axis;
-use super::error::PursuitConfigError;
+use super::error::{PursuitConfigError, first_broken};
+use core::f32::consts::TAU;
 use embedded_hal::pwm::SetDutyCycle;
+
+/// The motion of one axis of the head: a proportional controller. Right (pan) and up (tilt) are positive, as the camera
+/// sees it.
+///
+/// angle += clamp(gain * error, -slew, slew) * elapsed, at most |error|, within the limits. A target at constant speed
+/// is followed at a constant distance of speed / gain.
+///
+/// With one frame of delay, gain * frame time must stay well below 1, or the head oscillates. Start with 1/3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Axis {
+    /// The smallest angle (leftmost or lowest), at least -2 pi.
+    pub min_radians: f32,
+    /// The largest angle (rightmost or highest), at most 2 pi.
+    pub max_radians: f32,
+    /// The angle at the start. The axis returns to it when the target stays lost.
+    pub home_radians: f32,
+    /// Speed per error, in radians per second per radian; more than 0. At 30 frames per second 10 is 1/3 per frame.
+    pub gain_per_second: f32,
+    /// Errors up to this are ignored: the axis holds still; at least 0. A pixel is 1 / focal length.
+    pub deadband_radians: f32,
+    /// The largest speed; more than 0. Choose one that the servo can follow under its load.
+    pub slew_radians_per_second: f32,
+    /// The speed of the return home; more than 0, limited by the slew rate.
+    pub return_radians_per_second: f32,
+}
+
+impl Axis {
+    /// The next angle after `from_radians`, with the target at `error_radians` from the optical axis.
+    pub(super) fn toward(&self, from_radians: f32, error_radians: f32, elapsed_seconds: f32) -> f32 {
+        if error_radians.abs() <= self.deadband_radians {
+            return from_radians;
+        }
+        let speed = within(self.gain_per_second * error_radians, self.slew_radians_per_second);
+        // A late frame must not overshoot.
+        let step = within(speed * elapsed_seconds, error_radians.abs());
+        self.limited(from_radians + step)
+    }
+
+    /// The next angle after `from_radians` on the way home.
+    pub(super) fn homeward(&self, from_radians: f32, elapsed_seconds: f32) -> f32 {
+        let speed = self.return_radians_per_second.min(self.slew_radians_per_second);
+        self.limited(from_radians + within(self.home_radians - from_radians, speed * elapsed_seconds))
+    }
+
+    fn limited(&self, radians: f32) -> f32 {
+        // Not `clamp`: that can panic.
+        radians.max(self.min_radians).min(self.max_radians)
+    }
+
+    pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
+        use PursuitConfigError::*;
+        let rates = [self.gain_per_second, self.slew_radians_per_second, self.return_radians_per_second];
+        let (min, max, home) = (self.min_radians, self.max_radians, self.home_radians);
+        first_broken([
+            (rates.iter().chain(&[min, max, home, self.deadband_radians]).all(|number| number.is_finite()), NotFinite),
+            (rates.iter().all(|&rate| rate > 0.0), RateNotPositive),
+            (self.deadband_radians >= 0.0, Negative),
+            (min < max, LimitsReversed),
+            (-TAU <= min && max <= TAU, LimitsBeyondOneTurn),
+            (min <= home && home <= max, HomeOutsideLimits),
+        ])
+    }
+}
+
+/// `value`, clamped to -bound..=bound.
+fn within(value: f32, bound: f32) -> f32 {
+    value.max(-bound).min(bound)
+}
 
 /// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
 ///
 /// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The resolution is that of
 /// the pin's timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7
 /// degrees).
-///
-/// ```
-/// use smr_core::pursuit::Servo;
-/// let pan = Servo {
-///     pulse_at_min_microseconds: 1000,
-///     pulse_at_max_microseconds: 2000,
-///     period_microseconds: 20_000, // 50 Hz
-/// };
-/// # let _ = pan;
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Servo {
@@ -26,13 +85,13 @@ pub struct Servo {
     pub pulse_at_min_microseconds: u16,
     /// The pulse for `max_radians` of the axis.
     pub pulse_at_max_microseconds: u16,
-    /// The period that the PWM pin is set to; longer than both pulses.
+    /// The period that the PWM pin is set to, usually 20,000 (50 Hz); longer than both pulses.
     pub period_microseconds: u16,
 }
 
 impl Servo {
     /// The duty (0 to `max_duty`) for the angle `radians` of `axis`.
-    fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
+    pub(super) fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
         let along = (radians - axis.min_radians) / (axis.max_radians - axis.min_radians);
         let [at_min, at_max, period, max_duty] =
             [self.pulse_at_min_microseconds, self.pulse_at_max_microseconds, self.period_microseconds, max_duty]
@@ -41,14 +100,11 @@ impl Servo {
     }
 
     pub(super) fn check(&self) -> Result<(), PursuitConfigError> {
-        let longest = self.pulse_at_min_microseconds.max(self.pulse_at_max_microseconds);
-        if longest >= self.period_microseconds {
-            return Err(PursuitConfigError::PulseNotInPeriod);
-        }
-        if self.pulse_at_min_microseconds == self.pulse_at_max_microseconds {
-            return Err(PursuitConfigError::PulsesEqual);
-        }
-        Ok(())
+        let (at_min, at_max) = (self.pulse_at_min_microseconds, self.pulse_at_max_microseconds);
+        first_broken([
+            (at_min.max(at_max) < self.period_microseconds, PursuitConfigError::PulseNotInPeriod),
+            (at_min != at_max, PursuitConfigError::PulsesEqual),
+        ])
     }
 }
 
@@ -77,51 +133,5 @@ impl<P: SetDutyCycle> Joint<P> {
         self.pin.set_duty_cycle(duty)?;
         self.radians = radians;
         Ok(())
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::pursuit::controller::tests::{PAN, any_axis};
-    use proptest::prelude::*;
-
-    pub(in crate::pursuit) const SERVO: Servo = servo(1000, 2000, 20_000);
-
-    pub(in crate::pursuit) const fn servo(at_min: u16, at_max: u16, period: u16) -> Servo {
-        Servo { pulse_at_min_microseconds: at_min, pulse_at_max_microseconds: at_max, period_microseconds: period }
-    }
-
-    #[test]
-    fn the_ends_and_the_middle_are_exact() {
-        for (servo, duties) in [(SERVO, [1000, 1250, 1500, 2000]), (servo(2400, 600, 20_000), [2400, 1950, 1500, 600])]
-        {
-            assert_eq!([-1.0, -0.5, 0.0, 1.0].map(|radians| servo.duty(&PAN, radians, 20_000)), duties);
-        }
-    }
-
-    #[test]
-    fn a_duty_is_rounded_to_the_nearest() {
-        assert_eq!(SERVO.duty(&PAN, -1.0, 65_535), 3277); // 3276.75
-        assert_eq!(SERVO.duty(&PAN, 1.0, 255), 26); // 25.5
-        assert_eq!(SERVO.duty(&PAN, -1.0, 255), 13); // 12.75
-        assert_eq!(SERVO.duty(&PAN, 1.0, 0), 0);
-    }
-
-    proptest! {
-        #[test]
-        fn no_duty_is_outside_the_pulses(
-            axis in any_axis(),
-            along in 0.0..=1.0f32,
-            (at_min, at_max, period, max_duty) in any::<(u16, u16, u16, u16)>(),
-        ) {
-            let servo = servo(at_min, at_max, period);
-            prop_assume!(servo.check().is_ok());
-            let radians = (axis.min_radians + along * (axis.max_radians - axis.min_radians)).min(axis.max_radians);
-            let duty = f64::from(servo.duty(&axis, radians, max_duty));
-            let exact = |pulse: u16| f64::from(pulse) / f64::from(period) * f64::from(max_duty);
-            let (least, most) = (exact(at_min.min(at_max)), exact(at_min.max(at_max)));
-            prop_assert!(duty > least - 0.52 && duty < most + 0.52, "{} of {}..{}", duty, least, most);
-        }
     }
 }

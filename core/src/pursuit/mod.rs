@@ -59,16 +59,14 @@
 //! ```
 
 mod camera;
-mod controller;
 mod error;
 mod follow;
 mod head;
 
 pub use camera::Camera;
-pub use controller::Axis;
 pub use error::{FollowError, PursuitConfigError, PursuitError};
 pub use follow::{Command, Commanded, Followed, Pursuit, PursuitConfig};
-pub use head::Servo;
+pub use head::{Axis, Servo};
 
 #[cfg(test)]
 mod tests;

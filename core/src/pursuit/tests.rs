@@ -1,30 +1,96 @@
-//! Tests the pursuit against mock pins that expect exact duties.
-
-use super::controller::tests::{PAN, any_axis};
-use super::head::tests::{SERVO, servo};
+use super::error::PursuitConfigError::{self, *};
+use super::head::{Axis, Servo};
 use super::*;
 use crate::{Answer, FineRect, Frame, Image, Paper, Rect, Robust, State, Target, Tracker, UpdateError, paper, robust};
-use embedded_hal::digital::OutputPin;
-use embedded_hal::pwm::SetDutyCycle;
-use embedded_hal::{digital, pwm};
-use embedded_hal_mock::eh1::{MockError, digital as pin_mock, pwm as pwm_mock};
+use core::f32::consts::TAU;
+use embedded_hal::digital::{self, OutputPin};
+use embedded_hal::pwm::{self, SetDutyCycle};
+use embedded_hal_mock::eh1::MockError;
 use proptest::prelude::*;
-use std::io::ErrorKind::{BrokenPipe, NotConnected, TimedOut};
+use std::io::ErrorKind::{self, BrokenPipe, NotConnected, TimedOut};
 use std::string::ToString;
 use std::vec::Vec;
 
-/// Two axes from -1 to 1 radians with home at 0; 160x120 pixels; focal length 160 pixels; hold of 1 second.
+const AXIS: Axis = Axis {
+    min_radians: -1.0,
+    max_radians: 1.0,
+    home_radians: 0.0,
+    gain_per_second: 10.0,
+    deadband_radians: 0.01,
+    slew_radians_per_second: 2.0,
+    return_radians_per_second: 0.5,
+};
+
+const fn servo(at_min: u16, at_max: u16, period: u16) -> Servo {
+    Servo { pulse_at_min_microseconds: at_min, pulse_at_max_microseconds: at_max, period_microseconds: period }
+}
+
+/// Frames of 160x120 pixels; the tilt servo is mounted the other way round.
 fn config() -> PursuitConfig {
-    let axis = Axis { home_radians: 0.0, ..PAN };
     PursuitConfig {
         camera: Camera::centred(160.0, 160, 120),
-        pan: axis,
-        pan_servo: SERVO,
-        tilt: axis,
+        pan: AXIS,
+        pan_servo: servo(1000, 2000, 20_000),
+        tilt: AXIS,
         tilt_servo: servo(2000, 1000, 20_000),
         hold_seconds: 1.0,
         delay_frames: 1,
     }
+}
+
+/// A pin that keeps what is written, in PWM steps or as 0 and 1. If it has an error, the first write fails.
+struct Pin {
+    max_duty: u16,
+    error: Option<ErrorKind>,
+    written: Vec<u16>,
+}
+
+impl Pin {
+    fn write(&mut self, value: u16) -> Result<(), MockError> {
+        self.written.push(value);
+        self.error.take().map_or(Ok(()), |kind| Err(MockError::Io(kind)))
+    }
+}
+
+impl pwm::ErrorType for Pin {
+    type Error = MockError;
+}
+
+impl digital::ErrorType for Pin {
+    type Error = MockError;
+}
+
+impl SetDutyCycle for Pin {
+    fn max_duty_cycle(&self) -> u16 {
+        self.max_duty
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), MockError> {
+        self.write(duty)
+    }
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), MockError> {
+        self.write(0)
+    }
+
+    fn set_high(&mut self) -> Result<(), MockError> {
+        self.write(1)
+    }
+}
+
+type Pins = Pursuit<Pin, Pin, Pin>;
+
+/// A pursuit whose pan, tilt and indicator pins fail at first if they have an error.
+fn pursuit(config: PursuitConfig, errors: [Option<ErrorKind>; 3], max_duty: u16) -> Result<Pins, PursuitConfigError> {
+    let [pan, tilt, indicator] = errors.map(|error| Pin { max_duty, error, written: Vec::new() });
+    Pursuit::new(config, pan, tilt, indicator)
+}
+
+/// What was written since the last call to the pins of pan, tilt and the indicator.
+fn written(pursuit: &mut Pins) -> [Vec<u16>; 3] {
+    [&mut pursuit.pan.pin, &mut pursuit.tilt.pin, &mut pursuit.indicator].map(|pin| core::mem::take(&mut pin.written))
 }
 
 /// The answer with a 20x20 box whose middle is at (`x`, `y`).
@@ -43,139 +109,92 @@ fn answer(state: State, x: i32, y: i32) -> Answer {
     }
 }
 
-fn duties(of: &[u16]) -> pwm_mock::Mock {
-    let each = |&duty| [pwm_mock::Transaction::max_duty_cycle(20_000), pwm_mock::Transaction::set_duty_cycle(duty)];
-    pwm_mock::Mock::new(&of.iter().flat_map(each).collect::<Vec<_>>())
-}
-
-fn lamp(states: &[bool]) -> pin_mock::Mock {
-    let set = |&on| pin_mock::Transaction::set(if on { pin_mock::State::High } else { pin_mock::State::Low });
-    pin_mock::Mock::new(&states.iter().map(set).collect::<Vec<_>>())
-}
-
-type Mocked = Pursuit<pwm_mock::Mock, pwm_mock::Mock, pin_mock::Mock>;
-
-/// Runs `steps` on a new pursuit and checks that exactly these duties and lamp states are written.
-fn writes(pan: &[u16], tilt: &[u16], indicator: &[bool], steps: impl FnOnce(&mut Mocked)) {
-    let mut pursuit = Pursuit::new(config(), duties(pan), duties(tilt), lamp(indicator)).unwrap();
-    steps(&mut pursuit);
-    done(pursuit);
-}
-
-/// Checks that every expected write was made.
-fn done(pursuit: Mocked) {
-    let (mut pan, mut tilt, mut indicator) = pursuit.release();
-    pan.done();
-    tilt.done();
-    indicator.done();
-}
-
 #[test]
-fn duties_are_exact() {
-    // micromath's atan(32 / 160) is 0.1957 radians. With gain 10 the head turns by all of it in 0.1 seconds.
-    writes(&[1598, 1598], &[1500, 1598], &[true, true], |pursuit| {
-        let command = pursuit.steer(&answer(State::Tracking, 112, 60), 0.1).unwrap();
-        assert!((command.pan_radians - 0.1957).abs() < 0.0001 && command.tilt_radians == 0.0, "{command:?}");
-        // The target is below the centre: the head turns down, by the longer pulse of the reversed tilt servo.
-        let command = pursuit.steer(&answer(State::Leaving, 80, 92), 0.1).unwrap();
-        assert_eq!(command.tilt_radians, -command.pan_radians);
-        assert_eq!(command, pursuit.command());
-    });
-}
-
-#[test]
-fn the_slew_rate_and_the_limits_hold() {
-    // 2 radians/s * 0.25 s = 0.5 of 2 radians, 250 of 1000 microseconds.
-    writes(&[1750, 2000, 2000], &[1250, 1000, 1000], &[true; 3], |pursuit| {
-        for _ in 0..3 {
-            pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25).unwrap();
-        }
-        assert_eq!(pursuit.command(), Command { pan_radians: 1.0, tilt_radians: 1.0 });
-    });
-}
-
-#[test]
-fn a_lost_target_is_waited_for_then_the_head_goes_home_and_resumes() {
-    let pan = [1750, 1750, 1750, 1688, 1563, 1500, 1500, 1750];
-    let indicator = [true, false, false, false, false, false, false, true];
-    writes(&pan, &[1500; 8], &indicator, |pursuit| {
-        let far_right = answer(State::Tracking, 10_000, 60);
-        pursuit.steer(&far_right, 0.25).unwrap();
-        // The hold of 1 second, then 0.25 s at 0.5 radians/s.
-        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
-        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.5).unwrap();
-        pursuit.steer(&answer(State::Lost, 10_000, 60), 0.25).unwrap();
-        pursuit.wait(0.5).unwrap();
-        pursuit.wait(0.5).unwrap();
-        assert_eq!(pursuit.command().pan_radians, 0.0);
-        pursuit.wait(f32::MAX).unwrap();
-        pursuit.steer(&far_right, 0.25).unwrap();
-    });
-}
-
-#[test]
-fn the_hold_ends_within_a_frame_and_starts_anew() {
-    writes(&[1750, 1625, 1875, 1875], &[1500; 4], &[true, false, true, false], |pursuit| {
-        pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
-        pursuit.wait(1.5).unwrap(); // 0.5 seconds after the end of the hold
-        pursuit.steer(&answer(State::Tracking, 10_000, 60), 0.25).unwrap();
-        pursuit.wait(1.0).unwrap();
-    });
+fn the_pulses_of_each_frame_are_exact() {
+    use State::*;
+    let mut pursuit = pursuit(config(), [None; 3], 20_000).unwrap();
+    let far = (10_000, -10_000);
+    let far_right = (10_000, 60);
+    let anywhere = (0, 0);
+    for (number, (state, (x, y), seconds, pulses)) in [
+        // micromath's atan(32 / 160) is 0.1957 radians. With gain 10 the head turns by all of it in 0.1 seconds.
+        (Some(Tracking), (112, 60), 0.1, [1598, 1500, 1]),
+        (Some(Leaving), (80, 92), 0.1, [1598, 1598, 1]),
+        (Some(Uncertain), (48, 60), 0.1, [1500, 1598, 0]),
+        (None, anywhere, f32::MAX, [1500, 1500, 0]),
+        // The slew rate: 2 radians/s * 0.25 s = 0.5 of 2 radians, 250 of 1000 microseconds. Then the limits.
+        (Some(Tracking), far, 0.25, [1750, 1250, 1]),
+        (Some(Tracking), far, 0.25, [2000, 1000, 1]),
+        (Some(Tracking), far, 0.25, [2000, 1000, 1]),
+        (None, anywhere, f32::MAX, [1500, 1500, 0]),
+        // The hold of 1 second, then 0.25 s at 0.5 radians/s. At home the head stays.
+        (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
+        (Some(Lost), far_right, 0.5, [1750, 1500, 0]),
+        (Some(Lost), far_right, 0.5, [1750, 1500, 0]),
+        (Some(Lost), far_right, 0.25, [1688, 1500, 0]),
+        (None, anywhere, 0.5, [1563, 1500, 0]),
+        (None, anywhere, 0.5, [1500, 1500, 0]),
+        (None, anywhere, f32::MAX, [1500, 1500, 0]),
+        // The hold ends 0.5 seconds before the end of a frame, and starts anew.
+        (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
+        (None, anywhere, 1.5, [1625, 1500, 0]),
+        (Some(Tracking), far_right, 0.25, [1875, 1500, 1]),
+        (None, anywhere, 1.0, [1875, 1500, 0]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let command = match state {
+            Some(state) => pursuit.steer(&answer(state, x, y), seconds),
+            None => pursuit.wait(seconds),
+        };
+        let Command { pan_radians, tilt_radians } = pursuit.command();
+        assert_eq!(command, Ok(pursuit.command()));
+        assert_eq!((1500.0 + 500.0 * pan_radians).round(), f32::from(pulses[0]), "frame {number}");
+        assert_eq!((1500.0 - 500.0 * tilt_radians).round(), f32::from(pulses[1]), "frame {number}");
+        assert_eq!(written(&mut pursuit), pulses.map(|pulse| std::vec![pulse]), "frame {number}");
+    }
 }
 
 #[test]
 fn an_invalid_time_writes_no_pin() {
-    writes(&[], &[], &[], |pursuit| {
-        for elapsed in [f32::NAN, f32::INFINITY, -0.001, f32::NEG_INFINITY] {
-            let tracking = pursuit.steer(&answer(State::Tracking, 0, 0), elapsed);
-            assert_eq!(tracking, Err(PursuitError::ElapsedTime));
-            assert_eq!(pursuit.steer(&answer(State::Lost, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
+    let mut pursuit = pursuit(config(), [None; 3], 20_000).unwrap();
+    for elapsed in [f32::NAN, f32::INFINITY, -0.001, f32::NEG_INFINITY] {
+        for state in [State::Tracking, State::Lost] {
+            assert_eq!(pursuit.steer(&answer(state, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
         }
-    });
+        let (mut tracker, frame) = (Tracker::<Robust>::new(), seen(100, 30));
+        let frame = Frame::whole(Image::new(&frame, 160, 120).unwrap());
+        assert_eq!(pursuit.follow(&mut tracker, &frame, elapsed).err(), Some(FollowError::ElapsedTime));
+    }
+    assert_eq!(written(&mut pursuit), [const { Vec::new() }; 3]);
 }
 
 #[test]
 fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
-    let failing = |kind| {
-        pwm_mock::Mock::new(&[
-            pwm_mock::Transaction::max_duty_cycle(20_000),
-            pwm_mock::Transaction::set_duty_cycle(1750).with_error(MockError::Io(kind)),
-            pwm_mock::Transaction::max_duty_cycle(20_000),
-            pwm_mock::Transaction::set_duty_cycle(1750),
-        ])
-    };
-    let broken_lamp = || {
-        let on = || pin_mock::Transaction::set(pin_mock::State::High);
-        pin_mock::Mock::new(&[on().with_error(MockError::Io(TimedOut)), on()])
-    };
-    let good = || duties(&[1750, 2000]);
+    let [pan, tilt, led] = [NotConnected, BrokenPipe, TimedOut].map(Some);
     // Of several errors the first. An axis that was not written does not make up for it by a leap.
-    for ([pan, tilt, led], word, error, (pan_radians, tilt_radians)) in [
-        ([true, false, false], "pan", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 1.0)),
-        ([false, true, false], "tilt", PursuitError::Tilt(MockError::Io(BrokenPipe)), (1.0, 0.5)),
-        ([false, false, true], "indicator", PursuitError::Indicator(MockError::Io(TimedOut)), (1.0, 1.0)),
-        ([true; 3], "NotConnected", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 0.5)),
+    for (errors, word, error, (pan_radians, tilt_radians)) in [
+        ([pan, None, None], "pan", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 1.0)),
+        ([None, tilt, None], "tilt", PursuitError::Tilt(MockError::Io(BrokenPipe)), (1.0, 0.5)),
+        ([None, None, led], "indicator", PursuitError::Indicator(MockError::Io(TimedOut)), (1.0, 1.0)),
+        ([pan, tilt, led], "NotConnected", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 0.5)),
     ] {
-        let config = PursuitConfig { tilt_servo: SERVO, ..config() };
-        let pan = if pan { failing(NotConnected) } else { good() };
-        let tilt = if tilt { failing(BrokenPipe) } else { good() };
-        let indicator = if led { broken_lamp() } else { lamp(&[true; 2]) };
-        let mut pursuit = Pursuit::new(config, pan, tilt, indicator).unwrap();
+        let mut pursuit = pursuit(config(), errors, 20_000).unwrap();
         let mut follow = || pursuit.steer(&answer(State::Tracking, 10_000, -10_000), 0.25);
         assert!(error.to_string().contains(word), "{error}");
         assert_eq!((follow(), follow()), (Err(error), Ok(Command { pan_radians, tilt_radians })));
-        done(pursuit);
+        assert_eq!(written(&mut pursuit).map(|writes| writes.len()), [2; 3], "{word}");
     }
 }
 
 #[test]
 fn a_configuration_is_checked_when_the_pursuit_is_built() {
-    use PursuitConfigError::*;
     macro_rules! refused {
         ($($error:ident: $($($field:ident).+ = $value:expr),+;)+) => {$($({
             let mut config = config();
             config.$($field).+ = $value;
-            assert_eq!(pursuit(config, [false; 3]).err(), Some($error), stringify!($($field).+ = $value));
+            assert_eq!(pursuit(config, [None; 3], 1).err(), Some($error), stringify!($($field).+ = $value));
         })+)+};
     }
     refused! {
@@ -193,53 +212,41 @@ fn a_configuration_is_checked_when_the_pursuit_is_built() {
         DelayTooLong: delay_frames = 4;
     }
     for delay_frames in [1, 3] {
-        assert!(pursuit(PursuitConfig { delay_frames, ..config() }, [false; 3]).is_ok());
+        assert!(pursuit(PursuitConfig { delay_frames, ..config() }, [None; 3], 1).is_ok());
     }
 }
 
-/// A pin that remembers the last duty, or fails.
-struct Pin {
-    duty: u16,
-    fails: bool,
-}
+#[test]
+fn angles_steps_and_duties_are_exact() {
+    let camera = Camera::centred(160.0, 160, 120);
+    assert_eq!(camera.error_radians(Rect::new(70, 50, 20, 20).into()), (0.0, 0.0));
+    let (right, up) = camera.error_radians(Rect::new(80, 40, 20, 20).into());
+    assert!(right > 0.0 && right == up, "right and up are positive");
+    // A turn of the camera moves the picture the other way.
+    assert_eq!(camera.picture_motion(0.1, 0.2), (-16 * 256, 32 * 256));
+    assert_eq!(camera.picture_motion(f32::NAN, f32::INFINITY), (0, i32::MAX));
 
-impl Pin {
-    fn written(&self) -> Result<(), MockError> {
-        if self.fails { Err(MockError::Io(NotConnected)) } else { Ok(()) }
+    let axis = Axis { home_radians: 0.25, ..AXIS };
+    for (from, error, to) in [(0.0, 0.1, 0.03125), (0.5, -0.1, 0.46875)] {
+        assert!((axis.toward(from, error, 0.03125) - to).abs() < 1e-6, "the gain times the error");
     }
-}
-
-/// A pursuit with pins for pan, tilt and the indicator, some of which fail.
-fn pursuit(config: PursuitConfig, fail: [bool; 3]) -> Result<Pursuit<Pin, Pin, Pin>, PursuitConfigError> {
-    let [pan, tilt, indicator] = fail.map(|fails| Pin { fails, duty: 0 });
-    Pursuit::new(config, pan, tilt, indicator)
-}
-
-impl pwm::ErrorType for Pin {
-    type Error = MockError;
-}
-
-impl digital::ErrorType for Pin {
-    type Error = MockError;
-}
-
-impl SetDutyCycle for Pin {
-    fn max_duty_cycle(&self) -> u16 {
-        20_000
+    let fast = Axis { slew_radians_per_second: 100.0, ..axis };
+    assert_eq!(fast.toward(0.5, 0.125, 10.0), 0.625, "a late frame does not overshoot");
+    let slow = Axis { slew_radians_per_second: 0.25, ..axis };
+    let home = [(axis, 0.75, 0.5, 0.5), (axis, 0.5, 0.75, 0.25), (axis, -0.25, 0.5, 0.0), (axis, 0.25, 5.0, 0.25)];
+    for (axis, from, seconds, to) in home.into_iter().chain([(slow, 0.75, 0.5, 0.625)]) {
+        assert_eq!(axis.homeward(from, seconds), to, "the way home ends there");
     }
 
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), MockError> {
-        self.written().map(|()| self.duty = duty)
-    }
-}
-
-impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), MockError> {
-        self.written()
-    }
-
-    fn set_high(&mut self) -> Result<(), MockError> {
-        self.written()
+    let [straight, reversed] = [servo(1000, 2000, 20_000), servo(2400, 600, 20_000)];
+    for (servo, max_duty, duties) in [
+        (straight, 20_000, [1000, 1250, 1500, 2000]),
+        (reversed, 20_000, [2400, 1950, 1500, 600]),
+        (straight, 65_535, [3277, 4096, 4915, 6554]), // 3276.75, 4095.9, 4915.1 and 6553.5
+        (straight, 255, [13, 16, 19, 26]),            // 12.75, 15.9, 19.1 and 25.5
+        (straight, 0, [0; 4]),
+    ] {
+        assert_eq!([-1.0, -0.5, 0.0, 1.0].map(|radians| servo.duty(&AXIS, radians, max_duty)), duties);
     }
 }
 
@@ -253,29 +260,28 @@ fn seen(x: usize, y: usize) -> Vec<u8> {
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
-fn small() -> paper::Config {
-    paper::Config { window: paper::Radius { x: 8, y: 8 }, ..paper::Config::camera() }
-}
-
-/// The head turns to the target, and the search window moves with the picture.
-fn follows<T: Target>(target: T::Config, delay_frames: u8) {
+/// The tracker is told how far the picture moves, after the delay, and its window moves with it. If a pin fails, the
+/// other axis still turns and the answer is returned.
+fn follows<T: Target>(target: T::Config, delay_frames: u8, fails: [bool; 3]) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
-    let mut pursuit = pursuit(PursuitConfig { delay_frames, ..config() }, [false; 3]).unwrap();
-    let first = seen(100, 30);
-    let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
+    let errors = fails.map(|fails| fails.then_some(NotConnected));
+    let mut pursuit = pursuit(PursuitConfig { delay_frames, ..config() }, errors, 20_000).unwrap();
+    let (pixels, place) = (seen(100, 30), Rect::new(100, 30, 24, 24));
+    let frame = Frame::whole(Image::new(&pixels, 160, 120).unwrap());
     let error = pursuit.follow(&mut tracker, &frame, 0.03).unwrap_err();
     assert_eq!(error, FollowError::Update(UpdateError::NotLocked));
     assert_eq!(error.to_string(), "there is no target yet: lock first");
-    tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
+    tracker.lock(&frame, place).unwrap();
     let before = tracker.window().unwrap();
     let mut expected = (0, 0);
     for number in 0..=delay_frames {
         let Followed { answer, commanded } = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
-        let command = commanded.unwrap();
         if number == 0 {
-            assert_eq!((answer.bbox, answer.state), (Rect::new(100, 30, 24, 24), State::Tracking));
-            assert!(command.pan_radians > 0.05 && command.tilt_radians > 0.02, "{command:?}");
-            expected = ((command.pan_radians * 160.0) as i32, (command.tilt_radians * 160.0) as i32);
+            assert_eq!((answer.bbox, answer.state), (place, State::Tracking));
+            assert_eq!(commanded.is_err(), fails.contains(&true));
+            let Command { pan_radians, tilt_radians } = pursuit.command();
+            assert_eq!((pan_radians > 0.05, tilt_radians > 0.02), (!fails[0], !fails[1]));
+            expected = ((pan_radians * 160.0) as i32, (tilt_radians * 160.0) as i32);
         }
         let moved = tracker.window().unwrap();
         let by = (before.x - moved.x, moved.y - before.y);
@@ -286,55 +292,95 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8) {
 
 #[test]
 fn the_tracker_is_told_how_far_the_picture_moves() {
-    // Without the refiner, whose larger window the frame's edge would cut.
-    let robust = robust::Config::robust();
-    for delay_frames in [0, 1, 3] {
-        follows::<Paper<1024, 161>>(small(), delay_frames);
-        follows::<Robust>(robust, delay_frames);
+    let small = paper::Config { window: paper::Radius { x: 8, y: 8 }, ..paper::Config::camera() };
+    let good = [false; 3];
+    let failing = [[true, false, false], [false, true, false], [false, false, true]].map(|fails| (0, fails));
+    for (delay_frames, fails) in [(0, good), (1, good), (3, good)].into_iter().chain(failing) {
+        follows::<Paper<1024, 161>>(small, delay_frames, fails);
+        // Without the refiner, whose larger window the frame's edge would cut.
+        follows::<Robust>(robust::Config::robust(), delay_frames, fails);
     }
 }
 
-/// If a pin fails, the other axis still turns: the tracker is told, and the answer is returned.
-#[test]
-fn a_pin_that_fails_hides_neither_the_turn_nor_the_answer() {
-    let first = seen(100, 30);
-    let frame = Frame::whole(Image::new(&first, 160, 120).unwrap());
-    let follow = |fail: [bool; 3]| {
-        let mut pursuit = pursuit(PursuitConfig { delay_frames: 0, ..config() }, fail).unwrap();
-        let mut tracker = Tracker::<Paper<1024, 161>>::with(small()).unwrap();
-        tracker.lock(&frame, Rect::new(100, 30, 24, 24)).unwrap();
-        let followed = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
-        assert_eq!(followed.answer.bbox, Rect::new(100, 30, 24, 24));
-        (followed.commanded.is_ok(), pursuit.command(), tracker.window().unwrap())
-    };
-    let (good, command, window) = follow([false; 3]);
-    assert!(good && window.x < 92 && window.y > 22, "{window:?}");
-    assert_eq!(follow([false, false, true]), (false, command, window), "the LED");
-    // Without pan the picture only moves down.
-    let (tilted, moved) = (Command { pan_radians: 0.0, ..command }, Rect { x: 92, ..window });
-    assert_eq!(follow([true, false, false]), (false, tilted, moved));
+/// Axes with ordinary and extreme numbers; some products overflow.
+fn any_axis() -> impl Strategy<Value = Axis> {
+    let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];
+    let deadband = prop_oneof![Just(0.0), 0.0..0.2f32, Just(f32::MAX)];
+    (-6.2..6.2f32, 0.001..3.0f32, 0.0..=1.0f32, rate(), deadband, rate(), rate()).prop_map(
+        |(min, span, home, gain, deadband, slew, back)| {
+            let max = (min + span).min(TAU);
+            Axis {
+                min_radians: min,
+                max_radians: max,
+                home_radians: (min + home * (max - min)).min(max),
+                gain_per_second: gain,
+                deadband_radians: deadband,
+                slew_radians_per_second: slew,
+                return_radians_per_second: back,
+            }
+        },
+    )
 }
 
 proptest! {
+    #[test]
+    fn angles_are_those_of_the_pinhole(x in -65_535..65_535i32, width in any::<u16>(), focal in 1.0..5000.0f32) {
+        let (angle, _) = Camera::centred(focal, 320, 240).error_radians(Rect::new(x, 0, width, 1).into());
+        let exact = ((f64::from(x) + f64::from(width) / 2.0 - 160.0) / f64::from(focal)).atan();
+        prop_assert!((f64::from(angle) - exact).abs() < 0.003, "{} for {}", angle, exact);
+    }
+
+    #[test]
+    fn no_step_leaves_the_limits_the_slew_rate_or_the_deadband_nor_passes_the_target(
+        axis in any_axis(),
+        frames in prop::collection::vec((
+            prop_oneof![-1.58..1.58f32, -0.2..0.2f32],
+            prop_oneof![0.0..0.2f32, Just(0.0), Just(f32::MIN_POSITIVE), Just(f32::MAX)],
+            any::<bool>(),
+        ), 1..50),
+    ) {
+        prop_assert_eq!(axis.check(), Ok(()));
+        let mut angle = axis.home_radians;
+        for (error, elapsed, found) in frames {
+            let next = if found { axis.toward(angle, error, elapsed) } else { axis.homeward(angle, elapsed) };
+            let step = next - angle;
+            prop_assert!(next >= axis.min_radians && next <= axis.max_radians, "{}", next);
+            prop_assert!(step.abs() <= axis.slew_radians_per_second * elapsed + 1e-6, "{} to {}", angle, next);
+            if found {
+                prop_assert!(step * error >= 0.0 && step.abs() <= error.abs() + 1e-6, "{} for {}", step, error);
+                prop_assert!(step == 0.0 || error.abs() > axis.deadband_radians, "{} for {}", step, error);
+            }
+            angle = next;
+        }
+    }
+
     /// For every valid configuration, answer and time the pulses stay within the two of the servo.
     #[test]
     fn no_pulse_leaves_its_limits(
         (pan, tilt) in (any_axis(), any_axis()),
-        (focal_length_pixels, principal_x_pixels) in prop::num::f32::ANY.prop_flat_map(|focal| (Just(focal), any::<f32>())),
+        (at_min, at_max, period, max_duty) in any::<(u16, u16, u16, u16)>(),
+        (focal_length_pixels, principal_x_pixels) in (prop::num::f32::ANY, any::<f32>()),
         hold_seconds in prop_oneof![0.0..1.0f32, Just(f32::MAX)],
         frames in prop::collection::vec((any::<(i32, i32)>(), 0u8..3, prop::num::f32::ANY), 1..40),
     ) {
+        let (pan_servo, tilt_servo) = (servo(at_min, at_max, period), servo(at_max, at_min, period));
+        prop_assume!(pan_servo.check().is_ok());
         let camera = Camera { focal_length_pixels, principal_x_pixels, principal_y_pixels: 60.0 };
         let camera = if camera.check().is_ok() { camera } else { config().camera };
-        let config = PursuitConfig { camera, pan, tilt, hold_seconds, ..config() };
-        let mut pursuit = pursuit(config, [false; 3]).unwrap();
+        let config = PursuitConfig { camera, pan, pan_servo, tilt, tilt_servo, hold_seconds, ..config() };
+        let mut pursuit = pursuit(config, [None; 3], max_duty).unwrap();
         for ((x, y), state, elapsed) in frames {
+            let fine = FineRect { x, y, width: 5120, height: 5120 };
+            let (right, up) = camera.error_radians(fine);
+            prop_assert!(right.abs() < 1.58 && up.abs() < 1.58, "{} {}", right, up);
             let state = [State::Tracking, State::Leaving, State::Lost][usize::from(state)];
-            let answer = Answer { fine: FineRect { x, y, width: 5120, height: 5120 }, ..answer(state, 0, 0) };
-            if pursuit.steer(&answer, elapsed).is_ok() {
-                prop_assert!((1000..=2000).contains(&pursuit.pan.pin.duty), "{}", pursuit.pan.pin.duty);
-                prop_assert!((1000..=2000).contains(&pursuit.tilt.pin.duty), "{}", pursuit.tilt.pin.duty);
-            }
+            let _ = pursuit.steer(&Answer { fine, ..answer(state, 0, 0) }, elapsed); // the time may be invalid
+        }
+        let [pan, tilt, _] = written(&mut pursuit);
+        let exact = |pulse: u16| f64::from(pulse) / f64::from(period) * f64::from(max_duty);
+        let (least, most) = (exact(at_min.min(at_max)), exact(at_min.max(at_max)));
+        for duty in pan.into_iter().chain(tilt).map(f64::from) {
+            prop_assert!(duty > least - 0.52 && duty < most + 0.52, "{} of {}..{}", duty, least, most);
         }
     }
 }
