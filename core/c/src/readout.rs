@@ -83,9 +83,7 @@ impl smr_readout {
             let next = (&raw const (*from).next).read_volatile();
             // Nothing that the lines before `next` brought is read before it.
             compiler_fence(Ordering::Acquire);
-            let (format, columns, lines) = ((*from).format, (*from).columns, (*from).lines);
-            let (windows, pixels, size) = ((*from).windows, (*from).pixels, (*from).size);
-            Ok(Self { format, columns, lines, next, line: 0, windows, pixels, size })
+            Ok(Self { next, line: 0, ..*from })
         }
     }
 
