@@ -45,13 +45,6 @@ struct Pin {
     written: Vec<u16>,
 }
 
-impl Pin {
-    fn write(&mut self, value: u16) -> Result<(), MockError> {
-        self.written.push(value);
-        self.error.take().map_or(Ok(()), |kind| Err(MockError::Io(kind)))
-    }
-}
-
 impl pwm::ErrorType for Pin {
     type Error = MockError;
 }
@@ -66,17 +59,18 @@ impl SetDutyCycle for Pin {
     }
 
     fn set_duty_cycle(&mut self, duty: u16) -> Result<(), MockError> {
-        self.write(duty)
+        self.written.push(duty);
+        self.error.take().map_or(Ok(()), |kind| Err(MockError::Io(kind)))
     }
 }
 
 impl OutputPin for Pin {
     fn set_low(&mut self) -> Result<(), MockError> {
-        self.write(0)
+        self.set_duty_cycle(0)
     }
 
     fn set_high(&mut self) -> Result<(), MockError> {
-        self.write(1)
+        self.set_duty_cycle(1)
     }
 }
 
@@ -113,10 +107,8 @@ fn answer(state: State, x: i32, y: i32) -> Answer {
 fn the_pulses_of_each_frame_are_exact() {
     use State::*;
     let mut pursuit = pursuit(config(), [None; 3], 20_000).unwrap();
-    let far = (10_000, -10_000);
-    let far_right = (10_000, 60);
-    let anywhere = (0, 0);
-    for (number, (state, (x, y), seconds, pulses)) in [
+    let (far, far_right, anywhere) = ((10_000, -10_000), (10_000, 60), (0, 0));
+    let frames = [
         // micromath's atan(32 / 160) is 0.1957 radians. With gain 10 the head turns by all of it in 0.1 seconds.
         (Some(Tracking), (112, 60), 0.1, [1598, 1500, 1]),
         (Some(Leaving), (80, 92), 0.1, [1598, 1598, 1]),
@@ -140,10 +132,8 @@ fn the_pulses_of_each_frame_are_exact() {
         (None, anywhere, 1.5, [1625, 1500, 0]),
         (Some(Tracking), far_right, 0.25, [1875, 1500, 1]),
         (None, anywhere, 1.0, [1875, 1500, 0]),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    ];
+    for (number, (state, (x, y), seconds, pulses)) in frames.into_iter().enumerate() {
         let command = match state {
             Some(state) => pursuit.steer(&answer(state, x, y), seconds),
             None => pursuit.wait(seconds),
@@ -163,7 +153,7 @@ fn an_invalid_time_writes_no_pin() {
         for state in [State::Tracking, State::Lost] {
             assert_eq!(pursuit.steer(&answer(state, 0, 0), elapsed), Err(PursuitError::ElapsedTime));
         }
-        let (mut tracker, frame) = (Tracker::<Robust>::new(), seen(100, 30));
+        let (mut tracker, frame) = (Tracker::<Robust>::new(), seen());
         let frame = Frame::whole(Image::new(&frame, 160, 120).unwrap());
         assert_eq!(pursuit.follow(&mut tracker, &frame, elapsed).err(), Some(FollowError::ElapsedTime));
     }
@@ -250,13 +240,13 @@ fn angles_steps_and_duties_are_exact() {
     }
 }
 
-/// A frame of 160x120 pixels with a target of 24x24 at (`x`, `y`).
-fn seen(x: usize, y: usize) -> Vec<u8> {
-    let hash = |x: usize, y: usize, seed: usize| ((x * 31 + y * 57 + seed).wrapping_mul(2_654_435_761) >> 16) as u8;
-    let level = |px: usize, py: usize| match (px.checked_sub(x), py.checked_sub(y)) {
-        (Some(px @ 0..24), Some(py @ 0..24)) => hash(px / 4, py / 4, 1),
-        _ => 80 + hash(px / 9, py / 9, 9) / 5,
-    };
+const PLACE: Rect = Rect::new(100, 30, 24, 24);
+
+/// A frame of 160x120 pixels with a target at `PLACE`.
+fn seen() -> Vec<u8> {
+    let hash = |x: i32, y: i32| ((x * 31 + y * 57 + 1).wrapping_mul(-1_640_531_535) >> 16) as u8;
+    let is_target = |x, y| PLACE.contains(Rect::new(x, y, 1, 1));
+    let level = |x, y| if is_target(x, y) { hash(x / 4, y / 4) } else { 80 + hash(x / 9, y / 9) / 5 };
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
@@ -266,18 +256,18 @@ fn follows<T: Target>(target: T::Config, delay_frames: u8, fails: [bool; 3]) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
     let errors = fails.map(|fails| fails.then_some(NotConnected));
     let mut pursuit = pursuit(PursuitConfig { delay_frames, ..config() }, errors, 20_000).unwrap();
-    let (pixels, place) = (seen(100, 30), Rect::new(100, 30, 24, 24));
+    let pixels = seen();
     let frame = Frame::whole(Image::new(&pixels, 160, 120).unwrap());
     let error = pursuit.follow(&mut tracker, &frame, 0.03).unwrap_err();
     assert_eq!(error, FollowError::Update(UpdateError::NotLocked));
     assert_eq!(error.to_string(), "there is no target yet: lock first");
-    tracker.lock(&frame, place).unwrap();
+    tracker.lock(&frame, PLACE).unwrap();
     let before = tracker.window().unwrap();
     let mut expected = (0, 0);
     for number in 0..=delay_frames {
         let Followed { answer, commanded } = pursuit.follow(&mut tracker, &frame, 0.03).unwrap();
         if number == 0 {
-            assert_eq!((answer.bbox, answer.state), (place, State::Tracking));
+            assert_eq!((answer.bbox, answer.state), (PLACE, State::Tracking));
             assert_eq!(commanded.is_err(), fails.contains(&true));
             let Command { pan_radians, tilt_radians } = pursuit.command();
             assert_eq!((pan_radians > 0.05, tilt_radians > 0.02), (!fails[0], !fails[1]));
