@@ -1,7 +1,7 @@
 //! The instruction sets that kernels are written for, and those that this machine has.
 
 /// Evaluates `$call` with the kernels of a backend: `$set` stands for the module of its instruction set. This is the
-/// one list of the modules: each has `is_available` (`x86/avx2/mod.rs` detects AVX2), `scores`, `products` and `dense`.
+/// one list of the modules: each has `is_available` (`x86/avx2.rs` detects AVX2), `scores`, `products` and `dense`.
 /// A backend that the program is not compiled for has the plain loops.
 macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr) => {
@@ -21,8 +21,8 @@ macro_rules! by_backend {
         #[allow(unused_imports)] // kernels that a variant holds need no module
         match $value {
             #[cfg(target_arch = "x86_64")]
-            $type::Sse2$(($kernels))? => {
-                use $crate::kernels::x86::sse2 as $set;
+            $type::Ssse3$(($kernels))? => {
+                use $crate::kernels::x86::ssse3 as $set;
                 $call
             }
             #[cfg(target_arch = "x86_64")]
@@ -97,9 +97,8 @@ pub(super) use super::swar as native;
 pub enum Backend {
     /// The plain loop, the specification.
     Scalar,
-    /// Any x86-64: distances, ranges and bounds 16 pixels at a time. The plain loop computes scores, and only if a
-    /// bound says that the score can reach the floor.
-    Sse2,
+    /// x86-64 with SSSE3 (Intel since 2006, AMD since 2011): 16 pixels at a time.
+    Ssse3,
     /// x86-64 with AVX2: 32 pixels at a time.
     Avx2,
     /// AArch64 with NEON: 16 pixels at a time.
@@ -119,7 +118,7 @@ pub enum Backend {
 
 impl Backend {
     const ALL: [Self; 8] =
-        [Self::Avx2, Self::Sse2, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
+        [Self::Avx2, Self::Ssse3, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
 
     /// The backends that this machine can run, the fastest first. [`Backend::Scalar`] is always the last.
     ///

@@ -110,12 +110,7 @@ impl CutTable {
         &self.points
     }
 
-    #[cfg(all(target_arch = "x86_64", not(any(smr_dsp, smr_helium))))]
-    pub(super) fn chord(&self) -> u32 {
-        self.flattest()
-    }
-
-    #[cfg(any(target_arch = "x86_64", smr_dsp, smr_helium))] // for backends that filter by it
+    #[cfg(any(smr_dsp, smr_helium))]
     fn flattest(&self) -> u32 {
         let one = u32::from(ONE);
         let counting = self.entries.get(..usize::from(self.threshold).min(256)).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Layers of a small network: chooses the loop of a backend.
 //!
 //! The DSP extension adds two products in an instruction, Helium sixteen. For AVX2 the plain loop is compiled with its
-//! instructions. All other backends use the plain loop as it is; the compiler vectorizes it for SSE2, NEON and SIMD128.
+//! instructions. All other backends use the plain loop as it is; the compiler vectorizes it for x86-64, NEON and SIMD128.
 
 use super::backend::{Backend, by_backend};
 use super::plain::dense as plain;

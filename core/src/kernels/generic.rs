@@ -44,7 +44,7 @@
 //!    (`END`) are constants (`by_width!`). Where code has to be small, only the short rows do.
 //! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits, which overlaps the one
 //!    before; the lanes that were counted before are masked. Rows narrower than a vector are copied ([`last`]) or
-//!    loaded in pieces (AVX2).
+//!    loaded in pieces (x86-64).
 //! 9. **Ranges are written twice at the end of a row.** The last vector of [`spread`] and [`ranges_of_rows`] overlaps
 //!    the one before and stores the same values again. So the ranges left need no loop of their own.
 //! 10. **`#[inline(always)]` everywhere, and no closures.** An intrinsic becomes an instruction only inside a function

@@ -6,13 +6,13 @@
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
 //! | `plain/` | any | no faster backend exists | always |
-//! | `x86/sse2/` | SSE2, which every x86-64 has | there is no AVX2 | on every x86-64 |
-//! | `x86/avx2/` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
+//! | `x86/avx2.rs` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
+//! | `x86/ssse3.rs` | SSSE3 (Intel since 2006, AMD since 2011) | the same, without AVX2 | where the machine has it |
 //! | `aarch64/neon/` | NEON | compiled for | emulated by QEMU (`.ci/run neon`), or natively |
 //! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
-//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
+//! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly, older x86-64) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
 //!
 //! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that
 //! chooses:
@@ -22,9 +22,9 @@
 //! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
 //! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | Arm, RV32: `scores.rs` |
 //! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
-//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `products.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
+//! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `avx2.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
-//! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `dense.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
+//! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row | `native.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | `bilinear.rs` |
 //! | contrast of a patch, update of a template | `native.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
 //! | weights of a filter: coding, steps | `native.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |

@@ -62,13 +62,6 @@ impl Rows {
         })
     }
 
-    /// The first `width` pixels of each row.
-    #[inline]
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for SSE2
-    pub(crate) fn first(&self, width: usize) -> Self {
-        Self { width: self.width.min(width), ..*self }
-    }
-
     /// The score of the rows from `y` on if all their pixels were equal. It fits in a `u32`.
     #[inline]
     pub(crate) fn full_after(&self, y: usize) -> u32 {

@@ -17,7 +17,7 @@ use super::swar::scores as swar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::wasm32::simd128::scores as simd128;
 #[cfg(target_arch = "x86_64")]
-use super::x86::{avx2::scores as avx2, sse2::scores as sse2};
+use super::x86::{avx2, ssse3};
 use crate::image::{Image, Rect};
 
 /// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures
@@ -37,7 +37,7 @@ impl core::fmt::Debug for Scorer<'_> {
 enum Ready<'a> {
     Scalar(Plain<'a>),
     #[cfg(target_arch = "x86_64")]
-    Sse2(sse2::Bound<'a>),
+    Ssse3(ssse3::Lookup),
     #[cfg(target_arch = "x86_64")]
     Avx2(avx2::Lookup),
     #[cfg(smr_dsp)]
@@ -60,9 +60,9 @@ impl<'a> Scorer<'a> {
         let plain = Plain { table };
         let ready = match backend {
             #[cfg(target_arch = "x86_64")]
-            Backend::Sse2 => sse2::Bound::new(table).map_or(Ready::Scalar(plain), Ready::Sse2),
+            Backend::Ssse3 if ssse3::is_available() => Ready::Ssse3(ssse3::Lookup::new(table)),
             #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 => avx2::Lookup::new(table).map_or(Ready::Scalar(plain), Ready::Avx2),
+            Backend::Avx2 if avx2::is_available() => Ready::Avx2(avx2::Lookup::new(table)),
             #[cfg(smr_dsp)]
             Backend::Dsp => Ready::Dsp(Kernels::new(table)),
             #[cfg(smr_helium)]

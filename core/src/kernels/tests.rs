@@ -107,7 +107,7 @@ macro_rules! for_each_backend {
 }
 
 for_each_backend! {
-    scalar_loop: Scalar, sse2: Sse2, avx2: Avx2, neon: Neon, simd128: Simd128, swar: Swar;
+    scalar_loop: Scalar, ssse3: Ssse3, avx2: Avx2, neon: Neon, simd128: Simd128, swar: Swar;
     {
         scores: |backend| check::scores(backend, &mut Guarded::new().areas()),
         scores_between: |backend| check::scores_between(backend, &mut Guarded::new().areas()),

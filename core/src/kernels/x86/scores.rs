@@ -1,0 +1,200 @@
+//! Scores by the shuffles of x86-64, for any threshold: what AVX2 and SSSE3 share.
+//!
+//! 1. The low and the high bytes of the table are two planes of 256 bytes. A shuffle looks up 16 bytes, so the loop
+//!    goes through the entries below the threshold in segments of 16. The usual threshold is at most 16: one segment.
+//! 2. A shuffle gives zero if the top bit of the index is set. A saturating addition sets that bit for differences that
+//!    belong to other segments. So the lookup is also the test d < threshold.
+//! 3. `psadbw` against zero adds eight bytes exactly.
+//! 4. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked. So no
+//!    byte outside of a row is read, whatever its width.
+
+use crate::kernels::cut_table::CutTable;
+use crate::kernels::effort::Effort;
+use crate::kernels::generic::{LookUp, Neighbours, Vector};
+use core::arch::x86_64::*;
+use core::marker::PhantomData;
+
+/// A register whose 16-byte parts are shuffled.
+pub(super) trait Shuffle: Neighbours {
+    /// Loads 16 bytes into each part.
+    unsafe fn segment(entries: &[u8; SEGMENT]) -> Self;
+    /// In each part the byte of `entries` at each index; zero if its top bit is set.
+    unsafe fn shuffle(entries: Self, index: Self) -> Self;
+    /// max(a - b, -128) of signed numbers.
+    unsafe fn lowered(a: Self, b: Self) -> Self;
+    unsafe fn xor(a: Self, b: Self) -> Self;
+}
+
+/// Entries that one shuffle looks up.
+pub(super) const SEGMENT: usize = 16;
+
+/// Segments that a half of the table has: as many as the top bit of an index can tell from the rest.
+const SEGMENTS_A_HALF: usize = 8;
+
+/// The entries below the threshold in segments, low bytes and high bytes apart, for the register `V`.
+///
+/// The first segment of a half is stored as it is, each other one as its xor with the one before it. A pixel in segment
+/// k gets a value from each shuffle up to k, and their xor is the entry.
+pub(crate) struct Lookup<V> {
+    low: [[u8; SEGMENT]; 16],
+    high: [[u8; SEGMENT]; 16],
+    pub(super) segments: usize,
+    /// The largest difference that counts, if there is one.
+    pub(super) last: Option<u8>,
+    /// Decides how often bounding candidates is worth its time.
+    pub(super) candidates: Effort,
+    register: PhantomData<V>,
+}
+
+impl<V> Lookup<V> {
+    /// The caller has checked that the machine has the instruction set.
+    pub(crate) fn new(table: &CutTable) -> Self {
+        let threshold = table.threshold();
+        let mut planes = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
+        let places = planes.0.as_flattened_mut().iter_mut().zip(planes.1.as_flattened_mut());
+        for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
+            [*low, *high] = entry.to_le_bytes();
+        }
+        // From five on, the loop goes through eight or all segments, also through those beyond the threshold.
+        let segments = match usize::from(threshold).div_ceil(SEGMENT) {
+            live @ 0..=4 => live.max(1),
+            5..=8 => 8,
+            _ => 16,
+        };
+        planes.0.get_mut(..segments).map(xor_within_halves);
+        planes.1.get_mut(..segments).map(xor_within_halves);
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::NEW, register: PhantomData }
+    }
+}
+
+/// Replaces each segment of a half but the first by its xor with the one before it.
+fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
+    for half in plane.chunks_mut(SEGMENTS_A_HALF) {
+        // Starts at the last segment: each segment then meets the one before it unchanged.
+        let mut rest = half;
+        while let Some((last, before)) = rest.split_last_mut() {
+            last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
+            rest = before;
+        }
+    }
+}
+
+/// The first `SEGMENTS` segments of both byte planes in registers. The others are not looked up.
+pub(super) struct Planes<V, const SEGMENTS: usize> {
+    low: [V; 16],
+    high: [V; 16],
+}
+
+impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    #[inline(always)]
+    pub(super) unsafe fn of(lookup: &Lookup<V>) -> Self {
+        // SAFETY: the processor has the instruction set.
+        unsafe {
+            let mut planes = Self { low: [V::splat(0); 16], high: [V::splat(0); 16] };
+            for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
+                for (register, segment) in registers.iter_mut().zip(segments).take(SEGMENTS) {
+                    *register = V::segment(segment);
+                }
+            }
+            planes
+        }
+    }
+
+    /// Looks up the entries in `COUNT` segments (at most 8) from `first` on.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    #[inline(always)]
+    #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
+    unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
+        // With this added, the last segment ends at 127. Differences beyond it have the top bit.
+        let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
+        // SAFETY: the processor has the instruction set.
+        unsafe {
+            let moved = V::raised(difference, V::splat(up as u8));
+            let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
+            let mut segment = 1;
+            while segment < COUNT {
+                // A signed and saturating subtraction: the top bit stays where it is set, and is set for differences
+                // below this segment.
+                let index = V::lowered(moved, V::splat((up + SEGMENT * segment) as u8));
+                planes.0 = V::xor(planes.0, V::shuffle(self.low[first + segment], index));
+                planes.1 = V::xor(planes.1, V::shuffle(self.high[first + segment], index));
+                segment += 1;
+            }
+            planes
+        }
+    }
+}
+
+impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
+    type Vector = V;
+
+    #[inline(always)]
+    unsafe fn look_up(&self, difference: V) -> (V, V) {
+        // SAFETY: the processor has the instruction set.
+        unsafe {
+            if SEGMENTS <= SEGMENTS_A_HALF {
+                return self.look_up_half::<SEGMENTS>(0, difference);
+            }
+            // The top bit tells the halves apart.
+            let first = self.look_up_half::<SEGMENTS_A_HALF>(0, difference);
+            let other = V::xor(difference, V::splat(1 << 7));
+            let second = self.look_up_half::<SEGMENTS_A_HALF>(SEGMENTS_A_HALF, other);
+            (V::or(first.0, second.0), V::or(first.1, second.1))
+        }
+    }
+}
+
+/// A mask of the lanes in which a row narrower than a vector is loaded, each pixel once.
+///
+/// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they
+/// overlap, only the first is valid.
+///
+/// # Safety
+/// The processor has the instruction set of `V`.
+#[inline(always)]
+pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
+    let (lanes, new) = match width {
+        0..4 => (&const { lanes(0, 4) }, width % 4),
+        4..8 => (&const { lanes(4, 4) }, width % 4),
+        8..16 => (&const { lanes(8, 8) }, width % 8),
+        _ => (&const { lanes(16, 16) }, width % 16),
+    };
+    let new = u8::try_from(new).unwrap_or(0);
+    // SAFETY: the processor has the instruction set; a vector is at most the 32 bytes of `lanes`.
+    unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
+}
+
+/// The numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31,
+/// and lanes that are never valid.
+#[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
+const fn lanes(first: usize, second: usize) -> [u8; 32] {
+    let mut lanes = [0; 32];
+    let mut lane = 0;
+    while lane < first + second {
+        lanes[lane] = if lane < first { 127 } else { (32 - second + lane - first) as u8 };
+        lane += 1;
+    }
+    lanes
+}
+
+/// Loads a row of up to 15 pixels into the lanes of [`narrow_lanes`].
+#[inline(always)]
+pub(super) fn narrow(row: &[u8]) -> __m128i {
+    let (low, high) = match (row.first_chunk(), row.last_chunk()) {
+        (Some(&first), Some(&last)) => (i64::from_le_bytes(first), i64::from_le_bytes(last)),
+        _ => match (row.first_chunk(), row.last_chunk()) {
+            (Some(&first), Some(&last)) => {
+                (i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32, 0)
+            }
+            // Shifts pixels in from the top of four bytes, so that the last pixel is included.
+            _ => (i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)), 0),
+        },
+    };
+    // SAFETY: every x86-64 has SSE2.
+    unsafe { _mm_set_epi64x(high, low) }
+}
