@@ -49,6 +49,9 @@
 //!    the one before and stores the same values again. So the ranges left need no loop of their own.
 //! 10. **`#[inline(always)]` everywhere, and no closures.** An intrinsic becomes an instruction only inside a function
 //!     with `#[target_feature]`. A closure is a function of its own, without that attribute.
+//!
+//! A function that is `unsafe` asks that the processor has the instruction set of its vector, and that the pictures its
+//! rows belong to are borrowed. What else it asks for it says.
 
 use super::cut_table::ONE;
 use super::rows::Rows;
@@ -59,10 +62,8 @@ use core::slice;
 /// Rows between two checks whether the floor can still be reached.
 const ROWS_A_LOOK: usize = 8;
 
-/// A vector register of pixels, and the operations on it.
-///
-/// # Safety
-/// Every method is for processors that have the instruction set.
+/// A vector register of pixels, and the operations on it. A value exists only if the processor has the instruction set.
+/// So only the methods that make one are unsafe.
 pub(crate) trait Vector: Copy {
     /// Pixels in a register.
     const LANES: usize;
@@ -73,51 +74,49 @@ pub(crate) trait Vector: Copy {
     unsafe fn splat(byte: u8) -> Self;
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
-    unsafe fn or(a: Self, b: Self) -> Self;
-    /// max(a - b, 0): how far a is beyond b.
-    unsafe fn beyond(a: Self, b: Self) -> Self;
-    /// a - b, wrapping.
-    unsafe fn minus(a: Self, b: Self) -> Self;
-    /// 255 where a <= b, else 0.
-    unsafe fn at_most(a: Self, b: Self) -> Self;
-    /// 255 where a > b as signed numbers, else 0.
-    unsafe fn is_above(a: Self, b: Self) -> Self;
-
     unsafe fn nothing() -> Self::Total;
-    /// Adds all bytes to the sum.
-    unsafe fn add(total: Self::Total, bytes: Self) -> Self::Total;
-    /// Adds all |f - g| to the sum.
-    unsafe fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
-    unsafe fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
-    unsafe fn times_256(total: Self::Total) -> Self::Total;
-    /// The sum of the lanes.
-    unsafe fn across(total: Self::Total) -> u32;
-
     /// The mask of the end of a row, the pixels after its last whole vector: 255 in the lanes that hold them. `WHOLE`
     /// is 0 if the row is narrower than a vector.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. The other lanes may hold anything.
-    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize, end: Self) -> Self;
-    /// Zeroes the lanes that do not hold the end.
-    unsafe fn keep(bytes: Self, end: Self) -> Self;
+    unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
 
+    fn or(a: Self, b: Self) -> Self;
+    /// max(a - b, 0): how far a is beyond b.
+    fn beyond(a: Self, b: Self) -> Self;
+    /// a - b, wrapping.
+    fn minus(a: Self, b: Self) -> Self;
+    /// 255 where a <= b, else 0.
+    fn at_most(a: Self, b: Self) -> Self;
+    /// 255 where a > b as signed numbers, else 0.
+    fn is_above(a: Self, b: Self) -> Self;
+    /// Zeroes the lanes that do not hold the end.
+    fn keep(bytes: Self, end: Self) -> Self;
     /// |f - g|.
     #[inline(always)]
-    unsafe fn difference(f: Self, g: Self) -> Self {
-        // SAFETY: as the caller guarantees.
-        unsafe { outside(f, f, g) }
+    fn difference(f: Self, g: Self) -> Self {
+        outside(f, f, g)
     }
+
+    /// Adds all bytes to the sum.
+    fn add(total: Self::Total, bytes: Self) -> Self::Total;
+    /// Adds all |f - g| to the sum.
+    fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
+    fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
+    fn times_256(total: Self::Total) -> Self::Total;
+    /// The sum of the lanes.
+    fn across(total: Self::Total) -> u32;
 }
 
 /// Further operations for ranges of neighbouring pixels.
 pub(crate) trait Neighbours: Vector {
     unsafe fn store(bytes: Self, to: *mut u8);
-    unsafe fn min(a: Self, b: Self) -> Self;
-    unsafe fn max(a: Self, b: Self) -> Self;
+    fn min(a: Self, b: Self) -> Self;
+    fn max(a: Self, b: Self) -> Self;
     /// min(a + b, 255).
-    unsafe fn raised(a: Self, b: Self) -> Self;
+    fn raised(a: Self, b: Self) -> Self;
     /// Moves the bytes down by `BY` lanes and fills up with zeroes.
-    unsafe fn further<const BY: i32>(bytes: Self) -> Self;
+    fn further<const BY: i32>(bytes: Self) -> Self;
 }
 
 /// A table, cut off at a threshold, in registers.
@@ -125,20 +124,33 @@ pub(crate) trait LookUp {
     type Vector: Vector;
 
     /// The low bytes and the high bytes of the entries; zero from the threshold on.
-    unsafe fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
+    fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
 }
 
 /// Defines methods of the traits above, each by an expression of intrinsics.
 macro_rules! intrinsics {
-    ($(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) $(-> $to:ty)? { $value:expr })*) => {$(
-        #[inline(always)]
-        #[allow(unused_unsafe)] // some are plain expressions
-        unsafe fn $name $(<const $n: $of>)? ($($argument: $type),*) $(-> $to)? {
-            // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be read
-            // or written at an address. No instruction needs alignment.
-            unsafe { $value }
-        }
-    )*};
+    (
+        $(unsafe fn $new:ident $(<const $m:ident: $from:ty>)? ($($given:ident: $in:ty),*) $(-> $out:ty)? { $made:expr })*
+        $(fn $name:ident $(<const $n:ident: $of:ty>)? ($($argument:ident: $type:ty),*) -> $to:ty { $value:expr })*
+    ) => {
+        $(
+            #[inline(always)]
+            #[allow(unused_unsafe)] // some are plain expressions
+            unsafe fn $new $(<const $m: $from>)? ($($given: $in),*) $(-> $out)? {
+                // SAFETY: the caller guarantees that the processor has the instructions and that a whole vector can be
+                // read or written at an address. No instruction needs alignment.
+                unsafe { $made }
+            }
+        )*
+        $(
+            #[inline(always)]
+            #[allow(unused_unsafe)]
+            fn $name $(<const $n: $of>)? ($($argument: $type),*) -> $to {
+                // SAFETY: an argument is a vector, which exists only if the processor has the instructions.
+                unsafe { $value }
+            }
+        )*
+    };
 }
 
 /// Stands for any number of whole vectors in a row from one on, as a value of `WHOLE`. Other values of `WHOLE` are the
@@ -174,22 +186,16 @@ macro_rules! by_width {
 macro_rules! ranges {
     ($features:literal, $($vector:ty)+) => {
         /// See [`Scores::ranges_of_rows`].
-        ///
-        /// # Safety
-        /// The processor has the instruction set.
         #[target_feature(enable = $features)]
         unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: this is compiled for the instruction set.
             unsafe { $(generic::ranges_of_rows::<$vector>(pixels, step, last, to))||+ }
         }
 
         /// See [`plain::spread`].
-        ///
-        /// # Safety
-        /// The processor has the instruction set.
         #[target_feature(enable = $features)]
         unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: this is compiled for the instruction set.
             if !unsafe { $(generic::spread::<$vector>(rows, low, high))||+ } {
                 plain::spread(rows, low, high);
             }
@@ -268,7 +274,7 @@ macro_rules! scores {
         impl $backend {
             #[target_feature(enable = $features)]
             unsafe fn sum_by_width<const SEGMENTS: usize>(&self, rows: &Rows, floor: u32) -> Option<u32> {
-                // SAFETY: as the caller guarantees.
+                // SAFETY: this is compiled for the instruction set; the caller borrows the pictures of the rows.
                 unsafe { by_width!(rows.width, $vector, self.sum_at_least::<SEGMENTS, WHOLE, END>(rows, floor)) }
             }
 
@@ -278,46 +284,40 @@ macro_rules! scores {
                 rows: &Rows,
                 floor: u32,
             ) -> Option<u32> {
-                // SAFETY: as the caller guarantees.
+                // SAFETY: as above.
                 unsafe { generic::sum_at_least::<_, WHOLE, END>(&$planes::<SEGMENTS>::of(self), rows, floor) }
             }
         }
 
-        #[target_feature(enable = $features)]
-        unsafe fn count_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> Option<u32> {
-            // SAFETY: as the caller guarantees.
-            unsafe { generic::count_at_least::<$vector, WHOLE, END>(rows, last, floor) }
-        }
-
-        #[target_feature(enable = $features)]
-        unsafe fn inside_at_least<const WHOLE: usize, const END: bool>(rows: &Rows, floor: u32) -> Option<u32> {
-            // SAFETY: as the caller guarantees.
-            unsafe { generic::inside_at_least::<$vector, WHOLE, END>(rows, floor) }
-        }
-
-        #[target_feature(enable = $features)]
-        unsafe fn candidates<const WHOLE: usize, const END: bool>(rows: &Rows, last: u8, floor: u32) -> u8 {
-            // SAFETY: as the caller guarantees.
-            unsafe { generic::candidates::<$vector, WHOLE, END>(rows, last, floor) }
+        $crate::kernels::generic::compiled! { $features, $vector:
+            fn count_at_least(rows: &Rows, last: u8, floor: u32) -> Option<u32>;
+            fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32>;
+            fn candidates(rows: &Rows, last: u8, floor: u32) -> u8;
+            fn distance(rows: &Rows, enough: u32) -> u32;
         }
 
         /// See [`Scores::ranges`].
         #[target_feature(enable = $features)]
         unsafe fn ranges(rows: &[&[u8]; 4], last: u8, low: &mut [u8], high: &mut [u8]) {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: this is compiled for the instruction set.
             unsafe { spread(rows, low, high) };
             generic::widen_all(low, high, last);
-        }
-
-        #[target_feature(enable = $features)]
-        unsafe fn distance<const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
-            // SAFETY: as the caller guarantees.
-            unsafe { generic::distance::<$vector, WHOLE, END>(rows, enough) }
         }
     };
 }
 
-pub(crate) use {by_width, intrinsics, ranges, scores};
+/// Compiles loops of this file for an instruction set.
+macro_rules! compiled {
+    ($features:literal, $vector:ty: $(fn $name:ident($rows:ident: &Rows $(, $argument:ident: $of:ty)*) -> $to:ty;)*) => {$(
+        #[target_feature(enable = $features)]
+        unsafe fn $name<const WHOLE: usize, const END: bool>($rows: &Rows $(, $argument: $of)*) -> $to {
+            // SAFETY: this is compiled for the instruction set; the caller borrows the pictures of the rows.
+            unsafe { generic::$name::<$vector, WHOLE, END>($rows $(, $argument)*) }
+        }
+    )*};
+}
+
+pub(crate) use {by_width, compiled, intrinsics, ranges, scores};
 
 /// The number of pixels of a row in whole vectors.
 #[inline(always)]
@@ -326,13 +326,9 @@ fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
 }
 
 /// How far each pixel of `g` lies outside its range from `low` to `high`: |f - g| if both are f.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-pub(crate) unsafe fn outside<V: Vector>(low: V, high: V, g: V) -> V {
-    // SAFETY: as the caller guarantees.
-    unsafe { V::or(V::beyond(low, g), V::beyond(g, high)) }
+fn outside<V: Vector>(low: V, high: V, g: V) -> V {
+    V::or(V::beyond(low, g), V::beyond(g, high))
 }
 
 /// The totals of the low and of the high bytes of similarities.
@@ -342,16 +338,13 @@ struct Sums<V: Vector> {
 }
 
 /// The score if it is at least `floor`, else `None`: see the pseudo-code at the top.
-///
-/// # Safety
-/// The processor has the instruction set, and the pictures that `rows` were made of are borrowed.
 #[inline(always)]
 pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
     rows: &Rows,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: as the caller guarantees; y is below the height.
+    // SAFETY: y is below the height, and `end` is made for the width.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
         // Reason 3 at the top of this file.
@@ -377,7 +370,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
 /// Adds the similarities of row `y`.
 ///
 /// # Safety
-/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+/// The row exists, and `end` was made for its width.
 #[inline(always)]
 unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     table: &L,
@@ -386,7 +379,7 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     end: L::Vector,
     sums: &mut Sums<L::Vector>,
 ) {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    // SAFETY: the row exists, and no vector ends beyond its width.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -398,8 +391,8 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
             at += L::Vector::LANES;
         }
         if END {
-            let f = L::Vector::load_end::<WHOLE>(f, rows.width, end);
-            let g = L::Vector::load_end::<WHOLE>(g, rows.width, end);
+            let f = L::Vector::load_end::<WHOLE>(f, rows.width);
+            let g = L::Vector::load_end::<WHOLE>(g, rows.width);
             let (low, high) = table.look_up(L::Vector::difference(f, g));
             sums.low = L::Vector::add(sums.low, L::Vector::keep(low, end));
             sums.high = L::Vector::add(sums.high, L::Vector::keep(high, end));
@@ -408,27 +401,20 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
 }
 
 /// The sum of the similarities. It fits in a `u32` for every template.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-unsafe fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
-    // SAFETY: as the caller guarantees.
-    unsafe { V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high)))) }
+fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
+    V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high))))
 }
 
 /// An upper bound of a score: the number of pixels that count (differ by at most `last`), each taken as fully similar.
 /// It reads three pictures at about the cost of a score of two.
-///
-/// # Safety
-/// As for [`sum_at_least`].
 #[inline(always)]
 pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
     last: u8,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
+    // SAFETY: y is below the height, no vector ends beyond the width, and `end` is made for it.
     unsafe {
         let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
         let (mut count, needed) = (Count { bytes: V::splat(0), flushed: 0 }, Rows::pixels_of(floor));
@@ -448,9 +434,9 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
                     }
                 }
                 if END {
-                    let f = V::load_end::<WHOLE>(f, rows.width, end);
-                    let h = V::load_end::<WHOLE>(h, rows.width, end);
-                    let g = V::load_end::<WHOLE>(g, rows.width, end);
+                    let f = V::load_end::<WHOLE>(f, rows.width);
+                    let h = V::load_end::<WHOLE>(h, rows.width);
+                    let g = V::load_end::<WHOLE>(g, rows.width);
                     count.add(V::keep(V::at_most(outside(f, h, g), last), end));
                 }
                 if WHOLE == ANY {
@@ -469,15 +455,12 @@ pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bo
 
 /// The bound of [`count_at_least`] by ranges in the form of [`widen`]. It counts the pixels outside their ranges, and
 /// stops once there are too many.
-///
-/// # Safety
-/// As for [`sum_at_least`].
 #[inline(always)]
 pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
     floor: u32,
 ) -> Option<u32> {
-    // SAFETY: as the caller guarantees; `end` was made for the width.
+    // SAFETY: y is below the height, and `end` is made for the width.
     unsafe {
         let end = V::end::<WHOLE>(rows.width);
         let pixels = rows.pixels_after(0);
@@ -506,7 +489,7 @@ pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: b
 /// Counts the pixels of row `y` that are outside their ranges.
 ///
 /// # Safety
-/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+/// The row exists, and `end` was made for its width.
 #[inline(always)]
 unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -514,7 +497,7 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     end: V,
     count: &mut Count<V>,
 ) {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    // SAFETY: the row exists, and no vector ends beyond its width.
     unsafe {
         let ((low, g), span) = (rows.row(y), rows.high_row(y));
         let mut at = 0;
@@ -527,9 +510,9 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
             }
         }
         if END {
-            let low = V::load_end::<WHOLE>(low, rows.width, end);
-            let span = V::load_end::<WHOLE>(span, rows.width, end);
-            let above = V::minus(V::load_end::<WHOLE>(g, rows.width, end), low);
+            let low = V::load_end::<WHOLE>(low, rows.width);
+            let span = V::load_end::<WHOLE>(span, rows.width);
+            let above = V::minus(V::load_end::<WHOLE>(g, rows.width), low);
             count.add(V::keep(V::is_above(above, span), end));
         }
         if WHOLE == ANY {
@@ -543,14 +526,14 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
 /// once for all four.
 ///
 /// # Safety
-/// As for [`sum_at_least`]; the patch has three more columns.
+/// The patch has three more columns.
 #[inline(always)]
 pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bool>(
     rows: &Rows,
     last: u8,
     floor: u32,
 ) -> u8 {
-    // SAFETY: as the caller guarantees; `end` was made for the width.
+    // SAFETY: y is below the height, and `end` is made for the width.
     unsafe {
         let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
         let Some(allowed) = rows.pixels_after(0).checked_sub(Rows::pixels_of(floor)) else { return 0 };
@@ -582,7 +565,7 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     last: V,
     counts: &mut [Count<V>; 4],
 ) {
-    // SAFETY: as the caller guarantees. In the template no vector ends beyond the width, in the patch at most three
+    // SAFETY: the row exists. In the template no vector ends beyond the width, in the patch at most three
     // columns beyond it.
     unsafe {
         let (f, g) = rows.row(y);
@@ -599,9 +582,9 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
             }
         }
         if END {
-            let (highest, span) = around(V::load_end::<WHOLE>(g, rows.width, end), last);
+            let (highest, span) = around(V::load_end::<WHOLE>(g, rows.width), last);
             for (column, count) in counts.iter_mut().enumerate() {
-                let f = V::load_end::<WHOLE>(f.wrapping_add(column), rows.width, end);
+                let f = V::load_end::<WHOLE>(f.wrapping_add(column), rows.width);
                 count.add(V::keep(V::is_above(V::minus(highest, f), span), end));
             }
         }
@@ -613,36 +596,23 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
 
 /// The range of the pixels f that count when compared with `g`, in a form like that of [`widen`]: f counts if and only
 /// if the first result minus f is at most the second result (as signed numbers).
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-unsafe fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
-    // SAFETY: as the caller guarantees.
-    unsafe {
-        let highest = V::minus(V::raised(g, last), V::splat(HALF));
-        (highest, V::minus(highest, V::beyond(g, last)))
-    }
+fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
+    let highest = V::minus(V::raised(g, last), half(g));
+    (highest, V::minus(highest, V::beyond(g, last)))
 }
 
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-unsafe fn flush_all<V: Vector>(counts: &mut [Count<V>; 4]) {
+fn flush_all<V: Vector>(counts: &mut [Count<V>; 4]) {
     for count in counts {
-        // SAFETY: as the caller guarantees.
-        unsafe { count.flush() };
+        count.flush();
     }
 }
 
 /// One bit for each count, set if the count is at most `allowed`.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-unsafe fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
-    // SAFETY: as the caller guarantees.
-    unsafe { flush_all(counts) };
+fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
+    flush_all(counts);
     let mut within = 0;
     for (column, count) in counts.iter().enumerate() {
         within |= u8::from(count.flushed <= allowed) << column;
@@ -664,20 +634,14 @@ impl<V: Vector> Count<V> {
     const MOST: usize = 128;
 
     /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.
-    ///
-    /// # Safety
-    /// The processor has the instruction set of `V`.
     #[inline(always)]
-    unsafe fn add(&mut self, counts: V) {
-        // SAFETY: as the caller guarantees. 255 is -1.
-        self.bytes = unsafe { V::minus(self.bytes, counts) };
+    fn add(&mut self, counts: V) {
+        self.bytes = V::minus(self.bytes, counts); // 255 is -1
     }
 
-    /// # Safety
-    /// The processor has the instruction set of `V`.
     #[inline(always)]
-    unsafe fn flush(&mut self) {
-        // SAFETY: as the caller guarantees.
+    fn flush(&mut self) {
+        // SAFETY: `bytes` exists, so the processor has the instruction set.
         unsafe {
             self.flushed += V::across(V::add(V::nothing(), self.bytes));
             self.bytes = V::splat(0);
@@ -686,12 +650,9 @@ impl<V: Vector> Count<V> {
 }
 
 /// See [`plain::scores::distance`](crate::kernels::plain::scores::distance).
-///
-/// # Safety
-/// As for [`sum_at_least`].
 #[inline(always)]
 pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width, and `end` was made for it.
+    // SAFETY: y is below the height, no vector ends beyond the width, and `end` is made for it.
     unsafe {
         let (end, mut sum) = (V::end::<WHOLE>(rows.width), V::nothing());
         let mut y = 0;
@@ -715,7 +676,7 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
 /// Adds the distance of row `y` to `sum`.
 ///
 /// # Safety
-/// As for [`sum_at_least`]; the row exists, and `end` was made for its width.
+/// The row exists, and `end` was made for its width.
 #[inline(always)]
 unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -723,7 +684,7 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     end: V,
     mut sum: V::Total,
 ) -> V::Total {
-    // SAFETY: as the caller guarantees; no vector ends beyond the width.
+    // SAFETY: the row exists, and no vector ends beyond its width.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -732,8 +693,8 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
             at += V::LANES;
         }
         if END {
-            let f = V::keep(V::load_end::<WHOLE>(f, rows.width, end), end);
-            let g = V::keep(V::load_end::<WHOLE>(g, rows.width, end), end);
+            let f = V::keep(V::load_end::<WHOLE>(f, rows.width), end);
+            let g = V::keep(V::load_end::<WHOLE>(g, rows.width), end);
             sum = V::add_distance(sum, f, g);
         }
         sum
@@ -742,9 +703,6 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
 
 /// See [`plain::scores::spread`](crate::kernels::plain::scores::spread). Returns false, and does nothing, if there are
 /// fewer ranges than lanes.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) -> bool {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
@@ -752,7 +710,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     let rows = rows.each_ref().map(|row| row.as_ptr());
     let (low, high) = (low.as_mut_ptr(), high.as_mut_ptr());
     let mut at = 0;
-    // SAFETY: the processor is as the caller guarantees. Every row has `columns` bytes and three more, `low` and `high`
+    // SAFETY: every row has `columns` bytes and three more, `low` and `high`
     // have `columns`; at + LANES is less than `columns`, last + LANES equals it.
     unsafe {
         while at < last {
@@ -780,21 +738,21 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
 /// Half the values of a byte. Subtracted from numbers of 0 to 255 it gives signed numbers in the same order.
 const HALF: u8 = 128;
 
+/// [`HALF`] in each lane.
+#[inline(always)]
+pub(crate) fn half<V: Vector>(_: V) -> V {
+    // SAFETY: the argument exists, so the processor has the instruction set.
+    unsafe { V::splat(HALF) }
+}
+
 /// Converts ranges to the form that [`inside_at_least`] reads. A pixel g counts if low - last <= g <= high + last, that
 /// is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed numbers, so
 /// both sides are stored with [`HALF`] added (modulo 256 the same as subtracted): the first result is low - last -
 /// HALF, the second one high + last minus the first.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
-unsafe fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
-    // SAFETY: as the caller guarantees.
-    unsafe {
-        let low = V::beyond(low, last);
-        let low_less_half = V::minus(low, V::splat(HALF));
-        (low_less_half, V::minus(V::raised(high, last), low_less_half))
-    }
+fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
+    let low_less_half = V::minus(V::beyond(low, last), half(low));
+    (low_less_half, V::minus(V::raised(high, last), low_less_half))
 }
 
 /// Converts all ranges of a row like [`widen`].
@@ -812,9 +770,6 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
 ///
 /// It goes down in strips as wide as a vector. In a strip each row of pixels is read once, and its minima and maxima of
 /// four neighbours are computed once. Those of each pair of rows serve two ranges.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,
@@ -835,7 +790,7 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         let (low, high) = (to.low.as_mut_ptr().wrapping_add(at), to.high.as_mut_ptr().wrapping_add(at));
         let mut row = pixels.as_ptr().wrapping_add(at);
         let mut place = 0;
-        // SAFETY: the processor is as the caller guarantees. Every row has `columns` pixels and three more, at + LANES
+        // SAFETY: every row has `columns` pixels and three more, at + LANES
         // is at most `columns`. The last store ends with the ranges of row `rows` - 1 of `to`: there is room for
         // `needed` bytes.
         unsafe {
@@ -867,43 +822,36 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
 /// The lowest and the highest of each four neighbouring pixels.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`, and a vector and three more pixels can be read at `row`.
+/// A vector and three more pixels can be read at `row`.
 #[inline(always)]
 unsafe fn fours<V: Neighbours>(row: *const u8) -> (V, V) {
-    // SAFETY: as the caller guarantees.
-    unsafe {
-        let (a, b) = (V::load(row), V::load(row.wrapping_add(1)));
-        let (c, d) = (V::load(row.wrapping_add(2)), V::load(row.wrapping_add(3)));
-        (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
-    }
+    // SAFETY: no load ends beyond the three pixels after the vector.
+    unsafe { column_ranges(&[row, row.wrapping_add(1), row.wrapping_add(2), row.wrapping_add(3)], 0) }
 }
 
 /// The lowest and the highest pixel of four rows in each column from `at` on.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`, and a vector can be read in each row.
+/// A vector can be read in each row from `at` on.
 #[inline(always)]
 unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, V) {
-    // SAFETY: as the caller guarantees.
-    unsafe {
-        let [a, b, c, d] = *rows;
-        let (a, b) = (V::load(a.wrapping_add(at)), V::load(b.wrapping_add(at)));
-        let (c, d) = (V::load(c.wrapping_add(at)), V::load(d.wrapping_add(at)));
-        (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
-    }
+    let [a, b, c, d] = *rows;
+    // SAFETY: the vector lies in each of the rows.
+    let ([a, b], [c, d]) = unsafe {
+        let load = [V::load(a.wrapping_add(at)), V::load(b.wrapping_add(at))];
+        (load, [V::load(c.wrapping_add(at)), V::load(d.wrapping_add(at))])
+    };
+    (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
 }
 
 /// The most lanes that the two functions below support.
 const MOST_LANES: usize = 32;
 
 /// 255 in the last `width % LANES` lanes: [`Vector::end`] for rows that [`last`] loads.
-///
-/// # Safety
-/// The processor has the instruction set of `V`.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
-    // SAFETY: as the caller guarantees; the vector ends in the second half of the bytes.
+    // SAFETY: the vector ends in the second half of the bytes.
     unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
@@ -911,11 +859,10 @@ pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
 /// 0.
 ///
 /// # Safety
-/// The processor has the instruction set of `V`. `width` bytes can be read at `row`: more than LANES if `WHOLE` is not
-/// 0, else fewer.
+/// `width` bytes can be read at `row`: more than LANES if `WHOLE` is not 0, else fewer.
 #[inline(always)]
 pub(crate) unsafe fn last<V: Vector, const WHOLE: usize>(row: *const u8, width: usize) -> V {
-    // SAFETY: as the caller guarantees; the copy ends with the vector.
+    // SAFETY: the row is longer than the vector that ends with it; the copy of a shorter one ends with its vector.
     unsafe {
         if WHOLE > 0 {
             return V::load(row.wrapping_add(width).wrapping_sub(V::LANES));

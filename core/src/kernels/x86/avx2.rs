@@ -29,14 +29,20 @@ impl Vector for __m256i {
     type Total = Self;
 
     intrinsics! {
-        fn splat(byte: u8) -> Self { _mm256_set1_epi8(byte.cast_signed()) }
-        fn load(from: *const u8) -> Self { _mm256_loadu_si256(from.cast()) }
+        unsafe fn splat(byte: u8) -> Self { _mm256_set1_epi8(byte.cast_signed()) }
+        unsafe fn load(from: *const u8) -> Self { _mm256_loadu_si256(from.cast()) }
+        unsafe fn nothing() -> Self { _mm256_setzero_si256() }
+        unsafe fn end<const WHOLE: usize>(width: usize) -> Self {
+            if WHOLE > 0 { generic::last_lanes(width) } else { narrow_lanes(width) }
+        }
+        unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self {
+            if WHOLE > 0 { generic::last::<Self, WHOLE>(row, width) } else { halves(slice::from_raw_parts(row, width)) }
+        }
         fn or(a: Self, b: Self) -> Self { _mm256_or_si256(a, b) }
         fn beyond(a: Self, b: Self) -> Self { _mm256_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm256_sub_epi8(a, b) }
         fn at_most(a: Self, b: Self) -> Self { _mm256_cmpeq_epi8(_mm256_min_epu8(a, b), a) }
         fn is_above(a: Self, b: Self) -> Self { _mm256_cmpgt_epi8(a, b) }
-        fn nothing() -> Self { _mm256_setzero_si256() }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm256_setzero_si256()) }
         fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm256_add_epi64(total, _mm256_sad_epu8(f, g)) }
         fn plus(a: Self, b: Self) -> Self { _mm256_add_epi64(a, b) }
@@ -44,19 +50,13 @@ impl Vector for __m256i {
         fn across(total: Self) -> u32 {
             __m128i::across(_mm_add_epi64(_mm256_castsi256_si128(total), _mm256_extracti128_si256(total, 1)))
         }
-        fn end<const WHOLE: usize>(width: usize) -> Self {
-            if WHOLE > 0 { generic::last_lanes(width) } else { narrow_lanes(width) }
-        }
-        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
-            if WHOLE > 0 { generic::last::<Self, WHOLE>(row, width) } else { halves(slice::from_raw_parts(row, width)) }
-        }
         fn keep(bytes: Self, end: Self) -> Self { _mm256_and_si256(bytes, end) }
     }
 }
 
 impl Neighbours for __m256i {
     intrinsics! {
-        fn store(bytes: Self, to: *mut u8) { _mm256_storeu_si256(to.cast(), bytes) }
+        unsafe fn store(bytes: Self, to: *mut u8) { _mm256_storeu_si256(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
@@ -69,8 +69,8 @@ impl Neighbours for __m256i {
 
 impl Shuffle for __m256i {
     intrinsics! {
-        fn segment(entries: &[u8; SEGMENT]) -> Self { _mm256_broadcastsi128_si256(__m128i::load(entries.as_ptr())) }
-        fn shuffle(entries: Self, index: Self) -> Self { _mm256_shuffle_epi8(entries, index) }
+        unsafe fn segment(entries: &[u8; SEGMENT]) -> Self { _mm256_broadcastsi128_si256(__m128i::load(entries.as_ptr())) }
+        unsafe fn shuffle(entries: Self, index: Self) -> Self { _mm256_shuffle_epi8(entries, index) }
         fn lowered(a: Self, b: Self) -> Self { _mm256_subs_epi8(a, b) }
         fn xor(a: Self, b: Self) -> Self { _mm256_xor_si256(a, b) }
     }
@@ -82,7 +82,7 @@ impl Shuffle for __m256i {
 /// The processor has AVX2.
 #[inline(always)]
 unsafe fn halves(row: &[u8]) -> __m256i {
-    // SAFETY: the processor has AVX2; 16 bytes are loaded only if the row has them.
+    // SAFETY: the caller guarantees AVX2; 16 bytes are loaded only if the row has them.
     unsafe {
         match (row.first_chunk::<16>(), row.last_chunk::<16>()) {
             (Some(first), Some(last)) => _mm256_set_m128i(__m128i::load(last.as_ptr()), __m128i::load(first.as_ptr())),

@@ -10,7 +10,7 @@
 
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::effort::Effort;
-use crate::kernels::generic::{LookUp, Neighbours, Vector};
+use crate::kernels::generic::{LookUp, Neighbours, Vector, half};
 use core::arch::x86_64::*;
 use core::marker::PhantomData;
 
@@ -21,8 +21,8 @@ pub(super) trait Shuffle: Neighbours {
     /// In each part the byte of `entries` at each index; zero if its top bit is set.
     unsafe fn shuffle(entries: Self, index: Self) -> Self;
     /// max(a - b, -128) of signed numbers.
-    unsafe fn lowered(a: Self, b: Self) -> Self;
-    unsafe fn xor(a: Self, b: Self) -> Self;
+    fn lowered(a: Self, b: Self) -> Self;
+    fn xor(a: Self, b: Self) -> Self;
 }
 
 /// Entries that one shuffle looks up.
@@ -80,7 +80,8 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     }
 }
 
-/// The first `SEGMENTS` segments of both byte planes in registers. The others are not looked up.
+/// The first `SEGMENTS` segments of both byte planes in registers. The others are not looked up. They exist only if the
+/// processor has the shuffle.
 pub(super) struct Planes<V, const SEGMENTS: usize> {
     low: [V; 16],
     high: [V; 16],
@@ -91,7 +92,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     /// The processor has the instruction set of `V`.
     #[inline(always)]
     pub(super) unsafe fn of(lookup: &Lookup<V>) -> Self {
-        // SAFETY: the processor has the instruction set.
+        // SAFETY: the caller guarantees the processor; a segment is 16 bytes.
         unsafe {
             let mut planes = Self { low: [V::splat(0); 16], high: [V::splat(0); 16] };
             for (registers, segments) in [(&mut planes.low, &lookup.low), (&mut planes.high, &lookup.high)] {
@@ -104,15 +105,12 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     }
 
     /// Looks up the entries in `COUNT` segments (at most 8) from `first` on.
-    ///
-    /// # Safety
-    /// The processor has the instruction set of `V`.
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
-    unsafe fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
+    fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
         // With this added, the last segment ends at 127. Differences beyond it have the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
-        // SAFETY: the processor has the instruction set.
+        // SAFETY: `self` exists, so the processor has the instruction set.
         unsafe {
             let moved = V::raised(difference, V::splat(up as u8));
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
@@ -134,18 +132,14 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
     type Vector = V;
 
     #[inline(always)]
-    unsafe fn look_up(&self, difference: V) -> (V, V) {
-        // SAFETY: the processor has the instruction set.
-        unsafe {
-            if SEGMENTS <= SEGMENTS_A_HALF {
-                return self.look_up_half::<SEGMENTS>(0, difference);
-            }
-            // The top bit tells the halves apart.
-            let first = self.look_up_half::<SEGMENTS_A_HALF>(0, difference);
-            let other = V::xor(difference, V::splat(1 << 7));
-            let second = self.look_up_half::<SEGMENTS_A_HALF>(SEGMENTS_A_HALF, other);
-            (V::or(first.0, second.0), V::or(first.1, second.1))
+    fn look_up(&self, difference: V) -> (V, V) {
+        if SEGMENTS <= SEGMENTS_A_HALF {
+            return self.look_up_half::<SEGMENTS>(0, difference);
         }
+        // The top bit tells the halves apart.
+        let first = self.look_up_half::<SEGMENTS_A_HALF>(0, difference);
+        let second = self.look_up_half::<SEGMENTS_A_HALF>(SEGMENTS_A_HALF, V::xor(difference, half(difference)));
+        (V::or(first.0, second.0), V::or(first.1, second.1))
     }
 }
 

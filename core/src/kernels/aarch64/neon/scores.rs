@@ -19,23 +19,23 @@ impl Vector for uint8x16_t {
     type Total = uint32x4_t;
 
     intrinsics! {
-        fn splat(byte: u8) -> Self { vdupq_n_u8(byte) }
-        fn load(from: *const u8) -> Self { vld1q_u8(from) }
+        unsafe fn splat(byte: u8) -> Self { vdupq_n_u8(byte) }
+        unsafe fn load(from: *const u8) -> Self { vld1q_u8(from) }
+        unsafe fn nothing() -> uint32x4_t { vdupq_n_u32(0) }
+        unsafe fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
+        unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self {
+            generic::last::<Self, WHOLE>(row, width)
+        }
         fn or(a: Self, b: Self) -> Self { vorrq_u8(a, b) }
         fn beyond(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
         fn minus(a: Self, b: Self) -> Self { vsubq_u8(a, b) }
         fn at_most(a: Self, b: Self) -> Self { vcleq_u8(a, b) }
         fn is_above(a: Self, b: Self) -> Self { vcgtq_s8(vreinterpretq_s8_u8(a), vreinterpretq_s8_u8(b)) }
-        fn nothing() -> uint32x4_t { vdupq_n_u32(0) }
         fn add(total: uint32x4_t, bytes: Self) -> uint32x4_t { vpadalq_u16(total, vpaddlq_u8(bytes)) }
         fn add_distance(total: uint32x4_t, f: Self, g: Self) -> uint32x4_t { Self::add(total, vabdq_u8(f, g)) }
         fn plus(a: uint32x4_t, b: uint32x4_t) -> uint32x4_t { vaddq_u32(a, b) }
         fn times_256(total: uint32x4_t) -> uint32x4_t { vshlq_n_u32::<8>(total) }
         fn across(total: uint32x4_t) -> u32 { vaddvq_u32(total) }
-        fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
-        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
-            generic::last::<Self, WHOLE>(row, width)
-        }
         fn keep(bytes: Self, end: Self) -> Self { vandq_u8(bytes, end) }
         fn difference(f: Self, g: Self) -> Self { vabdq_u8(f, g) }
     }
@@ -43,7 +43,7 @@ impl Vector for uint8x16_t {
 
 impl Neighbours for uint8x16_t {
     intrinsics! {
-        fn store(bytes: Self, to: *mut u8) { vst1q_u8(to, bytes) }
+        unsafe fn store(bytes: Self, to: *mut u8) { vst1q_u8(to, bytes) }
         fn min(a: Self, b: Self) -> Self { vminq_u8(a, b) }
         fn max(a: Self, b: Self) -> Self { vmaxq_u8(a, b) }
         fn raised(a: Self, b: Self) -> Self { vqaddq_u8(a, b) }
@@ -111,22 +111,15 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
     type Vector = uint8x16_t;
 
     #[inline(always)]
-    unsafe fn look_up(&self, difference: uint8x16_t) -> (uint8x16_t, uint8x16_t) {
-        // SAFETY: as the caller guarantees.
-        unsafe { (entries::<SEGMENTS>(&self.low, difference), entries::<SEGMENTS>(&self.high, difference)) }
+    fn look_up(&self, difference: uint8x16_t) -> (uint8x16_t, uint8x16_t) {
+        (entries::<SEGMENTS>(&self.low, difference), entries::<SEGMENTS>(&self.high, difference))
     }
 }
 
 /// Looks up the bytes of one plane.
-///
-/// # Safety
-/// The processor has NEON.
 #[inline(always)]
-unsafe fn entries<const SEGMENTS: usize>(
-    [first, others @ ..]: &[uint8x16x4_t; 4],
-    difference: uint8x16_t,
-) -> uint8x16_t {
-    // SAFETY: as the caller guarantees.
+fn entries<const SEGMENTS: usize>([first, others @ ..]: &[uint8x16x4_t; 4], difference: uint8x16_t) -> uint8x16_t {
+    // SAFETY: this file is compiled only if the target has NEON.
     unsafe {
         let mut index = difference;
         let mut entries = vqtbl4q_u8(*first, index);

@@ -20,14 +20,18 @@ impl Vector for v128 {
     type Total = Self;
 
     intrinsics! {
-        fn splat(byte: u8) -> Self { u8x16_splat(byte) }
-        fn load(from: *const u8) -> Self { v128_load(from.cast()) }
+        unsafe fn splat(byte: u8) -> Self { u8x16_splat(byte) }
+        unsafe fn load(from: *const u8) -> Self { v128_load(from.cast()) }
+        unsafe fn nothing() -> Self { u32x4_splat(0) }
+        unsafe fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
+        unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self {
+            generic::last::<Self, WHOLE>(row, width)
+        }
         fn or(a: Self, b: Self) -> Self { v128_or(a, b) }
         fn beyond(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
         fn minus(a: Self, b: Self) -> Self { u8x16_sub(a, b) }
         fn at_most(a: Self, b: Self) -> Self { u8x16_le(a, b) }
         fn is_above(a: Self, b: Self) -> Self { i8x16_gt(a, b) }
-        fn nothing() -> Self { u32x4_splat(0) }
         fn add(total: Self, bytes: Self) -> Self {
             u32x4_add(total, u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(bytes)))
         }
@@ -35,17 +39,13 @@ impl Vector for v128 {
         fn plus(a: Self, b: Self) -> Self { u32x4_add(a, b) }
         fn times_256(total: Self) -> Self { u32x4_shl(total, 8) }
         fn across(total: Self) -> u32 { across(total) }
-        fn end<const WHOLE: usize>(width: usize) -> Self { generic::last_lanes(width) }
-        fn load_end<const WHOLE: usize>(row: *const u8, width: usize, _end: Self) -> Self {
-            generic::last::<Self, WHOLE>(row, width)
-        }
         fn keep(bytes: Self, end: Self) -> Self { v128_and(bytes, end) }
     }
 }
 
 impl Neighbours for v128 {
     intrinsics! {
-        fn store(bytes: Self, to: *mut u8) { v128_store(to.cast(), bytes) }
+        unsafe fn store(bytes: Self, to: *mut u8) { v128_store(to.cast(), bytes) }
         fn min(a: Self, b: Self) -> Self { u8x16_min(a, b) }
         fn max(a: Self, b: Self) -> Self { u8x16_max(a, b) }
         fn raised(a: Self, b: Self) -> Self { u8x16_add_sat(a, b) }
@@ -138,7 +138,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<'_, SEGMENTS> {
     type Vector = v128;
 
     #[inline(always)]
-    unsafe fn look_up(&self, difference: v128) -> (v128, v128) {
+    fn look_up(&self, difference: v128) -> (v128, v128) {
         let mut index = difference;
         let mut planes = (u8x16_swizzle(self.first.0, index), u8x16_swizzle(self.first.1, index));
         for (low, high) in self.low.iter().zip(self.high) {
