@@ -20,8 +20,8 @@
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
 //! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
-//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `candidates.rs` | Arm, RV32: `scores.rs` |
-//! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `groups.rs`, `scores.rs` | `scores.rs` |
+//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `bounds.rs` | Arm, RV32: `scores.rs` |
+//! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `bounds.rs`, `scores.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `avx2.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |

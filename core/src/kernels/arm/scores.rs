@@ -3,8 +3,8 @@
 //!
 //! These instruction sets sum bytes fast, but look up a table pixel by pixel. So three bounds only sum bytes:
 //!
-//! - `groups.rs` counts the pixels that cannot count at any offset of a group.
-//! - `candidates.rs` sums the points of four offsets (`points.rs`).
+//! - [`Loops::MISSES`] counts the pixels that cannot count at any offset of a group.
+//! - [`Loops::SPARE`] sums the points of four offsets (`points.rs`).
 //! - [`Loops::LOSS`] bounds the score of every patch between two pictures: a full score less the least loss of its
 //!   pixels. A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel
 //!   that does not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and

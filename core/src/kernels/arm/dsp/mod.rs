@@ -1,11 +1,10 @@
 //! The DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a word, by assembly.
 
 pub(crate) mod bilinear;
-mod candidates;
+mod bounds;
 #[cfg(feature = "refiner")]
 pub(crate) mod dense;
 pub(crate) mod gradients;
-mod groups;
 pub(crate) mod levels;
 pub(crate) mod products;
 pub(crate) mod scores;

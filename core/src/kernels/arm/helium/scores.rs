@@ -11,8 +11,7 @@
 
 use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Limit, Loops, blocks};
-use super::{LANES, strides};
-use super::{candidates, groups};
+use super::{LANES, bounds, strides};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
@@ -25,8 +24,8 @@ impl Loops for Helium {
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
     const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
     const LOSS: unsafe fn(&Rows, &Limit) -> u32 = loss;
-    const MISSES: unsafe fn(&Rows, u32) -> u32 = groups::misses;
-    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = candidates::spare;
+    const MISSES: unsafe fn(&Rows, u32) -> u32 = bounds::misses;
+    const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = bounds::spare;
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 

@@ -1,4 +1,6 @@
-//! Excludes offsets that cannot reach a score, by Helium: counts the points of four neighbouring offsets at a time.
+//! Bounds of scores by Helium, which exclude offsets: the points of four neighbouring offsets at a time, and the pixels
+//! of the template that cannot count at any offset of a group. They cannot where they lie outside the range of their
+//! block, widened by threshold - 1 on both sides: stored as the lower end, and the length.
 
 use super::super::points::{OFFSETS, Points};
 use super::{LANES, strides};
@@ -6,7 +8,7 @@ use crate::kernels::rows::Rows;
 use core::arch::asm;
 
 /// Adds the points of the pixels at `from` to `sum`.
-macro_rules! add {
+macro_rules! points {
     ($from:literal, $sum:literal) => {
         concat!(
             concat!("vldrb.u8 q1, ", $from, "\n"),
@@ -35,10 +37,10 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
             "dlstp.8 lr, {width}",
             "3:",
             "vldrb.u8 q0, [{g}], #16",
-            add!("[{f}, #1]", "r2"),
-            add!("[{f}, #2]", "r4"),
-            add!("[{f}, #3]", "r12"),
-            add!("[{f}], #16", "r0"),
+            points!("[{f}, #1]", "r2"),
+            points!("[{f}, #2]", "r4"),
+            points!("[{f}, #3]", "r12"),
+            points!("[{f}], #16", "r0"),
             "letp lr, 3b",
             "sub r0, r0, {full}",
             "sub r2, r2, {full}",
@@ -70,4 +72,50 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
         );
     }
     spare
+}
+
+/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
+///
+/// # Safety
+/// Patch and upper bound have the same stride.
+#[inline(never)]
+pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
+    let [low_stride, g_stride] = strides(pair, LANES);
+    let misses: u32;
+    // SAFETY: only the `width` pixels of a row are read. Nothing is written.
+    unsafe {
+        asm!(
+            "vmov.i8 q3, #1",
+            "2:",
+            "dlstp.8 lr, {width}",
+            "3:",
+            "vldrb.u8 q0, [{low}], #16",
+            "vldrb.u8 q1, [{g}], #16",
+            "vsub.i8 q0, q1, q0",
+            "vldrb.u8 q2, [{span}], #16",
+            "vpt.u8 hi, q0, q2",
+            "vaddvat.u8 r2, q3",
+            "letp lr, 3b",
+            "cmp r2, {allowed}",
+            "bhi 4f",
+            "add {low}, {low}, {low_stride}",
+            "add {span}, {span}, {low_stride}",
+            "add {g}, {g}, {g_stride}",
+            "subs {rows}, {rows}, #1",
+            "bne 2b",
+            "4:",
+            low = inout(reg) pair.patch => _,
+            span = inout(reg) pair.high => _,
+            g = inout(reg) pair.template => _,
+            low_stride = in(reg) low_stride,
+            g_stride = in(reg) g_stride,
+            rows = inout(reg) pair.height => _,
+            width = in(reg) pair.width,
+            allowed = in(reg) allowed,
+            inout("r2") 0 => misses,
+            out("lr") _, out("q0") _, out("q1") _, out("q2") _, out("q3") _,
+            options(readonly, nostack),
+        );
+    }
+    misses
 }

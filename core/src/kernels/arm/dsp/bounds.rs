@@ -1,0 +1,222 @@
+//! Bounds of scores by the DSP extension, which exclude offsets: the points of four neighbouring offsets at a time, and
+//! the pixels of the template that cannot count at any offset of a group.
+//!
+//! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
+//! bytes taken out of it, four loads from the table and four additions.
+//!
+//! | points of an offset | what |
+//! |---|---|
+//! | `ldr` | the pixels f; the pixels g of the template are loaded once for all four offsets |
+//! | `uqsub8`, `uqsub8`, `orr` | d = the absolute difference of f and g |
+//! | `usub8`, `sel` | 255 instead of d if the pixel does not count |
+//! | `usada8` | adds the distances to 255: the points |
+//!
+//! | pixels outside the ranges of a group | what |
+//! |---|---|
+//! | three `ldr` | g; the lower ends and the lengths of the ranges, which are widened by threshold - 1 on both sides |
+//! | `usub8` | the distance above the lower end, modulo 256 |
+//! | `usub8` | sets a flag where that is at most the length |
+//! | `sel`, `usada8` | adds one for each pixel outside |
+
+use super::super::points::{OFFSETS, Points};
+use super::words::{LANES, Row, entry, in_lanes, words};
+use crate::kernels::rows::Rows;
+use core::arch::asm;
+
+/// The numbers that a loop reads from memory. The assembly knows their offsets.
+#[repr(C)]
+struct Memory {
+    row: Row,
+    /// Bytes in the whole words of a row.
+    words: usize,
+    /// Of [`spare`] the points of a row of equal pixels; of [`misses`] see [`entry`].
+    own: usize,
+}
+
+/// Adds the points of the four columns at `from` to `sum`.
+macro_rules! points {
+    ($from:literal, $sum:literal $(, $without:literal)?) => {
+        concat!(
+            concat!("ldr {x}, ", $from, "\n"),
+            "uqsub8 {y}, {x}, {w}\n",
+            "uqsub8 {x}, {w}, {x}\n",
+            "orr {x}, {x}, {y}\n",
+            $(concat!("orr {x}, {x}, ", $without, "\n"),)?
+            "usub8 {y}, {largest}, {x}\n",
+            "sel {x}, {x}, {most}\n",
+            concat!("usada8 ", $sum, ", {x}, {most}, ", $sum, "\n"),
+        )
+    };
+}
+
+/// Adds the points of the next four columns.
+macro_rules! points_of_word {
+    () => {
+        concat!(
+            "ldr {w}, [{g}], #4\n",
+            points!("[{f}], #4", "{a}"),
+            points!("[{f}, #-3]", "{b}"),
+            points!("[{f}, #-2]", "{c}"),
+            points!("[{f}, #-1]", "{d}"),
+        )
+    };
+}
+
+/// See [`Loops::SPARE`](super::super::scores::Loops::SPARE).
+///
+/// # Safety
+/// The template has at least four columns, the patch as many and three more.
+#[inline(never)]
+pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
+    // Instead of a number of bits: 255 in each byte of the last word that belongs to an earlier column, so that the
+    // column does not get points again.
+    let mut row = Row::of(pair);
+    row.none = u32::MAX >> (8 * (pair.width % LANES));
+    let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
+    let mut spare = Points::spare(pair, needed, wanted);
+    let [a, b, c, d] = &mut spare;
+    // SAFETY: only words within a row are read, in the patch up to three columns further. The stack pointer is restored
+    // at the end; only the stack is written.
+    unsafe {
+        asm!(
+            "push {{{x}}}",
+            "2:",
+            "ldr {end}, [{x}, #8]",
+            "cmp {end}, #0",
+            "beq 3f",
+            "ldr {w}, [{g}, {end}]",
+            "add {f}, {f}, {end}",
+            "ldr {end}, [{x}, #12]",
+            points!("[{f}]", "{a}", "{end}"),
+            points!("[{f}, #1]", "{b}", "{end}"),
+            points!("[{f}, #2]", "{c}", "{end}"),
+            points!("[{f}, #3]", "{d}", "{end}"),
+            "ldr {x}, [sp]",
+            "ldr {end}, [{x}, #8]",
+            "sub {f}, {f}, {end}",
+            "3:",
+            "ldr {end}, [{x}, #20]",
+            "tst {end}, #4",
+            "add {end}, {end}, {g}",
+            "bne 7f", // an odd number of words: starts in the middle of a round
+            "4:",
+            points_of_word!(),
+            "7:",
+            points_of_word!(),
+            "cmp {g}, {end}",
+            "bne 4b",
+            "ldr {x}, [sp]",
+            "ldr {w}, [{x}, #16]",
+            "ldr {y}, [{x}, #24]",
+            "sub {a}, {a}, {y}",
+            "sub {b}, {b}, {y}",
+            "sub {c}, {c}, {y}",
+            "sub {d}, {d}, {y}",
+            "and {y}, {a}, {b}",
+            "and {y}, {y}, {c}",
+            "ands {y}, {y}, {d}",
+            "bmi 5f", // no offset is left
+            "ldrd {y}, {end}, [{x}]",
+            "add {f}, {f}, {y}",
+            "add {g}, {g}, {end}",
+            "cmp {g}, {w}",
+            "bne 2b",
+            "5:",
+            "add sp, sp, #4",
+            x = inout(reg) &raw const memory => _,
+            y = out(reg) _,
+            f = inout(reg) pair.patch => _,
+            g = inout(reg) pair.template => _,
+            w = out(reg) _, end = out(reg) _,
+            largest = in(reg) in_lanes(points.largest),
+            most = in(reg) in_lanes(Points::MOST),
+            a = inout(reg) *a,
+            b = inout(reg) *b,
+            c = inout(reg) *c,
+            d = inout(reg) *d,
+        );
+    }
+    spare
+}
+
+/// Bytes of code that `misses` has for one word.
+const MISSES_WORD: usize = 28;
+
+/// Adds the pixels in `{g}` that are outside the range in `{l}` and `{s}`.
+macro_rules! outside {
+    () => {
+        "usub8 {l}, {g}, {l}\nusub8 {l}, {s}, {l}\nsel {l}, {zero}, {one}\nusada8 {misses}, {l}, {zero}, {misses}\n"
+    };
+}
+
+macro_rules! outside_word {
+    () => {
+        concat!("ldr.w {g}, [{template}], #4\n", "ldr.w {l}, [{low}], #4\n", "ldr.w {s}, [{span}], #4\n", outside!(),)
+    };
+}
+
+/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
+///
+/// # Safety
+/// The pictures have at least four columns. Patch and upper bound have the same stride.
+#[inline(never)]
+pub(super) unsafe fn misses(pair: &Rows, allowed: u32) -> u32 {
+    let mut memory = Memory { row: Row::of(pair), words: words(pair), own: entry(pair, MISSES_WORD) };
+    // Negative until more than `allowed` pixels are outside. There are at most 65537 pixels.
+    let start = !allowed.cast_signed();
+    let mut sum = start;
+    // SAFETY: only words within a row are read. Nothing but `memory` is written.
+    unsafe {
+        asm!(
+            "adr.w {l}, 4f",
+            "ldr {s}, [{row}, #24]",
+            "add {l}, {l}, {s}",
+            "orr {l}, {l}, #1", // Thumb
+            "str {l}, [{row}, #24]",
+            "2:",
+            "ldrd {end}, {one}, [{row}, #8]",
+            "cmp {end}, #0",
+            "beq 3f",
+            "ldr {g}, [{template}, {end}]",
+            "ldr {l}, [{low}, {end}]",
+            "ldr {s}, [{span}, {end}]",
+            "lsr {g}, {g}, {one}", // zeroes shifted in everywhere: within the range
+            "lsr {l}, {l}, {one}",
+            "lsr {s}, {s}, {one}",
+            "mov {one}, #0x01010101",
+            outside!(),
+            "3:",
+            "mov {one}, #0x01010101",
+            "ldr {end}, [{row}, #20]",
+            "add {end}, {end}, {template}",
+            "ldr.w pc, [{row}, #24]",
+            ".p2align 2", // adr can point to 4 only if it is aligned
+            "4:",
+            outside_word!(),
+            outside_word!(),
+            outside_word!(),
+            outside_word!(),
+            "cmp {template}, {end}",
+            "bne 4b",
+            "cmp {misses}, #0",
+            "bpl 5f",
+            "ldrd {l}, {s}, [{row}]",
+            "add {low}, {low}, {l}",
+            "add {span}, {span}, {l}",
+            "add {template}, {template}, {s}",
+            "ldr {s}, [{row}, #16]",
+            "cmp {template}, {s}",
+            "bne 2b",
+            "5:",
+            low = inout(reg) pair.patch => _,
+            span = inout(reg) pair.high => _,
+            template = inout(reg) pair.template => _,
+            l = out(reg) _, s = out(reg) _, g = out(reg) _, end = out(reg) _, one = out(reg) _,
+            zero = in(reg) 0,
+            misses = inout(reg) sum,
+            row = in(reg) &raw mut memory,
+            options(nostack),
+        );
+    }
+    sum.wrapping_sub(start).cast_unsigned()
+}
