@@ -53,10 +53,12 @@
 //! A function that is `unsafe` asks that the processor has the instruction set of its vector, and that the pictures its
 //! rows belong to are borrowed. What else it asks for it says.
 
-use super::cut_table::ONE;
+use super::cut_table::{CutTable, ONE};
+use super::effort::Effort;
 use super::rows::Rows;
 use super::scores::RowsOfRanges;
 use crate::image::Image;
+use core::marker::PhantomData;
 use core::slice;
 
 /// Rows between two checks whether the floor can still be reached.
@@ -203,9 +205,38 @@ macro_rules! ranges {
     };
 }
 
-/// Implements `Scores` for a backend that looks up a table. Its field `segments` is the number of segments in use; each
-/// number listed gets a loop of its own, and the last one serves all others. Its field `last` is the largest difference
-/// that counts, if there is one.
+/// The entries of a table below its threshold, low bytes and high bytes apart, in segments that one instruction looks
+/// up.
+pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
+    pub(crate) low: [[u8; SEGMENT]; SEGMENTS],
+    pub(crate) high: [[u8; SEGMENT]; SEGMENTS],
+    /// The number of segments in use.
+    pub(crate) segments: usize,
+    /// The largest difference that counts, if there is one.
+    pub(crate) last: Option<u8>,
+    /// Decides how often bounding candidates is worth its time.
+    pub(crate) candidates: Effort,
+    vector: PhantomData<V>,
+}
+
+impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS> {
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    pub(crate) unsafe fn new(table: &CutTable) -> Self {
+        let threshold = table.threshold();
+        let (mut low, mut high) = ([[0; SEGMENT]; SEGMENTS], [[0; SEGMENT]; SEGMENTS]);
+        let places = low.as_flattened_mut().iter_mut().zip(high.as_flattened_mut());
+        for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
+            [*low, *high] = entry.to_le_bytes();
+        }
+        let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
+        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
+        Self { low, high, segments, last, candidates: Effort::NEW, vector: PhantomData }
+    }
+}
+
+/// Implements `Scores` for a [`Lookup`]. Each number of segments that is listed gets a loop of its own, which also serves
+/// those below it.
 macro_rules! scores {
     ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
         impl Scores for $backend {
@@ -215,7 +246,7 @@ macro_rules! scores {
                 // SAFETY: a backend exists only if the machine has its instructions, and the pictures are borrowed.
                 unsafe {
                     match self.segments {
-                        $($segments => self.sum_by_width::<$segments>(&rows, floor),)*
+                        $(..=$segments => self.sum_by_width::<$segments>(&rows, floor),)*
                         _ => self.sum_by_width::<$most>(&rows, floor),
                     }
                 }

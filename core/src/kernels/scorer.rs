@@ -58,22 +58,26 @@ impl<'a> Scorer<'a> {
     #[inline(always)] // built in place: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
         let plain = Plain { table };
-        let ready = match backend {
-            #[cfg(target_arch = "x86_64")]
-            Backend::Ssse3 if ssse3::is_available() => Ready::Ssse3(ssse3::Lookup::new(table)),
-            #[cfg(target_arch = "x86_64")]
-            Backend::Avx2 if avx2::is_available() => Ready::Avx2(avx2::Lookup::new(table)),
-            #[cfg(smr_dsp)]
-            Backend::Dsp => Ready::Dsp(Kernels::new(table)),
-            #[cfg(smr_helium)]
-            Backend::Helium => Ready::Helium(Kernels::new(table)),
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Backend::Simd128 => Ready::Simd128(simd128::Lookup::new(table)),
-            #[cfg(not(any(smr_dsp, smr_helium)))]
-            Backend::Swar => Ready::Swar(swar::Swar::new(table)),
-            _ => Ready::Scalar(plain),
+        // SAFETY: a lookup by vectors is made only where the machine has their instructions.
+        #[allow(unused_unsafe)] // not every target has such vectors
+        let ready = unsafe {
+            match backend {
+                #[cfg(target_arch = "x86_64")]
+                Backend::Ssse3 if ssse3::is_available() => Ready::Ssse3(ssse3::Lookup::shuffled(table)),
+                #[cfg(target_arch = "x86_64")]
+                Backend::Avx2 if avx2::is_available() => Ready::Avx2(avx2::Lookup::shuffled(table)),
+                #[cfg(smr_dsp)]
+                Backend::Dsp => Ready::Dsp(Kernels::new(table)),
+                #[cfg(smr_helium)]
+                Backend::Helium => Ready::Helium(Kernels::new(table)),
+                #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+                Backend::Neon => Ready::Neon(neon::Lookup::new(table)),
+                #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+                Backend::Simd128 => Ready::Simd128(simd128::Lookup::new(table)),
+                #[cfg(not(any(smr_dsp, smr_helium)))]
+                Backend::Swar => Ready::Swar(swar::Swar::new(table)),
+                _ => Ready::Scalar(plain),
+            }
         };
         Self { plain, ready }
     }

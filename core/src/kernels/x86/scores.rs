@@ -9,10 +9,8 @@
 //!    byte outside of a row is read, whatever its width.
 
 use crate::kernels::cut_table::CutTable;
-use crate::kernels::effort::Effort;
-use crate::kernels::generic::{LookUp, Neighbours, Vector, half};
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, half};
 use core::arch::x86_64::*;
-use core::marker::PhantomData;
 
 /// A register whose 16-byte parts are shuffled.
 pub(super) trait Shuffle: Neighbours {
@@ -31,40 +29,21 @@ pub(super) const SEGMENT: usize = 16;
 /// Segments that a half of the table has: as many as the top bit of an index can tell from the rest.
 const SEGMENTS_A_HALF: usize = 8;
 
-/// The entries below the threshold in segments, low bytes and high bytes apart, for the register `V`.
-///
-/// The first segment of a half is stored as it is, each other one as its xor with the one before it. A pixel in segment
-/// k gets a value from each shuffle up to k, and their xor is the entry.
-pub(crate) struct Lookup<V> {
-    low: [[u8; SEGMENT]; 16],
-    high: [[u8; SEGMENT]; 16],
-    pub(super) segments: usize,
-    /// The largest difference that counts, if there is one.
-    pub(super) last: Option<u8>,
-    /// Decides how often bounding candidates is worth its time.
-    pub(super) candidates: Effort,
-    register: PhantomData<V>,
-}
+/// The first segment of a half of the table is stored as it is, each other one as its xor with the one before it. A pixel
+/// in segment k gets a value from each shuffle up to k, and their xor is the entry.
+pub(crate) type Lookup<V> = generic::Lookup<V, SEGMENT, 16>;
 
 impl<V> Lookup<V> {
-    /// The caller has checked that the machine has the instruction set.
-    pub(crate) fn new(table: &CutTable) -> Self {
-        let threshold = table.threshold();
-        let mut planes = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
-        let places = planes.0.as_flattened_mut().iter_mut().zip(planes.1.as_flattened_mut());
-        for ((low, high), entry) in places.zip(table.entries()).take(usize::from(threshold)) {
-            [*low, *high] = entry.to_le_bytes();
+    /// # Safety
+    /// The processor has the instruction set of `V`.
+    pub(crate) unsafe fn shuffled(table: &CutTable) -> Self {
+        // SAFETY: the caller guarantees the same.
+        let mut lookup = unsafe { Self::new(table) };
+        if lookup.segments > 1 {
+            xor_within_halves(&mut lookup.low);
+            xor_within_halves(&mut lookup.high);
         }
-        // From five on, the loop goes through eight or all segments, also through those beyond the threshold.
-        let segments = match usize::from(threshold).div_ceil(SEGMENT) {
-            live @ 0..=4 => live.max(1),
-            5..=8 => 8,
-            _ => 16,
-        };
-        planes.0.get_mut(..segments).map(xor_within_halves);
-        planes.1.get_mut(..segments).map(xor_within_halves);
-        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        Self { low: planes.0, high: planes.1, segments, last, candidates: Effort::NEW, register: PhantomData }
+        lookup
     }
 }
 

@@ -6,8 +6,6 @@
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::image::Image;
-use crate::kernels::cut_table::CutTable;
-use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
@@ -54,35 +52,10 @@ impl Neighbours for uint8x16_t {
 /// Entries that one instruction looks up.
 const SEGMENT: usize = 64;
 
-/// The entries below the threshold, low bytes and high bytes apart.
-pub(crate) struct Lookup {
-    low: [[u8; SEGMENT]; 4],
-    high: [[u8; SEGMENT]; 4],
-    segments: usize,
-    /// The largest difference that counts, if there is one.
-    last: Option<u8>,
-    /// Decides how often bounding candidates is worth its time.
-    candidates: Effort,
-}
+pub(crate) type Lookup = generic::Lookup<uint8x16_t, SEGMENT, 4>;
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
 ranges!("neon", uint8x16_t);
-
-impl Lookup {
-    /// Always succeeds: this file is compiled only if the target has NEON.
-    pub(crate) fn new(table: &CutTable) -> Self {
-        let threshold = table.threshold();
-        let segments = usize::from(threshold).div_ceil(SEGMENT).max(1);
-        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        let (low, high) = ([[0; SEGMENT]; 4], [[0; SEGMENT]; 4]);
-        let mut lookup = Self { low, high, segments, last, candidates: Effort::NEW };
-        let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
-        for ((low, high), entry) in places.zip(table.entries()) {
-            [*low, *high] = entry.to_le_bytes();
-        }
-        lookup
-    }
-}
 
 /// The first `SEGMENTS` segments of both byte planes. The others are not looked up.
 struct Planes<const SEGMENTS: usize> {

@@ -7,8 +7,6 @@
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::image::Image;
-use crate::kernels::cut_table::CutTable;
-use crate::kernels::effort::Effort;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
@@ -78,35 +76,10 @@ const SEGMENT: usize = 16;
 /// larger.
 const MANY: usize = 16;
 
-/// The entries below the threshold, low bytes and high bytes apart.
-pub(crate) struct Lookup {
-    low: [[u8; SEGMENT]; 16],
-    high: [[u8; SEGMENT]; 16],
-    segments: usize,
-    /// The largest difference that counts, if there is one.
-    last: Option<u8>,
-    /// Decides how often bounding candidates is worth its time.
-    candidates: Effort,
-}
+pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 ranges!("simd128", v128);
-
-impl Lookup {
-    /// Always succeeds: this file is compiled only if the target has SIMD128.
-    pub(crate) fn new(table: &CutTable) -> Self {
-        let threshold = table.threshold();
-        let segments = usize::from(threshold).div_ceil(SEGMENT).clamp(1, MANY);
-        let last = threshold.checked_sub(1).and_then(|last| u8::try_from(last).ok());
-        let (low, high) = ([[0; SEGMENT]; 16], [[0; SEGMENT]; 16]);
-        let mut lookup = Self { low, high, segments, last, candidates: Effort::NEW };
-        let places = lookup.low.as_flattened_mut().iter_mut().zip(lookup.high.as_flattened_mut());
-        for ((low, high), entry) in places.zip(table.entries()) {
-            [*low, *high] = entry.to_le_bytes();
-        }
-        lookup
-    }
-}
 
 /// The segments of both byte planes: the first `SEGMENTS`, or as many as are in use if that is [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {
