@@ -32,12 +32,12 @@ macro_rules! by_backend {
             }
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
             $type::Neon$(($kernels))? => {
-                use $crate::kernels::aarch64::neon as $set;
+                use $crate::kernels::neon as $set;
                 $call
             }
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             $type::Simd128$(($kernels))? => {
-                use $crate::kernels::wasm32::simd128 as $set;
+                use $crate::kernels::simd128 as $set;
                 $call
             }
             #[cfg(smr_dsp)]

@@ -9,15 +9,15 @@
 
 use super::backend::Backend;
 use super::cut_table::{CutTable, ONE};
-#[cfg(feature = "refiner")]
-use super::dense::{Dense, SPARE};
 use super::layout::{CELL, CHANNELS, Layout, Packed, SIDE};
 use super::native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace, scale_by};
 use super::plain;
-use super::plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 use super::plain::dense::Layer;
+use super::plain::levels::{BIAS, MixedRow};
 use super::products::Products;
+#[cfg(feature = "refiner")]
+use super::products::{Dense, SPARE};
 use super::scorer::Scorer;
 use super::scores::{ALL_FOUR, Blocks, RowsOfRanges};
 use crate::image::{Image, Rect};

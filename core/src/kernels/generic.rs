@@ -47,16 +47,14 @@
 //!    loaded in pieces (x86-64).
 //! 9. **Ranges are written twice at the end of a row.** The last vector of [`spread`] and [`ranges_of_rows`] overlaps
 //!    the one before and stores the same values again. So the ranges left need no loop of their own.
-//! 10. **`#[inline(always)]` everywhere, and no closures.** An intrinsic becomes an instruction only inside a function
-//!     with `#[target_feature]`. A closure is a function of its own, without that attribute.
+//! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
 //!
 //! A function that is `unsafe` asks that the processor has the instruction set of its vector, and that the pictures its
 //! rows belong to are borrowed. What else it asks for it says.
 
 use super::cut_table::{CutTable, ONE};
-use super::effort::Effort;
 use super::rows::Rows;
-use super::scores::RowsOfRanges;
+use super::scores::{Effort, RowsOfRanges};
 use crate::image::Image;
 use core::marker::PhantomData;
 use core::slice;
@@ -184,27 +182,6 @@ macro_rules! by_width {
     }};
 }
 
-/// Defines the ranges of a backend: `spread` and `ranges_of_rows`. The first of its vectors that fits in a row is used.
-macro_rules! ranges {
-    ($features:literal, $($vector:ty)+) => {
-        /// See [`Scores::ranges_of_rows`].
-        #[target_feature(enable = $features)]
-        unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
-            // SAFETY: this is compiled for the instruction set.
-            unsafe { $(generic::ranges_of_rows::<$vector>(pixels, step, last, to))||+ }
-        }
-
-        /// See [`plain::spread`].
-        #[target_feature(enable = $features)]
-        unsafe fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
-            // SAFETY: this is compiled for the instruction set.
-            if !unsafe { $(generic::spread::<$vector>(rows, low, high))||+ } {
-                plain::spread(rows, low, high);
-            }
-        }
-    };
-}
-
 /// The entries of a table below its threshold, low bytes and high bytes apart, in segments that one instruction looks
 /// up.
 pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
@@ -236,11 +213,20 @@ impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS
 }
 
 /// Implements `Scores` for a [`Lookup`]. Each number of segments that is listed gets a loop of its own, which also serves
-/// those below it.
+/// those below it. Ranges are computed by the first of the vectors that fits in a row.
 macro_rules! scores {
-    ($backend:ty, $planes:ident, $vector:ty, $features:literal, segments: $($segments:literal)* or $most:literal) => {
+    (
+        $backend:ty, $planes:ident, $vector:ty $(, or $shorter:ty)?, $features:literal,
+        segments: $($segments:literal)* or $most:literal
+    ) => {const _: () = {
+        use $crate::image::Image;
+        use $crate::kernels::generic::{self, by_width, compiled};
+        use $crate::kernels::plain::scores as plain;
+        use $crate::kernels::rows::Rows;
+        use $crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+
         impl Scores for $backend {
-            #[inline(always)] // keeps `Rows` in registers; reading it back from memory would stall
+            #[inline(always)]
             fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
                 let rows = Rows::of(patch, template);
                 // SAFETY: a backend exists only if the machine has its instructions, and the pictures are borrowed.
@@ -320,21 +306,33 @@ macro_rules! scores {
             }
         }
 
-        $crate::kernels::generic::compiled! { $features, $vector:
+        compiled! { $features, $vector:
             fn count_at_least(rows: &Rows, last: u8, floor: u32) -> Option<u32>;
             fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32>;
             fn candidates(rows: &Rows, last: u8, floor: u32) -> u8;
             fn distance(rows: &Rows, enough: u32) -> u32;
         }
 
-        /// See [`Scores::ranges`].
+        #[target_feature(enable = $features)]
+        unsafe fn ranges_of_rows(pixels: Image<'_>, step: usize, last: u8, to: &mut RowsOfRanges<'_>) -> bool {
+            // SAFETY: this is compiled for the instruction set.
+            unsafe {
+                generic::ranges_of_rows::<$vector>(pixels, step, last, to)
+                    $(|| generic::ranges_of_rows::<$shorter>(pixels, step, last, to))?
+            }
+        }
+
         #[target_feature(enable = $features)]
         unsafe fn ranges(rows: &[&[u8]; 4], last: u8, low: &mut [u8], high: &mut [u8]) {
             // SAFETY: this is compiled for the instruction set.
-            unsafe { spread(rows, low, high) };
+            if !unsafe {
+                generic::spread::<$vector>(rows, low, high) $(|| generic::spread::<$shorter>(rows, low, high))?
+            } {
+                plain::spread(rows, low, high);
+            }
             generic::widen_all(low, high, last);
         }
-    };
+    };};
 }
 
 /// Compiles loops of this file for an instruction set.
@@ -348,7 +346,7 @@ macro_rules! compiled {
     )*};
 }
 
-pub(crate) use {by_width, compiled, intrinsics, ranges, scores};
+pub(crate) use {by_width, compiled, intrinsics, scores};
 
 /// The number of pixels of a row in whole vectors.
 #[inline(always)]

@@ -8,8 +8,8 @@
 //! | `plain/` | any | no faster backend exists | always |
 //! | `x86/avx2.rs` | AVX2 | found at run time (`std`) or compiled for | where the machine has it |
 //! | `x86/ssse3.rs` | SSSE3 (Intel since 2006, AMD since 2011) | the same, without AVX2 | where the machine has it |
-//! | `aarch64/neon/` | NEON | compiled for | emulated by QEMU (`.ci/run neon`), or natively |
-//! | `wasm32/simd128/` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
+//! | `neon.rs` | NEON | compiled for | emulated by QEMU (`.ci/run neon`), or natively |
+//! | `simd128.rs` | SIMD128, the vectors of WebAssembly | compiled for | in Node (`.ci/web`) |
 //! | `arm/dsp/` | DSP extension of Armv7E-M and Armv8-M | compiled for, without Helium | `examples/kernels` on the emulated Cortex-M4 and M7 |
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
 //! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly, older x86-64) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
@@ -19,14 +19,11 @@
 //!
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
-//! | scores and distances of a template, bounds of scores | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` |
-//! | which of four offsets may reach a score | `scorer.rs` | | `scores.rs` | `scores.rs` | `scores.rs` | `bounds.rs` | Arm, RV32: `scores.rs` |
-//! | bounds of groups, and their ranges | `scorer.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `scores.rs` | `bounds.rs`, `scores.rs` | `scores.rs` |
+//! | scores, distances and bounds of a template, also for groups of offsets and four offsets at a time | `scorer.rs` | `scores.rs` | `scores.rs` | `neon.rs` | `simd128.rs` | `scores.rs`, `bounds.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `avx2.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
-//! | layers of the refiner's network | `dense.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
-//! | bilinear sampling of a row | `native.rs` | `bilinear.rs` | (compiler) | (compiler) | (compiler) | `bilinear.rs` | `bilinear.rs` |
-//! | contrast of a patch, update of a template | `native.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | (plain) |
+//! | layers of the refiner's network | `products.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
+//! | bilinear sampling of a row, contrast of a patch, update of a template | `native.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | sampling: `levels.rs` |
 //! | weights of a filter: coding, steps | `native.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
@@ -37,9 +34,9 @@
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
-//! calls those of scores, for both instruction sets there. `effort.rs` decides how often a bound is worth
-//! its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products, `unrolling.rs` keeps
-//! loops small.
+//! calls those of scores, for both instruction sets there. `scores.rs` says what a backend has, and decides how often a
+//! bound is worth its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products,
+//! `unrolling.rs` keeps loops small.
 //!
 //! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
 //! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
@@ -47,6 +44,10 @@
 //! Scores, distances and sums of products are loops over single numbers that share loads: Arm and RV32 score four
 //! offsets at once, and up to nine sums take a factor together. On Armv6-M these sums are in the high registers, to
 //! which it can only add. `examples/README.md` compares the instructions with those of the plain loops.
+//!
+//! Inlining: always, into a function with `#[target_feature]`, what an intrinsic is in, since only there it becomes an
+//! instruction; and what would pass numbers through memory, where reading them back stalls. Never, what takes less flash
+//! in one copy, and loops that need all registers. A comment gives any other reason.
 //!
 //! # Where a weight for each pixel would go
 //!
@@ -56,18 +57,12 @@
 
 #![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-mod aarch64;
 #[cfg(any(smr_dsp, smr_helium))]
 mod arm;
 mod backend;
 #[cfg(any(test, feature = "unstable"))]
 pub mod check;
 mod cut_table;
-#[cfg(feature = "refiner")]
-mod dense;
-#[allow(dead_code)] // not every target has a backend that bounds four offsets
-mod effort;
 #[cfg(any(
     target_arch = "x86_64",
     all(target_arch = "aarch64", target_feature = "neon"),
@@ -76,19 +71,21 @@ mod effort;
 mod generic;
 mod layout;
 mod native;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+mod neon;
 mod plain;
 mod products;
 mod rows;
 mod scorer;
 mod scores;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 mod swar;
 #[cfg(not(smr_helium))]
 #[cfg(not(target_arch = "wasm32"))]
 mod three_sums;
 mod unrolling;
-#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-mod wasm32;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -97,15 +94,15 @@ pub(crate) use arm::helium::dense::copy;
 pub use backend::Backend;
 pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
-#[cfg(feature = "refiner")]
-pub(crate) use dense::{Dense, SPARE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
 pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace, scale_by};
-pub(crate) use plain::bilinear::{BIAS, MixedRow};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
+pub(crate) use plain::levels::{BIAS, MixedRow};
 pub(crate) use products::Products;
+#[cfg(feature = "refiner")]
+pub(crate) use products::{Dense, SPARE};
 pub use scorer::Scorer;
 pub(crate) use scores::{ALL_FOUR, Blocks, RowsOfRanges};
 pub(crate) use unrolling::rolled;

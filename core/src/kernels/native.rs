@@ -4,7 +4,7 @@
 use super::backend::native;
 use super::cut_table::MAX_PIXELS;
 use super::layout::{CELL, CHANNELS, SIDE};
-use super::plain::bilinear::{MixedRow, PLACES};
+use super::plain::levels::{MixedRow, PLACES};
 use heapless::Vec;
 
 /// The places of up to `N` columns in a row.
@@ -47,7 +47,7 @@ impl<const N: usize> Interpolation<N> {
         // SAFETY: `push` keeps each place below PLACES.
         #[allow(unused_unsafe)] // the plain loop is safe
         unsafe {
-            native::bilinear::mix(from, parts, row, out);
+            native::levels::mix(from, parts, row, out);
         }
     }
 }
@@ -83,7 +83,7 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
 
 /// Replaces `old` by `new`, which has the same length. Returns the largest of `largest` and the differences of the
 /// pixels.
-#[inline(never)] // keeps its registers out of its caller
+#[inline(never)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     debug_assert_eq!(old.len(), new.len());
     native::levels::replace(old, new, largest)

@@ -1,12 +1,15 @@
-//! Sums of products, the responses of a filter and the gradient of its error: chooses the loops of a backend.
+//! Sums of products: the responses of a filter, the gradient of its error, and the layers of a small network. Chooses the
+//! loops of a backend.
 //!
-//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight. Without them several
-//! offsets share loads. In that case and with the DSP extension, responses take a fifth fewer products
-//! (`three_sums.rs`). For AVX2 the plain loops are compiled with its instructions. SSSE3 and NEON use them as they
-//! are; the compiler vectorizes them.
+//! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight or more. Without them
+//! several offsets share loads. In that case and with the DSP extension, responses take a fifth fewer products
+//! (`three_sums.rs`). For AVX2 the plain loops are compiled with its instructions. SSSE3 and NEON use them as they are,
+//! and SIMD128 that of layers; the compiler vectorizes them.
 
 use super::backend::{Backend, by_backend};
 use super::layout::{Layout, Packed};
+#[cfg(feature = "refiner")]
+use super::plain::dense as plain;
 use core::ops::Range;
 
 /// Sums of products by a backend. All backends give the same integers.
@@ -56,7 +59,7 @@ impl Products {
     /// Computes these pieces of [`plain::responses`](super::plain::products::responses). The caller asks for them
     /// in order. `room` and `spare` are scratch memory, which the caller leaves as it is from one piece to the next.
     /// `spare` should be as long as the weights: with less, a slower loop may run.
-    #[inline(never)] // one copy in flash for each span
+    #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn responses<const N: usize>(
         self,
@@ -97,5 +100,40 @@ impl Products {
         unsafe {
             by_backend!(self.0, set => set::products::gather(pieces, room, spare, cells, layout, errors, sums));
         }
+    }
+}
+
+/// Bytes of scratch memory with which every backend is fastest: the DSP extension unpacks two patches of up to 216
+/// inputs to words. With less memory it takes one patch at a time.
+#[cfg(feature = "refiner")]
+pub(crate) const SPARE: usize = 4 * 216 + 3;
+
+/// Layers of a small network by a backend. All backends give the same integers.
+#[cfg(feature = "refiner")]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dense(Backend);
+
+#[cfg(feature = "refiner")]
+impl Dense {
+    /// The layers by `backend`, or by the plain loop if the machine does not have it.
+    pub(crate) fn new(backend: Backend) -> Self {
+        Self(backend.or_scalar())
+    }
+
+    /// See [`plain::outputs`]. `patches` has `layer.inputs` numbers for each patch, `out` one for each of its outputs.
+    /// `spare` is scratch memory: see [`SPARE`].
+    #[inline(never)]
+    pub(crate) fn outputs(self, layer: plain::Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
+        // SAFETY: `new` has checked that the machine has the instruction set.
+        #[allow(unused_unsafe)] // most sets need no check
+        unsafe {
+            by_backend!(self.0, set => set::dense::outputs(layer, patches, spare, out));
+        }
+    }
+
+    /// The sums of one patch, before the shift. It serves the last layer, which is small, and always uses the plain
+    /// loop.
+    pub(crate) fn sums<const N: usize>(layer: plain::Layer<'_>, patch: &[i8]) -> [i32; N] {
+        core::array::from_fn(|output| plain::sum(layer, output, patch))
     }
 }

@@ -47,7 +47,7 @@ impl Rows {
     }
 
     /// A template, and the ranges that it is compared with; `None` if there are fewer ranges than pixels.
-    #[inline(always)] // in memory it would stall: it is written in halves of words
+    #[inline(always)]
     #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
         let template = Self::of(template, template);

@@ -1,7 +1,5 @@
 //! The kernels of SMR: chooses those of a backend and checks their arguments.
 
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-use super::aarch64::neon::scores as neon;
 #[cfg(smr_dsp)]
 use super::arm::dsp::scores::Dsp;
 #[cfg(smr_helium)]
@@ -10,12 +8,14 @@ use super::arm::helium::scores::Helium;
 use super::arm::scores::Kernels;
 use super::backend::{Backend, by_backend};
 use super::cut_table::{CutTable, MAX_PIXELS};
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+use super::neon;
 use super::plain::scores::{self as plain, Plain};
 use super::scores::{Blocks, RowsOfRanges, Scores};
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use super::simd128;
 #[cfg(not(any(smr_dsp, smr_helium)))]
 use super::swar::scores as swar;
-#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-use super::wasm32::simd128::scores as simd128;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{avx2, ssse3};
 use crate::image::{Image, Rect};

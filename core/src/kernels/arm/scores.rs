@@ -13,10 +13,9 @@
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
-use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, Scores};
+use crate::kernels::scores::{Blocks, Effort, Scores};
 use core::marker::PhantomData;
 
 /// The loops of an instruction set over the pixels of two pictures, which have at least `NARROWEST` columns.
@@ -59,7 +58,7 @@ pub(crate) struct Kernels<'a, L> {
 }
 
 impl<'a, L: Loops> Kernels<'a, L> {
-    #[inline(always)] // see `Scorer::new`
+    #[inline(always)]
     pub(crate) fn new(table: &'a CutTable) -> Self {
         Self { plain: Plain { table }, points: Effort::NEW, loops: PhantomData }
     }

@@ -25,7 +25,7 @@ pub(crate) struct Layer<'a> {
 }
 
 /// The sum of output `o` for one patch, before the shift.
-#[inline(always)] // a backend compiles it for its own instruction set
+#[inline(always)]
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
@@ -36,7 +36,7 @@ pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
 }
 
 /// Computes all outputs of all patches, patch by patch.
-#[inline(always)] // a backend compiles it for its own instruction set
+#[inline(always)]
 pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     let patches = patches.chunks(layer.inputs.max(1));
     for (patch, out) in patches.zip(out.chunks_mut(layer.biases.len().max(1))) {

@@ -88,7 +88,7 @@ pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
 }
 
 /// Computes the sums and the energy of each cell of a row, one by one.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],

@@ -1,7 +1,6 @@
 //! The plain loops: they specify every kernel, and compute where no instruction set does it faster.
 #![allow(dead_code)] // a processor with a faster loop does not need the plain one
 
-pub(crate) mod bilinear;
 #[cfg(feature = "refiner")]
 pub(crate) mod dense;
 pub(crate) mod gradients;

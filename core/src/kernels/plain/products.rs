@@ -14,7 +14,7 @@ use core::ops::Range;
 /// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
 ///
 /// A piece is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
-#[inline(always)] // a backend compiles it for its own instruction set
+#[inline(always)]
 pub(crate) fn responses_inline<const N: usize>(
     pieces: Range<usize>,
     cells: &[i8],

@@ -159,7 +159,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
 /// lies on the padding.
 #[cfg(smr_swar)]
 #[must_use]
-#[cfg_attr(smr_small, inline(never))] // keeps its registers out of those of its caller
+#[cfg_attr(smr_small, inline(never))]
 pub(crate) fn score_on_padding(template: Image<'_>, seen: Rect, table: &CutTable) -> u32 {
     let mut sum = 0;
     let width = usize::from(template.width());

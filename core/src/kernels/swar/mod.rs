@@ -1,7 +1,7 @@
 //! Words of four pixels in ordinary 32-bit registers, for processors without a faster instruction set.
 
 #[cfg(smr_swar)]
-pub(crate) mod bilinear;
+pub(crate) mod levels;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod products;
 pub(crate) mod scores;
@@ -12,7 +12,7 @@ pub(crate) use crate::kernels::plain::dense;
 #[cfg(target_arch = "wasm32")]
 pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
-pub(crate) use crate::kernels::plain::{gradients, levels, weights};
+pub(crate) use crate::kernels::plain::{gradients, weights};
 
 /// True: every processor has such registers.
 pub(crate) const fn is_available() -> bool {

@@ -118,13 +118,13 @@ unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second:
     // Two loops, so that each has a register for all it needs.
     if let Some(mut second) = second {
         for _ in rolled(0..width) {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: a round for each of the `width` cells and numbers.
             unsafe { *to = low(i32::from(*first) - i32::from(*second) + MIDDLE) };
             (to, first, second) = (to.wrapping_add(1), first.wrapping_add(STEP), second.wrapping_add(STEP));
         }
     } else {
         for _ in rolled(0..width) {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: as above.
             unsafe { *to = low(i32::from(*first) + MIDDLE) };
             (to, first) = (to.wrapping_add(1), first.wrapping_add(STEP));
         }
@@ -243,7 +243,7 @@ impl Slide {
         }
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
         while left > 0 {
-            // SAFETY: as the caller guarantees: no function takes more than `left` sums.
+            // SAFETY: no function takes more than the `left` sums, whose numbers lie in the rows.
             let done = unsafe {
                 match left {
                     1 | 2 => self.one(to),
@@ -332,7 +332,7 @@ macro_rules! slide {
             #[inline(never)]
             unsafe fn $name(&self, to: *mut i32) -> usize {
                 let Self { mut factors, count, mut numbers, width, rows } = *self;
-                // SAFETY: as the caller guarantees.
+                // SAFETY: `count` factors and the numbers under them are read, and n sums.
                 unsafe {
                     let mut sums: [i32; $n] = to.cast::<[i32; $n]>().read();
                     for _ in rolled(0..rows) {

@@ -15,10 +15,10 @@
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
-#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
-use crate::kernels::effort::Effort;
 use crate::kernels::plain::scores::{self as plain, Plain};
 use crate::kernels::rows::Rows;
+#[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
+use crate::kernels::scores::Effort;
 use crate::kernels::scores::{Blocks, Scores};
 use crate::kernels::unrolling::rolled;
 use core::{mem, slice};
@@ -45,7 +45,7 @@ pub(crate) struct Swar<'a> {
 }
 
 impl<'a> Swar<'a> {
-    #[inline(always)] // see `Scorer::new`
+    #[inline(always)]
     pub(crate) fn new(table: &'a CutTable) -> Self {
         Self {
             plain: Plain { table },
@@ -138,9 +138,9 @@ impl Scores for Swar<'_> {
 ///
 /// # Safety
 /// `width` pixels can be read at `f` and at `g`.
-#[inline(never)] // so that no other code needs a register
+#[inline(never)]
 unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> u32 {
-    // SAFETY: as the caller guarantees.
+    // SAFETY: `row_sum` reads what this may read.
     unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
 }
 
@@ -154,11 +154,11 @@ const OFFSETS: usize = 4;
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.
 #[cfg(target_arch = "riscv32")]
-#[inline(never)] // so that no other code needs a register
+#[inline(never)]
 unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
     let mut sums = [0; OFFSETS];
-    // SAFETY: as the caller guarantees. A signed difference is -255 to 255, and entry 255 of 511 is that of no
-    // difference.
+    // SAFETY: three pixels are read before the loops, and one more in each of the `width` columns. A signed difference
+    // is -255 to 255, and entry 255 of 511 is that of no difference.
     unsafe {
         let equal = table.entries().as_ptr().add(255);
         // The bytes of as many entries as the pixel's gray level. A pixel of the frame is doubled only once.
@@ -213,9 +213,9 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
         };
     }
     let mut sums = [0; OFFSETS];
-    // SAFETY: as the caller guarantees. Entry 255 of 511 is that of no difference. Nothing but the sums and the stack
-    // is written: it saves r6 and r7, which `asm!` may not name, and the addresses of the sums and of the end of the
-    // rounds.
+    // SAFETY: the rounds end at the last whole group of four columns. Entry 255 of 511 is that of no difference. Nothing
+    // but the sums and the stack is written: it saves r6 and r7, which `asm!` may not name, and the addresses of the
+    // sums and of the end of the rounds.
     unsafe {
         core::arch::asm!(
             "push {{r4, r5, r6, r7}}",
@@ -278,7 +278,7 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
 /// As for [`row_score`].
 #[inline(never)]
 unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
-    // SAFETY: as the caller guarantees.
+    // SAFETY: `row_sum` reads what this may read.
     unsafe { row_sum(f, g, width, |f, g| f.abs_diff(g).into()) }
 }
 
@@ -289,7 +289,7 @@ unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
 #[inline(always)]
 unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(u8, u8) -> u32) -> u32 {
     let mut sum = 0;
-    // SAFETY: as the caller guarantees.
+    // SAFETY: both loops together read `width` pixels of each row.
     unsafe {
         for _ in rolled(0..width / UNROLLED) {
             for column in 0..UNROLLED {
@@ -497,11 +497,11 @@ impl Row {
     /// # Safety
     /// The words of the row can be read at `g`, with `SHIFTED` one more.
     #[allow(clippy::modulo_one)] // where a round is one word
-    #[inline(never)] // so that no other code needs a register
+    #[inline(never)]
     unsafe fn outside<const SHIFTED: bool>(&self, mut g: *const u32, shift: u32) -> u32 {
         let (mut low, mut high) = (self.low, self.high);
         let mut sum = 0;
-        // SAFETY: as the caller guarantees.
+        // SAFETY: `count` words are read in each row, and with `SHIFTED` the one after each of the template's.
         unsafe {
             let mut present = u32::from_le(*g);
             let mut outside = |low: *const u32, high: *const u32, g: *const u32| {

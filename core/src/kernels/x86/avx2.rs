@@ -2,11 +2,7 @@
 //! compute eight products each.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
-use crate::image::Image;
-use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, ranges, scores};
-use crate::kernels::plain::scores as plain;
-use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};
 use core::arch::x86_64::*;
 use core::slice;
 
@@ -21,8 +17,7 @@ pub(crate) fn is_available() -> bool {
 pub(crate) type Lookup = scores::Lookup<__m256i>;
 type Planes<const SEGMENTS: usize> = scores::Planes<__m256i, SEGMENTS>;
 
-scores!(Lookup, Planes, __m256i, "avx2", segments: 1 2 3 4 8 or 16);
-ranges!("avx2", __m256i __m128i);
+scores!(Lookup, Planes, __m256i, or __m128i, "avx2", segments: 1 2 3 4 8 or 16);
 
 impl Vector for __m256i {
     const LANES: usize = 32;

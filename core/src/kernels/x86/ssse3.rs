@@ -2,11 +2,7 @@
 //! kernels by SSE2.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
-use crate::image::Image;
-use crate::kernels::generic::{self, Neighbours, Vector, by_width, intrinsics, ranges, scores};
-use crate::kernels::plain::scores as plain;
-use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};
 use core::arch::x86_64::*;
 use core::slice;
 
@@ -26,7 +22,6 @@ pub(crate) type Lookup = scores::Lookup<__m128i>;
 type Planes<const SEGMENTS: usize> = scores::Planes<__m128i, SEGMENTS>;
 
 scores!(Lookup, Planes, __m128i, "ssse3", segments: 1 2 3 4 8 or 16);
-ranges!("ssse3", __m128i);
 
 impl Vector for __m128i {
     const LANES: usize = 16;

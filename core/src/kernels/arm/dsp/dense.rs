@@ -51,7 +51,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
 /// `2 * inputs` bytes can be read and `inputs` words written. `inputs` is a multiple of 4 and not 0. `room` is aligned.
 #[inline(always)]
 unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
-    // SAFETY: as the caller guarantees. Each round reads four bytes of both patches and writes four words.
+    // SAFETY: each round reads four bytes of both patches and writes four words, until `inputs` words are written.
     unsafe {
         asm!(
             "2:",
@@ -119,8 +119,8 @@ impl Run {
     /// inputs of two patches, or those of one patch if `apart` is 0.
     #[inline(always)]
     unsafe fn all(&mut self, weights: *const i8, inputs: usize) {
-        // SAFETY: as the caller guarantees. Each round reads weights of two outputs and the inputs under them. r6 and
-        // r7, which `asm!` may not name, are saved on the stack, and so is the address of `self`.
+        // SAFETY: each round reads weights of two outputs and the inputs under them, and the last one ends with the
+        // weights. r6 and r7, which `asm!` may not name, are saved on the stack, and so is the address of `self`.
         unsafe {
             asm!(
                 "push {{r6, r7, r10}}",

@@ -1,6 +1,5 @@
 //! The DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a word, by assembly.
 
-pub(crate) mod bilinear;
 mod bounds;
 #[cfg(feature = "refiner")]
 pub(crate) mod dense;

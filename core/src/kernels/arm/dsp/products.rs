@@ -106,8 +106,8 @@ impl Rows for Unpacked {
 #[inline(never)]
 unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
-    // SAFETY: as the caller guarantees. Without `second` the same zeroes are read in each round. Words need not be
-    // aligned.
+    // SAFETY: a round takes ten bytes and writes five words, for each of the `width` cells. Without `second` the same
+    // zeroes are read in each. Words need not be aligned.
     unsafe {
         asm!(
             "2:",
@@ -163,7 +163,7 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
 /// not 0.
 #[inline(never)]
 unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
-    // SAFETY: as the caller guarantees. Words need not be aligned.
+    // SAFETY: a round takes ten weights and writes five words, for each of the `width` cells. Words need not be aligned.
     unsafe {
         asm!(
             "2:",
@@ -211,7 +211,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
 /// These bytes can be read, and as many words written. `width` is not 0.
 #[inline(always)]
 unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *const i8) {
-    // SAFETY: as the caller guarantees.
+    // SAFETY: a round takes two bytes and writes a word, for each of the `width` cells.
     unsafe {
         asm!(
             "2:",
@@ -331,8 +331,8 @@ impl Slide {
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());
         while left > 0 {
-            // SAFETY: as the caller guarantees: no function takes more than `left` sums. There is none for three sums,
-            // because it would hardly ever run.
+            // SAFETY: no function takes more than the `left` sums, whose numbers lie in the rows. There is none for three
+            // sums, because it would hardly ever run.
             let done = unsafe {
                 match left {
                     1 => self.one(to),

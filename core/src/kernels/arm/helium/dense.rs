@@ -87,8 +87,8 @@ impl Run {
     /// written, also `apart` bytes later. `inputs` bytes of each patch can be read. `inputs` is not 0.
     #[inline(always)]
     unsafe fn all(&mut self, weights: *const i8) {
-        // SAFETY: as the caller guarantees. r6 and r7, which `asm!` may not name, are saved on the stack. The assembly
-        // moves the address of `self` to r6.
+        // SAFETY: each round reads `inputs` weights of three outputs, and the last one ends with the weights. r6 and r7,
+        // which `asm!` may not name, are saved on the stack. The assembly moves the address of `self` to r6.
         unsafe {
             asm!(
                 "push {{r6, r7}}",

@@ -164,7 +164,7 @@ macro_rules! sum {
 
 /// Computes the sums of a row of cells and their energies, as the plain loop does. Rows and lines have room for a
 /// multiple of eight cells.
-#[inline(never)] // one copy in flash
+#[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],

@@ -1,6 +1,5 @@
 //! Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a vector, by assembly.
 
-pub(crate) mod bilinear;
 mod bounds;
 #[cfg(feature = "refiner")]
 pub(crate) mod dense;

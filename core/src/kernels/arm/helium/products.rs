@@ -85,7 +85,7 @@ macro_rules! sums {
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
             $(let $sum;)*
-            // SAFETY: what is read is as the caller guarantees. Nothing but the stack is written.
+            // SAFETY: the last vector of a row has as many lanes as weights are left. Nothing but the stack is written.
             unsafe {
                 asm!(
                     $($begin,)*
@@ -186,7 +186,7 @@ impl Rows {
     ) {
         let span = self.width;
         if span != 17 && span != 9 {
-            // SAFETY: as the caller guarantees.
+            // SAFETY: the rows of the square are one behind the other, with the bytes under them; seven sums can be written.
             unsafe {
                 *to =
                     if SEVEN == 0 { self.six::<1>(bytes, errors, span) } else { self.seven::<1>(bytes, errors, span) };
@@ -194,7 +194,7 @@ impl Rows {
             return;
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
-        // SAFETY: all errors of a row but the last are read, as the caller guarantees. Nothing but the stack is
+        // SAFETY: of a row all errors but the last are read, then those as a column. Nothing but the stack is
         // written; it saves r6, which `asm!` may not name.
         unsafe {
             asm!(
@@ -284,7 +284,7 @@ impl Rows {
                 seven = const SEVEN,
             );
         }
-        // SAFETY: as the caller guarantees.
+        // SAFETY: seven sums can be written.
         unsafe { *to = [a, b, c, d, e, f, g] };
     }
 }
@@ -357,7 +357,7 @@ pub(crate) fn gather<const N: usize>(
 /// # Safety
 /// The byte can be read in each cell, and `count` bytes written at `to`. `count` is not 0.
 unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
-    // SAFETY: as the caller guarantees. The last round has as many lanes as cells are left.
+    // SAFETY: the last round has as many lanes as cells are left of `count`.
     unsafe {
         asm!(
             "vldrh.u16 q0, [{places}]",

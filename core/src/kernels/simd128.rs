@@ -1,17 +1,24 @@
-//! Scores by SIMD128, the vectors of WebAssembly: 16 pixels at a time, for any threshold.
+//! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. The compiler vectorizes the plain loop of layers. Scores,
+//! for any threshold:
 //!
 //! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero.
-//! So the lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each
-//! plane. Larger ones take up to 16.
+//!    So the lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each
+//!    plane. Larger ones take up to 16.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
-use crate::image::Image;
-use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
-use crate::kernels::plain::scores as plain;
-use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+pub(crate) mod products;
+
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, intrinsics, scores};
 use core::arch::wasm32::*;
+
+#[cfg(feature = "refiner")]
+pub(crate) use crate::kernels::plain::dense;
+
+/// True: it is compiled only for processors that have it.
+pub(crate) const fn is_available() -> bool {
+    true
+}
 
 impl Vector for v128 {
     const LANES: usize = 16;
@@ -79,7 +86,6 @@ const MANY: usize = 16;
 pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
-ranges!("simd128", v128);
 
 /// The segments of both byte planes: the first `SEGMENTS`, or as many as are in use if that is [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {

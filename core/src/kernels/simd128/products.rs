@@ -72,7 +72,7 @@ unsafe fn responses_at<const COUNT: usize>(first: *const i8, layout: Layout, wei
     for (down, weights) in weights.chunks_exact(row).enumerate() {
         let first = first.wrapping_add(down * stride);
         for (at, mask) in vectors(row) {
-            // SAFETY: as the caller guarantees; no vector ends beyond the row.
+            // SAFETY: no vector ends beyond the row, and the filter lies on the cells at each offset.
             unsafe {
                 let weights = v128_and(v128_load(weights.as_ptr().wrapping_add(at).cast()), mask);
                 for (x, sum) in sums.iter_mut().enumerate() {
@@ -125,7 +125,7 @@ pub(crate) fn gather<const N: usize>(
 /// Eight cells can be read at each offset, and eight sums written.
 #[inline(always)]
 unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], sums: *mut i32) {
-    // SAFETY: as the caller guarantees.
+    // SAFETY: both halves lie in the eight sums, and eight cells are loaded at each offset.
     unsafe {
         let (low, high): (*mut v128, *mut v128) = (sums.cast(), sums.wrapping_add(LANES / 2).cast());
         let mut total = (v128_load(low), v128_load(high));

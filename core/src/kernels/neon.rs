@@ -1,16 +1,22 @@
-//! Scores by NEON, which every AArch64 with floating point has: 16 pixels at a time, for any threshold.
+//! NEON, which every AArch64 with floating point has: 16 pixels in a vector. The compiler vectorizes the plain loops of
+//! the other kernels. Scores, for any threshold:
 //!
 //! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So
 //!    the lookup is also the test d < threshold. Larger thresholds take up to four lookups.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
 //! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
-use crate::image::Image;
-use crate::kernels::generic::{self, LookUp, Neighbours, Vector, by_width, intrinsics, ranges, scores};
-use crate::kernels::plain::scores as plain;
-use crate::kernels::rows::Rows;
-use crate::kernels::scores::{Blocks, RowsOfRanges, Scores};
+use crate::kernels::generic::{self, LookUp, Neighbours, Vector, intrinsics, scores};
 use core::arch::aarch64::*;
+
+#[cfg(feature = "refiner")]
+pub(crate) use crate::kernels::plain::dense;
+pub(crate) use crate::kernels::plain::products;
+
+/// True: it is compiled only for processors that have it.
+pub(crate) const fn is_available() -> bool {
+    true
+}
 
 impl Vector for uint8x16_t {
     const LANES: usize = 16;
@@ -55,7 +61,6 @@ const SEGMENT: usize = 64;
 pub(crate) type Lookup = generic::Lookup<uint8x16_t, SEGMENT, 4>;
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
-ranges!("neon", uint8x16_t);
 
 /// The first `SEGMENTS` segments of both byte planes. The others are not looked up.
 struct Planes<const SEGMENTS: usize> {

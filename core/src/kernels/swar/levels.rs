@@ -1,13 +1,15 @@
-//! Bilinear sampling of a row with one product for each column.
+//! Gray levels of a row, sampled with one product for each column. The other loops are the plain ones.
 
-use crate::kernels::plain::bilinear::MixedRow;
+use crate::kernels::plain::levels::MixedRow;
 use crate::kernels::unrolling::rolled;
 
-/// Computes the gray levels of columns, as `plain::levels` specifies them.
+pub(crate) use crate::kernels::plain::levels::{deviation, replace};
+
+/// See `plain::mix`.
 ///
 /// # Safety
-/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::bilinear::PLACES).
-#[inline(never)] // so that it has all registers
+/// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
+#[inline(never)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     for (out, (&from, &[_, part])) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
         let pair = row.as_ptr().wrapping_byte_add(from.into());

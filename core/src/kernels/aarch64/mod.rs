@@ -1,3 +1,0 @@
-//! The instruction set of AArch64.
-
-pub(crate) mod neon;

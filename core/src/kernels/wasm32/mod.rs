@@ -1,3 +1,0 @@
-//! The instruction set of WebAssembly.
-
-pub(crate) mod simd128;
