@@ -23,9 +23,6 @@ pub struct CutTable {
     /// The entries from the difference 0 on, or from -255 on if there are [`ENTRIES`] for signed differences.
     entries: [u16; ENTRIES],
     threshold: u16,
-    /// See [`CutTable::chord`]. It is stored for targets that need it in every step and divide slowly.
-    #[cfg(any(smr_dsp, smr_helium))]
-    chord: u32,
     #[cfg(any(smr_dsp, smr_helium))]
     points: Points,
 }
@@ -35,8 +32,6 @@ impl CutTable {
     pub(crate) const EMPTY: Self = Self {
         entries: [0; ENTRIES],
         threshold: 0,
-        #[cfg(any(smr_dsp, smr_helium))]
-        chord: 0,
         #[cfg(any(smr_dsp, smr_helium))]
         points: Points::NONE,
     };
@@ -54,10 +49,7 @@ impl CutTable {
         rolled(mirrored.iter_mut().rev().zip(differences.iter().skip(1))).for_each(|(to, &from)| *to = from);
         self.threshold = threshold;
         #[cfg(any(smr_dsp, smr_helium))]
-        {
-            self.chord = self.flattest();
-            self.points = Points::of(&self.entries, threshold);
-        }
+        self.points.set(&self.entries, threshold);
     }
 
     /// p of a difference of `difference` gray levels, in units of 1/65535; 0 from the threshold on.
@@ -92,28 +84,10 @@ impl CutTable {
         &self.entries
     }
 
-    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
-    ///
-    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no
-    /// table. The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from
-    /// p(0) to it is the flattest.
-    #[cfg(any(smr_dsp, smr_helium))]
-    #[inline]
-    pub(super) const fn chord(&self) -> u32 {
-        self.chord
-    }
-
-    /// The bound of scores by points.
+    /// The bounds of scores that need no table.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn points(&self) -> &Points {
         &self.points
-    }
-
-    #[cfg(any(smr_dsp, smr_helium))]
-    fn flattest(&self) -> u32 {
-        let one = u32::from(ONE);
-        let counting = self.entries.get(..usize::from(self.threshold).min(256)).unwrap_or_default();
-        rolled((0..).zip(counting).skip(1)).map(|(d, &p)| (one - u32::from(p)) / d.max(1)).min().unwrap_or(one)
     }
 }

@@ -8,46 +8,54 @@ use crate::kernels::cut_table::ONE;
 use crate::kernels::rows::Rows;
 use crate::kernels::unrolling::rolled;
 
-/// The bound that points give for the scores by a table that is cut off at a threshold.
+/// The bounds that points and differences give for the scores by a table that is cut off at a threshold.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     /// The largest difference of a pixel that counts.
     pub(super) largest: u8,
     /// A pixel that scores p has at least p * `rate` / 2^24 points. If it is 0, points bound nothing.
     rate: u32,
+    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
+    ///
+    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no
+    /// table. The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from
+    /// p(0) to it is the flattest. It is stored, because every step needs it, and processors divide slowly.
+    pub(super) chord: u32,
 }
 
 impl Points {
     /// The points of an equal pixel. No pixel has more.
     pub(super) const MOST: u8 = u8::MAX;
 
-    pub(crate) const NONE: Self = Self { largest: 0, rate: 0 };
+    pub(crate) const NONE: Self = Self { largest: 0, rate: 0, chord: 0 };
 
-    /// The points for `entries` cut off at `threshold`. They bound nothing if no pixel counts or every pixel does.
-    pub(crate) fn of(entries: &[u16; 256], threshold: u16) -> Self {
-        let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) else {
-            return Self::NONE;
-        };
-        let points = |d: u8| u32::from(Self::MOST - d) << 24;
-        let rates = rolled((0..=largest).zip(entries)).map(|(d, &p)| points(d) / u32::from(p.max(1)));
-        Self { largest, rate: rates.min().unwrap_or(0) }
+    /// Sets the bounds for `entries` cut off at `threshold`. They bound nothing if no pixel counts or every pixel does.
+    pub(crate) fn set(&mut self, entries: &[u16; 256], threshold: u16) {
+        *self = Self::NONE;
+        if let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) {
+            let points = |d: u8| u32::from(Self::MOST - d) << 24;
+            let rates = rolled((0..=largest).zip(entries)).map(|(d, &p)| points(d) / u32::from(p.max(1)));
+            let chords =
+                rolled((0..=largest).zip(entries).skip(1)).map(|(d, &p)| u32::from(ONE - p) / u32::from(d.max(1)));
+            let (rate, chord) = (rates.min().unwrap_or(0), chords.min().unwrap_or(ONE.into()));
+            *self = Self { largest, rate, chord };
+        }
     }
 
     /// The fewest points of an offset with `pixels` pixels that scores at least `floor`; 0 if points bound nothing. It
     /// is the larger of two bounds, the second one tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
-    /// - A pixel loses at least `chord` for each point that it lacks: see
-    ///   [`CutTable::chord`](crate::kernels::CutTable::chord). One that does not count lacks 255 and loses 65535, that
-    ///   is 257 for each.
-    pub(super) fn needed(&self, floor: u32, pixels: u32, chord: u32) -> u32 {
+    /// - A pixel loses at least `chord` for each point that it lacks. One that does not count lacks 255 and loses 65535,
+    ///   that is 257 for each.
+    pub(super) fn needed(&self, floor: u32, pixels: u32) -> u32 {
         if self.rate == 0 {
             return 0;
         }
         // The rate is at most 255 * 2^24 / 65535, that of equal pixels. So the quotient fits.
         let of_score = u32::try_from((u64::from(floor) * u64::from(self.rate)).div_ceil(1 << 24)).unwrap_or(u32::MAX);
         let lost = (pixels * u32::from(ONE)).saturating_sub(floor);
-        let lacking = lost / chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
+        let lacking = lost / self.chord.clamp(1, u32::from(ONE / u16::from(Self::MOST)));
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 

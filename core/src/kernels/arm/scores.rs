@@ -6,7 +6,7 @@
 //! - [`Loops::MISSES`] counts the pixels that cannot count at any offset of a group.
 //! - [`Loops::SPARE`] sums the points of four offsets (`points.rs`).
 //! - [`Loops::LOSS`] bounds the score of every patch between two pictures: a full score less the least loss of its
-//!   pixels. A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`CutTable::chord`]). A pixel
+//!   pixels. A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`Points::chord`]). A pixel
 //!   that does not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and
 //!   the differences of the others.
 
@@ -92,7 +92,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         if threshold == 0 || !Self::can_take(rows.width) || rows.patch_stride != rows.high_stride {
             return Some(full);
         }
-        let limit = Limit { threshold, chord: self.plain.table.chord(), allowed };
+        let limit = Limit { threshold, chord: self.plain.table.points().chord, allowed };
         // SAFETY: there are enough columns, and both bounds have the same stride.
         let loss = unsafe { (L::LOSS)(&rows, &limit) };
         full.checked_sub(loss).filter(|&most| most >= floor)
@@ -101,7 +101,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
     #[inline(never)]
     fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let (rows, points) = (Rows::of(patch, template), self.plain.table.points());
-        let needed = points.needed(floor, rows.pixels_after(0), self.plain.table.chord());
+        let needed = points.needed(floor, rows.pixels_after(0));
         if needed == 0 || !Self::can_take(rows.width) || !self.points.is_worth_it() {
             return wanted;
         }
