@@ -33,11 +33,13 @@ impl Points {
     pub(crate) fn set(&mut self, entries: &[u16; 256], threshold: u16) {
         *self = Self::NONE;
         if let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) {
-            let points = |d: u8| u32::from(Self::MOST - d) << 24;
-            let rates = rolled((0..=largest).zip(entries)).map(|(d, &p)| points(d) / u32::from(p.max(1)));
-            let chords =
-                rolled((0..=largest).zip(entries).skip(1)).map(|(d, &p)| u32::from(ONE - p) / u32::from(d.max(1)));
-            let (rate, chord) = (rates.min().unwrap_or(0), chords.min().unwrap_or(ONE.into()));
+            let (most, one) = (u32::from(Self::MOST), u32::from(ONE));
+            let (mut rate, mut chord) = (u32::MAX, one);
+            for (d, &p) in rolled((0..).zip(entries.iter().take(usize::from(threshold)))) {
+                let p = u32::from(p);
+                rate = rate.min((most.wrapping_sub(d) << 24) / p.max(1));
+                chord = (one - p).checked_div(d).unwrap_or(chord).min(chord);
+            }
             *self = Self { largest, rate, chord };
         }
     }
