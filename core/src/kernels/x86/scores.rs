@@ -158,16 +158,18 @@ const fn lanes(first: usize, second: usize) -> [u8; 32] {
 /// Loads a row of up to 15 pixels into the lanes of [`narrow_lanes`].
 #[inline(always)]
 pub(super) fn narrow(row: &[u8]) -> __m128i {
-    let (low, high) = match (row.first_chunk(), row.last_chunk()) {
-        (Some(&first), Some(&last)) => (i64::from_le_bytes(first), i64::from_le_bytes(last)),
-        _ => match (row.first_chunk(), row.last_chunk()) {
+    // SAFETY: every x86-64 has SSE2.
+    unsafe {
+        if let (Some(&first), Some(&last)) = (row.first_chunk(), row.last_chunk()) {
+            return _mm_set_epi64x(i64::from_le_bytes(last), i64::from_le_bytes(first));
+        }
+        let both = match (row.first_chunk(), row.last_chunk()) {
             (Some(&first), Some(&last)) => {
-                (i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32, 0)
+                i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
             // Shifts pixels in from the top of four bytes, so that the last pixel is included.
-            _ => (i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)), 0),
-        },
-    };
-    // SAFETY: every x86-64 has SSE2.
-    unsafe { _mm_set_epi64x(high, low) }
+            _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
+        };
+        _mm_set_epi64x(0, both)
+    }
 }
