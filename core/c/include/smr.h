@@ -1201,7 +1201,7 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
  * pixels in #smr_lock_window.
  *
  * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
- * as much as 11 to 16 updates. #smr_lock_step does the same in steps.
+ * as much as two or three updates. #smr_lock_step does the same in steps.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -1217,7 +1217,7 @@ smr_status smr_lock(struct smr_tracker *tracker,
 /**
  * Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
  * size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
- * no target until then. Units of work: see #smr_update_step; a lock takes at most 50.6 million. The paper's tracker does
+ * no target until then. Units of work: see #smr_update_step; a lock takes at most 9.8 million. The paper's tracker does
  * all work in one step.
  *
  * @param tracker  Made by #smr_init.

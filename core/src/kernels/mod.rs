@@ -96,7 +96,7 @@ pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
-pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace, scale_by};
+pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
 pub(crate) use plain::levels::{BIAS, MixedRow};

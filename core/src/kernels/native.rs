@@ -139,12 +139,3 @@ impl GradientStep {
         native::weights::step(weights, slopes, length, back);
     }
 }
-
-/// Multiplies up to 16 numbers (each at most 8191) by `part / 16384`, rounded. `part` is at most 16384. Returns the sum
-/// of the products of old and new numbers, which is below 2^31.
-#[inline(always)]
-pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
-    debug_assert!(numbers.len() <= 16 && numbers.iter().all(|number| number.unsigned_abs() <= 8191));
-    debug_assert!((0..=1 << 14).contains(&part));
-    native::weights::scale_by(numbers, part)
-}

@@ -101,7 +101,7 @@ pub trait Target: Steps {
     /// Starts to follow the target in `bbox` and forgets the previous target. Returns how distinct the new one is.
     ///
     /// Reads only the pixels in [`Target::lock_window`]. Cost: [`Paper`](crate::Paper) copies the box and makes two
-    /// comparisons per pixel; [`Robust`](crate::Robust) takes as long as 11 to 16 updates.
+    /// comparisons per pixel; [`Robust`](crate::Robust) takes as long as two or three updates.
     ///
     /// # Errors
     /// [`LockError`]. The target is then unchanged.

@@ -58,15 +58,6 @@ fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
     i32::try_from(i64::from(weight) - change).unwrap_or(weight)
 }
 
-/// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
-#[inline(always)]
-pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
-    let less = |number: i16| low((i32::from(number) * part + (1 << 13)) >> 14);
-    rolled_if_spare(numbers.iter_mut())
-        .map(|number| i32::from(core::mem::replace(number, less(*number))) * i32::from(*number))
-        .sum()
-}
-
 /// The lower 16 bits.
 #[allow(clippy::cast_possible_truncation)]
 fn low(number: i32) -> i16 {

@@ -1,6 +1,7 @@
 //! The filter: weights for the features of cells, and how they are learned.
 //!
-//! Steepest descent on the sum over all offsets of (response - label)^2, plus `regularisation` times the sum of all squared weights.
+//! Steepest descent, and conjugate gradients at the lock, on the sum over all offsets of (response - label)^2, plus `regularisation` times the
+//! sum of all squared weights.
 //! Weights, gradients and errors are coded for the sums: divided by the least power of two by which the largest one fits, and rounded.
 //! All sums are of whole numbers below 2^53, so they are exact in f64.
 //!
@@ -54,20 +55,81 @@ impl Filter {
         Coded::new(&self.weights, numbers.most_coded)
     }
 
-    /// One step of `step` times the best length.
-    pub fn learn(&mut self, numbers: &Numbers, shape: &Shape, sample: &Sample<'_>, step: f64) {
+    /// Learns the target from its first frame: `first_steps` whole steps of conjugate gradients. The weights are 0.
+    pub fn lock(&mut self, numbers: &Numbers, shape: &Shape, cells: &Cells) {
+        let mut responses = vec![0.0; offsets(numbers).count()];
+        let mut before = None;
+        for _ in 0..numbers.first_steps {
+            let sample = Sample { cells, responses: &responses, target: (0.0, 0.0) };
+            let step = self.learn(numbers, shape, &sample, 1.0, before.as_ref());
+            let changes = Coded::new(&step.responses, 32_767.0);
+            let units = step.length * step.direction.divisor * changes.divisor / 2.0_f64.powi(60);
+            responses
+                .iter_mut()
+                .zip(&changes.numbers)
+                .for_each(|(response, change)| *response -= nearest(change * units, 1.0));
+            before = Some(step);
+        }
+    }
+
+    /// One step, of `part` of the best length. The direction is each gradient times the learning window at its cell, and a part of the
+    /// direction before. That part is the quotient of both descents, in units of 1/65536.
+    pub fn learn(
+        &mut self,
+        numbers: &Numbers,
+        shape: &Shape,
+        sample: &Sample<'_>,
+        part: f64,
+        before: Option<&Step>,
+    ) -> Step {
         let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
         let correlated = correlated(numbers, shape, sample.cells, &errors.numbers);
         // Weights are in 1/65536 of what errors are in.
         let gradient = |(weight, sum): (&f64, &f64)| numbers.regularisation * weight + sum * errors.divisor * 65536.0;
         let gradients: Vec<f64> = self.weights.iter().zip(&correlated).map(gradient).collect();
-        let gradients = Coded::new(&gradients, numbers.most_coded);
-        let directions = directions(numbers, shape, &gradients);
-        let length = (best_length(numbers, shape, sample.cells, &gradients, &directions) * step).floor();
-        for (weight, direction) in self.weights.iter_mut().zip(&directions.numbers) {
-            *weight -= nearest(direction * length * directions.divisor / 2.0_f64.powi(44), 1.0);
+        let before = before.filter(|before| before.descent != 0.0);
+        let most = if before.is_some() { (numbers.most_coded / 4.0).floor() } else { numbers.most_coded };
+        let gradients = Coded::new(&gradients, most);
+        let mut direction = directions(numbers, shape, &gradients);
+        let descent =
+            gradients.numbers.iter().zip(&direction.numbers).map(|(gradient, number)| gradient * number).sum();
+        if let Some(before) = before {
+            let places = (512.0 * before.direction.divisor / direction.divisor).max(1.0);
+            let part = (quotient(descent * 33_554_432.0, before.descent) / places).floor();
+            let part = part.min(65_536.0 * numbers.most_conjugate);
+            for (number, before) in direction.numbers.iter_mut().zip(&before.direction.numbers) {
+                *number += (part * before / 65_536.0).floor();
+            }
         }
+        let responses: Vec<f64> = offsets(numbers).map(|(x, y)| direction.sum(shape, sample.cells, x, y)).collect();
+        let length = (best_length(numbers, &direction, descent, &responses) * part).floor();
+        for (weight, number) in self.weights.iter_mut().zip(&direction.numbers) {
+            *weight -= nearest(number * length * direction.divisor / 2.0_f64.powi(44), 1.0);
+        }
+        Step { direction, descent, responses, length }
     }
+}
+
+/// A step that was taken.
+pub struct Step {
+    direction: Coded,
+    /// The sum of gradients times masked gradients, in the squared unit of the direction.
+    descent: f64,
+    /// The responses to the direction.
+    responses: Vec<f64>,
+    /// In units of 2^-44.
+    length: f64,
+}
+
+/// The best length of a step (exact line search), in units of 2^-44: the descent over the curvature along the direction.
+///
+/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. Nine
+/// binary places of a response are left out, rounded down.
+fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64]) -> f64 {
+    let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
+    let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
+    let curvature = curvature + (numbers.regularisation * squared / 262_144.0).floor();
+    quotient(descent * 67_108_864.0, curvature.max((descent / 2_097_152.0).floor() + 1.0))
 }
 
 /// A search window that is learned from.
@@ -107,7 +169,7 @@ fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -
     sums
 }
 
-/// The direction of a step: each gradient times the learning window at its cell.
+/// Each gradient times the learning window at its cell.
 fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
     let axis = |cells: i64, side: i64| -> Vec<f64> {
         (0..cells).map(|at| learning_window(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()
@@ -119,19 +181,4 @@ fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
     };
     let numbers = gradients.numbers.chunks(CHANNELS).zip(parts).flat_map::<Vec<f64>, _>(weighted).collect();
     Coded { numbers, divisor: gradients.divisor }
-}
-
-/// The best length of a step (exact line search), in units of 2^-44: gradients times directions, over the curvature along the direction.
-///
-/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. Nine
-/// binary places of a response are left out, rounded down.
-fn best_length(numbers: &Numbers, shape: &Shape, cells: &Cells, gradients: &Coded, directions: &Coded) -> f64 {
-    let descent: f64 =
-        gradients.numbers.iter().zip(&directions.numbers).map(|(gradient, direction)| gradient * direction).sum();
-    let squared: f64 = directions.numbers.iter().map(|direction| direction * direction).sum();
-    let mut curvature = (numbers.regularisation * squared / 262_144.0).floor();
-    for (x, y) in offsets(numbers) {
-        curvature += (directions.sum(shape, cells, x, y) / 512.0).floor().powi(2);
-    }
-    quotient(descent * 67_108_864.0, curvature.max(1.0))
 }

@@ -118,11 +118,7 @@ impl Reference {
         let frame = Picture { pixels: frame, width: frame_size.0, height: frame_size.1 };
         let window = features(&numbers, &place.window(&numbers, &shape, numbers.reach).sample(&numbers, &frame));
         let mut filter = Filter::new(&shape);
-        for _ in 0..numbers.first_steps {
-            let responses = responses(&shape, &filter.coded(&numbers), &window, numbers.reach);
-            let sample = Sample { cells: &window, responses: &responses, target: (0.0, 0.0) };
-            filter.learn(&numbers, &shape, &sample, numbers.first_step);
-        }
+        filter.lock(&numbers, &shape, &window);
         let first = place.bbox((width, height));
         let refiner = numbers.parts.refiner.then(|| Refiner::new(&numbers, refiner, &frame, first));
         Self {
@@ -242,7 +238,7 @@ impl Reference {
         self.place = candidate.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
-            self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step);
+            self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step, None);
         }
         if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
             self.tracked_scale = self.place.scale;

@@ -32,20 +32,18 @@ pub struct Numbers {
     pub reach: i64,
     /// The label's standard deviation: .0 / .1 of the root of the target's area.
     pub label_width: (f64, f64),
-    /// The table of the Gaussian: entries for a standard deviation, and after how many it ends.
-    pub gaussian_entries: f64,
-    pub gaussian_end: f64,
     /// The weight of the squared filter weights in the error.
     pub regularisation: f64,
     /// Bounds: of a coded number, of a coded error, and of an error.
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
-    /// The fraction of the best length that a step has: in an update, and in a lock.
+    /// The fraction of the best length that the step of an update has.
     pub step: f64,
-    pub first_step: f64,
     /// Steps of a lock. An update takes one.
     pub first_steps: usize,
+    /// The most that a step of a lock takes of the direction before.
+    pub most_conjugate: f64,
     /// Part that a response loses at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
     /// Motion: the fraction of the velocity that is added to the last place, and the weight of the last move in the velocity.
@@ -124,15 +122,13 @@ impl Numbers {
             norm_gain: 635.0,
             reach: 8,
             label_width: (1.0, 10.0),
-            gaussian_entries: 32.0,
-            gaussian_end: 5.0,
             regularisation: 5056.0,
             most_coded: 8191.0,
             most_gathered: 16_383.0,
             most_error: 65_535.0,
             step: 5.0 / 8.0,
-            first_step: 5.0 / 8.0,
-            first_steps: 25,
+            first_steps: 6,
+            most_conjugate: 0.75,
             distance_penalty: 77.0,
             velocity_fraction: 0.5,
             velocity_rate: 0.5,

@@ -4,8 +4,6 @@
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
-pub(crate) use plain::scale_by;
-
 /// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. Of a negative number the sign is removed
 /// first, then the number is rounded down.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {

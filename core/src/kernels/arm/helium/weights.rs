@@ -135,34 +135,3 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
         );
     }
 }
-
-/// Replaces each number by `number * part / 2^14`, rounded, and returns the sum of the products of old and new numbers.
-#[inline(always)]
-pub(crate) fn scale_by(numbers: &mut [i16], part: i32) -> i32 {
-    let mut sum = 0;
-    if numbers.is_empty() {
-        return sum;
-    }
-    // The number is doubled here, and the instruction doubles the product. The instruction then rounds and drops 16
-    // bits.
-    // SAFETY: the slice has this many numbers, and the last round uses only the lanes that are left.
-    unsafe {
-        asm!(
-            "dlstp.16 lr, {count}",
-            "2:",
-            "vldrh.u16 q0, [{numbers}]",
-            "vadd.i16 q1, q0, q0",
-            "vqrdmulh.s16 q1, q1, {part}",
-            "vstrh.16 q1, [{numbers}], #16",
-            "vmladava.s16 r0, q0, q1",
-            "letp lr, 2b",
-            numbers = inout(reg) numbers.as_mut_ptr() => _,
-            count = in(reg) numbers.len(),
-            part = in(reg) part,
-            inout("r0") sum,
-            out("lr") _, out("q0") _, out("q1") _,
-            options(nostack),
-        );
-    }
-    sum
-}

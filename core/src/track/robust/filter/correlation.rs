@@ -58,22 +58,23 @@ impl<const N: usize> Coded<N> {
         &self.numbers
     }
 
-    pub(super) fn numbers_mut(&mut self) -> &mut [i16] {
-        &mut self.numbers
-    }
-
     pub(crate) const fn shift(&self) -> u32 {
         self.shift
     }
 
-    /// Codes `count` numbers in units of 2^`unit`. `largest` is the largest absolute value among them.
-    #[cfg_attr(smr_small, inline(never))]
-    pub(crate) fn set(&mut self, numbers: ScaledSums<'_>, count: usize, largest: u32, unit: u32) {
-        let shift = shift_below(largest, LARGEST);
-        // Cannot fail: no caller has more than `N`.
-        let _ = self.numbers.resize_default(count);
-        numbers.code(shift, &mut self.numbers);
-        self.shift = unit + shift;
+    /// Sets the numbers to `sums`, in units of 2^`unit`, + `beta` * the numbers before. Beta has 25 fractional bits. If it
+    /// is not 0, the sums are at most 2047.
+    #[inline(never)]
+    #[allow(clippy::cast_possible_truncation)] // 2047 + 3/4 * 8191 is a coded number
+    pub(super) fn follow(&mut self, sums: &[i32], unit: u32, beta: i64) {
+        // In units of 1/65536 and of both codes.
+        const MOST: i32 = 3 << 14;
+        let beta = beta >> (9 + self.shift).saturating_sub(unit);
+        let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
+        self.shift = unit;
+        for (number, sum) in rolled(self.numbers.iter_mut().zip(sums)) {
+            *number = (sum + ((beta * i32::from(*number)) >> 16)) as i16;
+        }
     }
 
     /// Computes one piece of the responses at all offsets, in units of 2^`shift`. Returns true after the last piece.
@@ -143,7 +144,10 @@ impl<const N: usize> Filter<N> {
     #[inline(never)]
     pub(crate) fn code(&self, coded: &mut Coded<N>) {
         let numbers = ScaledSums::of(&self.weights);
-        coded.set(numbers, self.weights.len(), numbers.largest(), 0);
+        coded.shift = shift_below(numbers.largest(), LARGEST);
+        // Cannot fail: there is room for as many.
+        let _ = coded.numbers.resize_default(self.weights.len());
+        numbers.code(coded.shift, &mut coded.numbers);
     }
 
     /// Takes a step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
@@ -162,9 +166,9 @@ mod tests {
     #[test]
     fn coded_numbers_are_bounded() {
         for largest in [0, 1, 8190, 8191, 8192, 1 << 30, i32::MAX] {
-            let (mut coded, numbers) = (Coded::<2>::new(), [largest, -largest]);
-            let numbers = ScaledSums::of(&numbers);
-            coded.set(numbers, 2, numbers.largest(), 0);
+            let (mut coded, mut filter) = (Coded::<2>::new(), Filter::<2>::new());
+            filter.restore(2, [largest, -largest].into_iter());
+            filter.code(&mut coded);
             assert!(coded.numbers.iter().all(|coded| u32::from(coded.unsigned_abs()) <= LARGEST), "{largest}");
             assert!(coded.shift == 0 || coded.numbers[0] > 4000, "{largest}");
         }

@@ -2,27 +2,24 @@
 //! cells.
 //!
 //! ```text
-//! exp(-(d / sigma)^2 / 2) in units of 1/16384, from a table of 32 entries per sigma; 0 from 5 sigma on
+//! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
 //! ```
 //!
 //! In two dimensions it is the product of the Gaussians of both axes. Distances are in units of 1/256 cell.
 
-use super::super::arithmetic::root;
 use super::super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
 use super::super::features::Grid;
+use crate::kernels::rolled;
+use crate::similarity::PAPER;
 
-/// Entries of the table for each sigma.
-const FINE: u16 = 32;
-const ENTRIES: usize = 5 * FINE as usize;
-
-/// exp(-t^2 / 2) in units of 1/16384, t in units of 1/32.
-const TABLE: [u16; ENTRIES] = table();
+/// exp(-256 / 255), in units of 1/65536.
+const LOWER: u32 = 24_015;
 
 /// A Gaussian on one axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Gaussian {
-    /// Entries of the table for each 1/256 cell. Unit: 2^-20.
-    entries: i64,
+    /// 255 / sigma^2 in units of 2^-24.
+    factor: u32,
 }
 
 impl Gaussian {
@@ -30,23 +27,30 @@ impl Gaussian {
     pub(crate) fn label(grid: &Grid) -> Self {
         // A pixel of the grid is 64 units, so sigma^2 = 64^2 * 0.1^2 * pixels.
         let [width, of] = LABEL_WIDTH;
-        Self::new(root(grid.pixels() * 4096 * width / of).max(1).into())
+        Self::new(grid.pixels() * 4096 * width / of)
     }
 
     /// The mask's Gaussians across and down: sigma is half of the target's side.
     pub(crate) fn mask(grid: &Grid) -> [Self; 2] {
-        [grid.columns, grid.rows].map(|side| Self::new(LEARNED_WIDTH * u64::from(side).max(1)))
+        [grid.columns, grid.rows].map(|side| Self::new((LEARNED_WIDTH * u32::from(side)).pow(2)))
     }
 
-    fn new(sigma: u64) -> Self {
-        Self { entries: (i64::from(FINE) << 20) / i64::try_from(sigma).unwrap_or(1) }
+    fn new(squared_sigma: u32) -> Self {
+        Self { factor: (255 << 24) / squared_sigma.max(1) }
     }
 
-    /// The Gaussian at a distance from its middle, in units of 1/16384. The distance is in units of 1/256 cell.
+    /// The Gaussian at a distance from its middle, in units of 1/16384. The distance is in units of 1/256 cell, and less
+    /// than 256 cells.
     #[inline(never)]
+    #[allow(clippy::cast_possible_truncation)] // the lower eight bits
     pub(crate) fn at(self, distance: i32) -> i32 {
-        let entry = (i64::from(distance.unsigned_abs()) * self.entries) >> 20;
-        usize::try_from(entry).ok().and_then(|entry| TABLE.get(entry)).map_or(0, |&value| value.into())
+        let x = (u64::from(distance.unsigned_abs().pow(2)) * u64::from(self.factor)) >> 25;
+        let x = u32::try_from(x).unwrap_or(u32::MAX);
+        let mut value = u32::from(PAPER.similarity(x as u8));
+        for _ in rolled(0..(x >> 8).min(16)) {
+            value = (value * LOWER) >> 16;
+        }
+        (value + 2).cast_signed() >> 2
     }
 
     /// The value at an offset on one axis of a search. `target` is the target's distance from the middle, in units of
@@ -56,24 +60,6 @@ impl Gaussian {
     }
 }
 
-#[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // t < ENTRIES; every entry is at most 2^14
-const fn table() -> [u16; ENTRIES] {
-    const ONE: u128 = 1 << 60;
-    /// q = exp(-1/2048), by the first terms of its series.
-    const Q: u128 = ONE - (1 << 49) + (1 << 37) - (1 << 26) / 3;
-    // The entries are q^(t^2); q^(2t + 1) leads from one to the next.
-    let mut entries = [0; ENTRIES];
-    let (mut value, mut odd) = (ONE, Q);
-    let mut t = 0;
-    while t < ENTRIES {
-        entries[t] = ((value + (1 << 45)) >> 46) as u16;
-        value = (value * odd) >> 60;
-        odd = (odd * ((Q * Q) >> 60)) >> 60;
-        t += 1;
-    }
-    entries
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::super::constants::ONE;
@@ -81,16 +67,18 @@ mod tests {
     use crate::image::Rect;
 
     #[test]
-    fn every_entry_is_the_rounded_exponential() {
-        for (t, &entry) in TABLE.iter().enumerate() {
-            let exact = 16384.0 * (-(t as f64 / 32.0).powi(2) / 2.0).exp();
-            assert_eq!(f64::from(entry), exact.round(), "{t}");
+    fn a_gaussian_is_near_the_exponential() {
+        let gaussian = Gaussian::new(100 * 100);
+        for distance in 0..=(1 << 16) - 1 {
+            let exact = 16384.0 * (-(f64::from(distance) / 100.0).powi(2) / 2.0).exp();
+            assert!((f64::from(gaussian.at(distance)) - exact).abs() < 66.0, "{distance}");
+            assert_eq!(gaussian.at(-distance), gaussian.at(distance));
         }
     }
 
     #[test]
     fn the_label_of_ten_by_ten_cells_has_a_sigma_of_one_cell() {
         let label = Gaussian::label(&Grid::new(Rect::new(0, 0, 40, 40)));
-        assert_eq!([label.at(0), label.at(256), label.at(-256), label.at(5 * 256)], [ONE, 9937, 9937, 0]);
+        assert_eq!([label.at(0), label.at(256), label.at(-256), label.at(5 * 256)], [ONE, 9957, 9957, 0]);
     }
 }

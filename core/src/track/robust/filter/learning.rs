@@ -1,23 +1,29 @@
-//! Learning: one step of ridge regression on a Gaussian label, in each frame with enough evidence.
+//! Learning: ridge regression on a Gaussian label. A lock takes `FIRST_STEPS` steps of conjugate gradients, and each
+//! later frame with enough evidence one step of steepest descent.
 //!
 //! ```text
 //! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
 //! error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
-//! direction  p = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
-//! step       w' = w - rate * a * p,   a = (grad E . p) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! slope      z = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
+//! direction  p = z + beta * p',    beta = (grad E . z) / (the same of the step before); 0 in an update
+//! step       w' = w - rate * a * p,   a = (grad E . z) / (sum over d of rp(d)^2 + lambda * |p|^2)
+//! responses  r' = r - a * rp,      in a lock
 //! ```
 //!
-//! `rp` is the response to the direction `p`, so `a` is the exact step of steepest descent for this quadratic (as in
-//! ATOM; Danelljan et al., 2019). Offsets around the target are its negative examples (as in BACF; Galoogahi et al.,
-//! 2017). `m` is a Gaussian on the filter's cells: cells far from the target's middle show the target less often, so
-//! they learn less. A whole step would follow each frame too closely; `rate` shortens it. There is one division.
+//! `rp` is the response to the direction `p`, so `a` is the exact step for this quadratic: of steepest descent (as in
+//! ATOM; Danelljan et al., 2019), or of conjugate gradients (Hestenes and Stiefel, 1952) with the preconditioner `m`.
+//! Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
+//! filter's cells: cells far from the target's middle show the target less often, so they learn less. In an update a
+//! whole step would follow each frame too closely; `rate` shortens it.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
-//! | `r`, `y` | response, label | 1/16384 | 2^24, 2^14 |
+//! | `r`, `y` | response, label | 1/16384 | 2^24, 2^14; in a lock `r` is any `i32` |
 //! | `e` | error, clamped; coded | 1/16384; a power of two | 65,535; 16,383 |
-//! | `grad E`, `p` | coded | a power of two | 8191 |
-//! | `grad E . p` | | | 2000 * 8191^2 < 2^37 |
+//! | `grad E`, `z` | coded | a power of two | 8191; with a direction before 2047 |
+//! | `p` | coded | a power of two | 2047 + 3/4 * 8191 < 8191 |
+//! | `beta` | in units of both codes | 1/65536 | 3/4 |
+//! | `grad E . z` | descent | | 2000 * 8191^2 < 2^37 |
 //! | `a` | step length | 44 fractional bits | 2^47 |
 //!
 //! Cost: 578 products for each weight by default, twice as many as the responses of a search.
@@ -25,10 +31,10 @@
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
 use super::super::features::{Extent, Grid};
-use super::correlation::{Coded, FeatureWindow, Filter, add_gradient, shift_below};
+use super::correlation::{Coded, FeatureWindow, Filter, LARGEST, add_gradient, shift_below};
 use super::gaussian::Gaussian;
 use super::response::{self, CODED, Responses};
-use crate::kernels::{Packed, Products, ScaledSums, rolled, scale_by};
+use crate::kernels::{GradientStep, Packed, Products, ScaledSums, rolled};
 use crate::track::update::{Budget, largest, units};
 
 /// Units of work for each weight when the direction is computed.
@@ -42,7 +48,7 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
 /// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
-    let last = response::most_of_a_piece(extent) + CODED * extent.weights();
+    let last = response::most_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
     largest(&[errors, SLOPED * extent.weights(), last])
 }
 
@@ -62,7 +68,7 @@ pub(crate) struct Sums {
     pub(crate) per_weight: [i32; WEIGHTS],
     /// The errors before they are coded, in units of 1/16384; spare memory while the gradient is summed; then the
     /// responses to the direction, in the unit of the direction.
-    pub(super) per_offset: [[i32; SPAN]; SPAN],
+    pub(crate) per_offset: [[i32; SPAN]; SPAN],
     /// In units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
 }
@@ -83,11 +89,13 @@ impl Sums {
         shift
     }
 
-    /// Computes and codes the direction. Returns grad E . p, in the squared unit of the direction.
+    /// Computes and codes the direction. `direction` is that of the step before, and `descent_before` its descent, or 0
+    /// for steepest descent. Returns the descent, in the squared unit of the direction.
     ///
     /// A slope, an element of grad E, is `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
     /// below 2^30, and `error_shift` is at most 3, so a slope can take more than 32 bits. Units of 2^`unit` are tried from
-    /// the largest on, until the steepest slope has 8191 of them. So it keeps 13 bits, if it has them:
+    /// the largest on, until the steepest slope has 8191 of them. So it keeps 13 bits, if it has them (11 beside a
+    /// direction before):
     ///
     /// | `unit` | used if | slopes are below |
     /// |---|---|---|
@@ -95,23 +103,47 @@ impl Sums {
     /// | 14 | else, and it has 8191 of these | 2^18 units, since it was below 8191 * 2^19 |
     /// | 0 | else | 2^27, since it was below 8191 * 2^14 |
     #[inline(never)]
-    fn code_direction(&mut self, training: &Training<'_>, error_shift: u32, direction: &mut Coded<WEIGHTS>) -> i64 {
-        let weights = training.filter.weights();
+    fn code_direction(
+        &mut self,
+        training: &Training<'_>,
+        error_shift: u32,
+        descent_before: i64,
+        direction: &mut Coded<WEIGHTS>,
+    ) -> i64 {
         // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
         // without a response must be 0.
         self.per_offset.as_flattened_mut().fill(0);
+        let weights = training.filter.weights();
+        let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
         let gradient_unit = 16 + error_shift;
-        for unit in [gradient_unit, 14, 0] {
+        let mut unit = gradient_unit;
+        loop {
             // In units of 2^`unit`: weight * factor / 2^32 + gradient * 2^left.
-            let factor = REGULARISATION << (32 - unit);
-            let slopes = ScaledSums { weights, factor, sums: &self.per_weight, left: gradient_unit - unit };
+            let slopes =
+                ScaledSums { weights, factor: REGULARISATION << (32 - unit), sums, left: gradient_unit - unit };
             let steepest = slopes.largest();
-            if steepest >= super::correlation::LARGEST || unit == 0 {
-                direction.set(slopes, weights.len(), steepest, unit);
-                return apply_mask(training.grid, direction.numbers_mut());
+            if steepest >= LARGEST || unit == 0 {
+                let largest = if descent_before == 0 { LARGEST } else { LARGEST / 4 };
+                let shift = shift_below(steepest, largest);
+                let ScaledSums { factor, left, .. } = slopes;
+                let descent = mask(training.grid, weights, (factor, left, shift), sums);
+                direction.follow(sums, unit + shift, quotient(descent << 25, descent_before));
+                return descent;
             }
+            unit = if unit > 14 { 14 } else { 0 };
         }
-        0
+    }
+
+    /// Subtracts `length` times the responses to the direction from the responses. Their codes take 15 bits, and the
+    /// memory of the errors.
+    #[inline(never)]
+    pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
+        let numbers = ScaledSums::of(self.per_offset.as_flattened());
+        let shift = shift_below(numbers.largest(), 32_767);
+        let coded = self.coded_errors.as_flattened_mut();
+        numbers.code(shift, coded);
+        GradientStep { length, back: 60_u32.saturating_sub(direction.shift() + shift) }
+            .apply(responses.rows.as_flattened_mut(), coded);
     }
 
     /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47.
@@ -122,7 +154,7 @@ impl Sums {
         // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
         let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
-        (i64::from(rate) * quotient(descent << 26, curvature.max(1))) >> 8
+        (i64::from(rate) * quotient(descent << 26, curvature.max((descent >> 21) + 1))) >> 8
     }
 }
 
@@ -142,28 +174,45 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
         let down = label.at_offset(row, target.1, reach);
         for ((error, response), across) in rolled(errors.iter_mut().zip(responses).zip(&across).take(span)) {
             let label = (across * down + (1 << 13)) >> 14;
-            *error = (response - label).clamp(-MOST_ERROR, MOST_ERROR);
+            *error = response.saturating_sub(label).clamp(-MOST_ERROR, MOST_ERROR);
             largest = largest.max(error.unsigned_abs());
         }
     }
     largest
 }
 
-/// p = m * grad E, in place. Returns grad E . p.
+/// Codes the slopes weight * `factor` / 2^32 + sum * 2^`left`, divided by 2^`shift`, and masks them, in place: z = m *
+/// grad E. Returns grad E . z.
 #[inline(never)]
-fn apply_mask(grid: &Grid, slopes: &mut [i16]) -> i64 {
+fn mask(grid: &Grid, weights: &[i32], (factor, left, shift): (i64, u32, u32), sums: &mut [i32]) -> i64 {
     let [across, down] = Gaussian::mask(grid);
     // The distance from the target's middle to a cell's, in units of 1/256 cell.
-    let from_middle = |at: usize, cells: u16| 128 * (2 * i32::try_from(at).unwrap_or(0) + 1 - i32::from(cells));
-    let mut descent = 0;
-    for (y, row) in slopes.chunks_mut(usize::from(grid.across.max(1)) * CHANNELS).enumerate() {
-        let down = down.at(from_middle(y, grid.down));
-        for (x, cell) in row.chunks_mut(CHANNELS).enumerate() {
-            let factor = (across.at(from_middle(x, grid.across)) * down + (1 << 13)) >> 14;
-            descent += i64::from(scale_by(cell, factor));
+    let from_middle = |at: u16, cells: u16| 128 * (2 * i32::from(at) + 1 - i32::from(cells));
+    let (mut descent, mut coded) = (0, [0; CHANNELS]);
+    let (mut x, mut y, mut vertical) = (grid.across, 0, 0);
+    let mut weights = weights.chunks(CHANNELS);
+    for sums in sums.chunks_mut(CHANNELS) {
+        let weights = weights.next().unwrap_or_default();
+        if x == grid.across {
+            vertical = down.at(from_middle(y, grid.down));
+            (x, y) = (0, y + 1);
         }
+        let part = across.at(from_middle(x, grid.across)) * vertical;
+        x += 1;
+        ScaledSums { weights, factor, sums, left }.code(shift, &mut coded);
+        descent += i64::from(mask_cell(sums, &coded, (part + (1 << 13)) >> 14));
     }
     descent
+}
+
+/// z = m * grad E for a cell, whose `part` of m is in units of 1/16384. Returns grad E . z.
+fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
+    let pairs = rolled(masked.iter_mut().zip(slopes));
+    let product = |(masked, &slope): (&mut i32, &i16)| {
+        *masked = (i32::from(slope) * part + (1 << 13)) >> 14;
+        i32::from(slope) * *masked
+    };
+    pairs.map(product).sum()
 }
 
 /// A step of learning.
@@ -173,6 +222,8 @@ pub(crate) struct Learning {
     target: (i32, i32),
     /// The part of a whole step. Unit: 1/256.
     rate: u16,
+    /// The descent of the last direction; 0 before the first.
+    descent: i64,
     phase: Phase,
 }
 
@@ -185,15 +236,16 @@ enum Phase {
     /// Computes the direction.
     Direction { error_shift: u32 },
     /// Computes a piece of the responses to the direction.
-    Curvature { piece: usize, descent: i64 },
+    Curvature { piece: usize },
 }
 
 impl Learning {
     pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
-        Self { target, rate, phase: Phase::Errors }
+        Self { target, rate, descent: 0, phase: Phase::Errors }
     }
 
-    /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid.
+    /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid. The
+    /// next piece begins a conjugate step.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,
@@ -222,17 +274,18 @@ impl Learning {
                 };
             }
             Phase::Direction { error_shift } => {
-                let descent = sums.code_direction(training, error_shift, direction);
+                self.descent = sums.code_direction(training, error_shift, self.descent, direction);
                 budget.spend(SLOPED * grid.work_on_weights());
-                self.phase = Phase::Curvature { piece: 0, descent };
+                self.phase = Phase::Curvature { piece: 0 };
             }
-            Phase::Curvature { piece, descent } => {
+            Phase::Curvature { piece } => {
                 budget.spend(units(products.work(piece, layout, count)));
                 if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
                     budget.spend(CODED * grid.work_on_weights());
-                    return Some(sums.step_length(direction.numbers(), descent, self.rate));
+                    self.phase = Phase::Errors;
+                    return Some(sums.step_length(direction.numbers(), self.descent, self.rate));
                 }
-                self.phase = Phase::Curvature { piece: piece + 1, descent };
+                self.phase = Phase::Curvature { piece: piece + 1 };
             }
         }
         None
@@ -246,7 +299,7 @@ mod tests {
     use crate::kernels::Backend;
     use std::vec::Vec as Many;
 
-    /// Compares with sums in 64 bits, where all units are 1.
+    /// Compares with sums in 64 bits, where all units are 1: of steepest descent, and then of a conjugate step.
     #[test]
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
@@ -258,10 +311,17 @@ mod tests {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             (state.cast_signed() >> 3) >> (28 - places)
         };
+        let [across, down] = Gaussian::mask(&grid);
+        let from_middle = |at: usize| 128 * (2 * at as i32 + 1 - i32::from(grid.across));
+        let cell = |at: usize| (at / CHANNELS % usize::from(grid.across), at / CHANNELS / usize::from(grid.across));
+        let part = |(x, y)| (i64::from(across.at(from_middle(x)) * down.at(from_middle(y))) + 8192) >> 14;
+        filter.start(count);
+        filter.code(&mut direction);
+        let mut descent = 0;
         for (of_weight, of_sum) in
-            [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0)]
+            [(0, 0), (1, 0), (3, 1), (9, 3), (12, 8), (18, 12), (24, 20), (28, 28), (0, 28), (28, 0), (0, 0), (28, 28)]
         {
-            for shift in 0..=3 {
+            for (shift, follows) in (0..=3).flat_map(|shift| [(shift, false), (shift, true)]) {
                 filter.restore(count, core::iter::repeat_with(|| 8 * noise(of_weight)));
                 sums.per_weight.fill_with(|| noise(of_sum));
                 let pairs = filter.weights().iter().zip(&sums.per_weight);
@@ -270,17 +330,59 @@ mod tests {
                 };
                 let slopes: Many<i64> = pairs.map(slope).collect();
                 let steepest = slopes.iter().map(|slope| slope.unsigned_abs()).max().unwrap();
-                let scale = (0..64).find(|scale| (steepest >> scale) < 8191).unwrap();
-                let round = |&slope: &i64| i16::try_from((slope + (1 << scale >> 1)) >> scale).unwrap();
-                let mut wanted: Many<i16> = slopes.iter().map(round).collect();
-                let descent = apply_mask(&grid, &mut wanted);
+                let before = if follows { descent } else { 0 };
+                let bound = if before == 0 { 8191 } else { 2047 };
+                let scale = (0..64).find(|scale| (steepest >> scale) < bound).unwrap();
+                let rounded: Many<i64> = slopes.iter().map(|slope| (slope + (1 << scale >> 1)) >> scale).collect();
+                let parts = (0..count).map(|at| part(cell(at)));
+                let masked: Many<i64> =
+                    rounded.iter().zip(parts).map(|(slope, part)| (slope * part + 8192) >> 14).collect();
+                let wanted: i64 = rounded.iter().zip(&masked).map(|(slope, masked)| slope * masked).sum();
+                let beta = if before == 0 { 0.0 } else { wanted as f64 / before as f64 };
+                let beta = (beta * 2_f64.powi(16 + scale - direction.shift() as i32)).min(49_152.0);
+                let old: Many<i16> = direction.numbers().to_vec();
                 let window = FeatureWindow { cells: &[], layout: layout(&grid, SPAN) };
                 let products = Products::new(Backend::Scalar);
                 let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
-                let given = sums.code_direction(&training, shift, &mut direction);
-                assert_eq!((given, direction.shift()), (descent, scale), "{of_weight} {of_sum} {shift}");
-                assert_eq!(direction.numbers(), &*wanted);
+                descent = sums.code_direction(&training, shift, before, &mut direction);
+                assert_eq!((descent, direction.shift()), (wanted, scale as u32), "{of_weight} {of_sum} {shift}");
+                for ((&number, masked), old) in direction.numbers().iter().zip(masked).zip(old) {
+                    let exact = masked as f64 + beta * f64::from(old) / 65_536.0;
+                    assert!((f64::from(number) - exact).abs() <= 1.2, "{number} {exact}, {of_weight} {of_sum} {shift}");
+                    assert!(number.unsigned_abs() <= 8191);
+                }
             }
+        }
+    }
+
+    /// The most beta, after a direction of the largest numbers.
+    #[test]
+    fn a_direction_stays_a_code() {
+        let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());
+        for (sums, numbers) in [([2047, -2047], [8190, -8191]), ([2047, 2047], [-4096, 8190]), ([-2047, 0], [-8191, 1])]
+        {
+            filter.restore(2, numbers.into_iter());
+            filter.code(&mut direction);
+            direction.follow(&sums, 0, i64::MAX);
+            assert!(direction.numbers().iter().all(|number| u32::from(number.unsigned_abs()) <= LARGEST));
+        }
+    }
+
+    #[test]
+    fn responses_follow_a_step_of_any_length() {
+        let (mut direction, mut filter, mut sums) = (Coded::new(), Filter::new(), Sums::new());
+        for (length, change) in [(0, 0), (1 << 46, i32::MAX), ((1 << 47) - 1, i32::MIN), (1 << 30, 1 << 24)] {
+            filter.restore(1, [i32::MAX].into_iter());
+            filter.code(&mut direction);
+            let mut responses = Responses { span: SPAN, rows: [[-5; SPAN]; SPAN] };
+            sums.per_offset = [[change; SPAN]; SPAN];
+            sums.descend(length, &direction, &mut responses);
+            let exact = -5.0 - length as f64 * f64::from(change) * 2_f64.powi(direction.shift() as i32 - 60);
+            let exact = if exact.abs() < 2_f64.powi(31) { exact } else { -5.0 };
+            assert!(
+                (f64::from(responses.rows[3][4]) - exact).abs() <= exact.abs() / 16_384.0 + 1.0,
+                "{length} {change}"
+            );
         }
     }
 

@@ -36,8 +36,8 @@ const fn search(extent: Extent) -> u32 {
 /// The most work of a lock.
 const fn lock(config: &Config, extent: Extent) -> u32 {
     let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
-    let step = CODED * extent.weights() + response::most_work(extent) + learning::most_work(extent);
-    crop + agreement::most_of_a_view(extent) + window(extent) + FIRST_STEPS * step
+    let begin = CODED * extent.weights() + agreement::most_of_a_view(extent);
+    crop + begin + window(extent) + FIRST_STEPS * (learning::most_work(extent) + CODED * extent.offsets())
 }
 
 /// The largest piece of work that cannot be divided.
@@ -58,7 +58,7 @@ impl Config {
     /// ```
     /// use smr_core::robust::Config;
     /// const MOST: smr_core::MostWork = Config::robust().most_work();
-    /// assert!(MOST.update < 6_500_000 && MOST.lock < 50_600_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
+    /// assert!(MOST.update < 6_500_000 && MOST.lock < 9_700_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
     /// ```
     #[must_use]
     #[allow(clippy::cast_possible_truncation)] // 200 cells

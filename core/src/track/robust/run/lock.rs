@@ -1,15 +1,14 @@
 //! The pipeline of a lock: learns the target from its first frame.
 //!
 //! ```text
-//! crop (feature `refiner`) -> view, which becomes the template -> features -> learning
-//!   24 times:                                                      -> response -> learning
+//! crop (feature `refiner`) -> view, which becomes the template -> features -> learning, in `FIRST_STEPS` steps
 //! ```
 //!
-//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each of
-//! its 25 steps of learning changes the weights. Its end sets template and track.
+//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each step
+//! of learning changes the weights. Its end sets template and track.
 
 use super::super::config::Config;
-use super::super::constants::{FIRST_RATE, FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
+use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA, WHOLE_STEP};
 use super::super::decision::{Memory, Track};
 use super::super::filter::{CODED, Learning};
 use super::super::refiner::FirstCrop;
@@ -18,7 +17,7 @@ use super::buffers::Buffers;
 use super::inputs::Inputs;
 use crate::image::Frame;
 use crate::track::Quality;
-use crate::track::update::Budget;
+use crate::track::update::{Budget, units};
 
 /// The next stage, with its inputs.
 #[derive(Clone, Copy)]
@@ -27,8 +26,6 @@ enum Stage {
     FirstCrop(FirstCrop),
     Template,
     Features,
-    /// The number of the next piece.
-    Response(usize),
     Learning(Learning),
 }
 
@@ -45,6 +42,7 @@ impl LockPipeline {
     pub(crate) fn begin(track: Track, config: &Config, memory: &mut Memory, buffers: &mut Buffers) -> Self {
         memory.track = None;
         memory.filter.start(track.grid.weights());
+        memory.filter.code(&mut buffers.coded);
         let mut lock = Self { stage: Stage::Done, track, steps_left: FIRST_STEPS };
         let Buffers { extractor, small, .. } = buffers;
         if config.refines()
@@ -106,12 +104,7 @@ impl LockPipeline {
                     self.measure_light(buffers, budget);
                     // All weights are 0, and so are their responses.
                     buffers.responses.clear(config.span());
-                    self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
-                }
-            }
-            Stage::Response(piece) => {
-                if inputs.respond(piece, buffers, budget) {
-                    self.stage = Stage::Learning(Learning::begin((0, 0), FIRST_RATE));
+                    self.stage = Stage::Learning(Learning::begin((0, 0), WHOLE_STEP));
                 }
             }
             Stage::Learning(learning) => {
@@ -136,15 +129,15 @@ impl LockPipeline {
         budget.spend(measuring(&buffers.large));
     }
 
-    /// Changes the weights after a step of learning, and begins the responses of the next one.
+    /// Changes the weights and their responses after a step of learning.
     fn learned(&mut self, length: i64, memory: &mut Memory, buffers: &mut Buffers, budget: &mut Budget) {
         memory.filter.descend(length, &buffers.coded);
+        let Buffers { responses, sums, coded, .. } = buffers;
+        sums.descend(length, coded, responses);
+        budget.spend(CODED * units(responses.span.pow(2)));
         self.steps_left -= 1;
-        self.stage = Stage::Done;
-        if self.steps_left > 0 {
-            memory.filter.code(&mut buffers.coded);
-            budget.spend(CODED * self.track.grid.work_on_weights());
-            self.stage = Stage::Response(0);
+        if self.steps_left == 0 {
+            self.stage = Stage::Done;
         }
     }
 
