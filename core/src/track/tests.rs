@@ -1,10 +1,12 @@
 //! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the
 //! camera, saved targets, misuse.
 
+mod promises;
+
 use super::checksum::Crc;
 use super::record::Recorder;
 use super::settings::recorded;
-use super::update::{Steps, calls};
+use super::update::Steps;
 use super::{
     Answer, ConfigError, LockError, RestoreError, SaveError, Settings, Shape, State, Target, Tracker, UpdateError,
     paper, robust,
@@ -35,20 +37,27 @@ fn picture(x: i32, y: i32) -> Vec<u8> {
         ((x.cast_unsigned().wrapping_mul(31) ^ y.cast_unsigned().wrapping_mul(57) ^ seed).wrapping_mul(2_654_435_761)
             >> 24) as u8
     };
-    let (width, height) = (i32::from(SIZE.0), i32::from(SIZE.1));
     let target = Rect { x, y, ..TARGET };
-    let level = |px: i32, py: i32| {
+    drawn(SIZE, |px, py| {
         if target.contains(Rect::new(px, py, 1, 1)) {
             hash((px - x) / 4, (py - y) / 4, 7)
         } else {
             90 + hash(px / 9, py / 9, 3) / 5
         }
-    };
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
+    })
+}
+
+/// A picture with these levels.
+pub(super) fn drawn((width, height): (u16, u16), mut level: impl FnMut(i32, i32) -> u8) -> Vec<u8> {
+    (0..height.into()).flat_map(|y| (0..width.into()).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
+}
+
+pub(super) fn of_size(pixels: &[u8], (width, height): (u16, u16)) -> Frame<'_> {
+    Frame::whole(Image::new(pixels, width, height).unwrap())
 }
 
 fn whole(pixels: &[u8]) -> Frame<'_> {
-    Frame::whole(Image::new(pixels, SIZE.0, SIZE.1).unwrap())
+    of_size(pixels, SIZE)
 }
 
 /// The frame with only one window in memory.
@@ -73,14 +82,18 @@ fn frames() -> Vec<Vec<u8>> {
     places.into_iter().map(|(x, y)| picture(x, y)).collect()
 }
 
-fn locked<T: Target>(config: T::Config) -> Box<Tracker<T>> {
+pub(super) fn locked<T: Target>(config: T::Config, frame: &Frame<'_>, target: Rect) -> Box<Tracker<T>> {
     let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
-    tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).unwrap();
+    tracker.lock(frame, target).unwrap();
     tracker
 }
 
+fn of_scene<T: Target>(config: T::Config) -> Box<Tracker<T>> {
+    locked(config, &whole(&picture(TARGET.x, TARGET.y)), TARGET)
+}
+
 fn answers<T: Target>(config: T::Config) -> Vec<Answer> {
-    let mut tracker = locked::<T>(config);
+    let mut tracker = of_scene::<T>(config);
     frames().iter().map(|pixels| tracker.update(&whole(pixels)).unwrap()).collect()
 }
 
@@ -91,59 +104,27 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     bytes
 }
 
-/// Updates in steps of these grants. No step exceeds its grant by more than `most`, and each makes progress.
-pub(super) fn steps_keep_their_bound<T: Target>(
-    tracker: &mut Tracker<T>,
-    frame: &Frame<'_>,
-    grants: [u32; 3],
-    most: u32,
-    case: &dyn Debug,
-) {
-    for asked in grants {
-        let (target, workspace) = tracker.parts();
-        let (mut before, mut done) = (0, false);
-        while !done {
-            done = calls::step(target, workspace, frame, asked).unwrap();
-            let made = T::work(workspace) - before;
-            assert!(made <= asked.max(1) + most, "{case:?} {asked}: {made} of {most}");
-            assert!(done || made > 0, "every step makes progress");
-            before += made;
-        }
-    }
+/// The robust tracker's configuration with everything that is built in.
+pub(super) fn most_parts() -> robust::Config {
+    robust::Config { refiner: cfg!(feature = "refiner"), ..robust::Config::robust() }
 }
 
-/// Runs every test for both trackers, and for the robust one with its refiner where it is built in.
+/// Runs every test for both trackers.
 macro_rules! for_both {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
             $(#[test] fn $name() { super::$name::<super::SmallPaper>(super::small_paper()); })*
         }
         mod robust_tracker {
-            $(#[test] fn $name() { super::$name::<super::Robust>(super::robust::Config::robust()); })*
-        }
-        #[cfg(feature = "refiner")]
-        mod refined_tracker {
-            $(#[test] fn $name() { super::$name::<super::Robust>(super::robust::Config::refined()); })*
+            $(#[test] fn $name() { super::$name::<super::Robust>(super::most_parts()); })*
         }
     };
 }
 
 for_both! {
     the_scene_has_what_it_is_for,
-    what_is_asked_for_is_enough,
-    a_pixel_less_is_refused,
-    the_answer_does_not_depend_on_how_an_update_is_cut,
-    an_update_that_was_given_up_leaves_nothing_behind,
-    one_workspace_serves_many_targets,
-    every_other_call_ends_what_is_under_way,
-    a_step_that_is_refused_leaves_what_is_under_way,
-    a_lock_in_steps_is_that_at_once,
-    there_is_no_target_until_a_lock_in_steps_is_finished,
-    a_deadline_in_time_ends_a_call,
     a_flat_target_is_said_to_be_poor,
     a_turn_of_the_camera_is_followed,
-    however_far_the_camera_turns_nothing_overflows,
-    a_saved_target_goes_on_with_identical_answers,
     damaged_bytes_are_refused,
     misuse_is_an_error_and_changes_nothing,
 }
@@ -160,208 +141,6 @@ fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {
     }
 }
 
-fn what_is_asked_for_is_enough<T: Target>(config: T::Config) {
-    let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
-    let first = picture(TARGET.x, TARGET.y);
-    let bounds = whole(&first).bounds();
-    let window = tracker.lock_window(bounds, TARGET);
-    assert!(bounds.contains(window) && window.contains(TARGET));
-    tracker.lock(&cut(&whole(&first), window), TARGET).unwrap();
-    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        let frame = asked_for(&whole(pixels), tracker.target());
-        assert_eq!(tracker.update(&frame).unwrap(), expected);
-    }
-    for outside in [Rect::new(150, 40, 24, 30), Rect::new(0, 0, 0, 5)] {
-        assert!(tracker.lock_window(bounds, outside).is_empty(), "{outside:?}");
-    }
-}
-
-fn a_pixel_less_is_refused<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        let frame = whole(pixels);
-        let window = tracker.window().unwrap();
-        let Rect { x, y, width, height } = window;
-        for less in [
-            Rect { x: x + 1, width: width - 1, ..window },
-            Rect { y: y + 1, height: height - 1, ..window },
-            Rect { width: width - 1, ..window },
-            Rect { height: height - 1, ..window },
-        ] {
-            assert_eq!(tracker.update(&cut(&frame, less)), Err(UpdateError::WindowNotInMemory));
-        }
-        if tracker.sweep_window().is_some_and(|sweep| !window.contains(sweep)) {
-            assert_eq!(tracker.update(&cut(&frame, window)), Err(UpdateError::WindowNotInMemory));
-        }
-        assert_eq!(tracker.update(&frame), Ok(expected), "what is refused changes nothing");
-    }
-}
-
-fn the_answer_does_not_depend_on_how_an_update_is_cut<T: Target>(config: T::Config) {
-    for work in [1, 777, 50_000] {
-        let mut cut = locked::<T>(config);
-        for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-            let frame = whole(pixels);
-            let mut before = 0;
-            let answer = loop {
-                if let Some(answer) = cut.update_step(&frame, work).unwrap() {
-                    break answer;
-                }
-                assert!(cut.work() > before, "every step makes progress");
-                before = cut.work();
-            };
-            assert_eq!(answer, expected);
-        }
-    }
-}
-
-fn an_update_that_was_given_up_leaves_nothing_behind<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    let elsewhere = picture(75, 50);
-    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        for work in [1, 5000] {
-            let before = saved(tracker.target());
-            assert_eq!(tracker.update_step(&whole(&elsewhere), work).unwrap(), None);
-            assert_eq!(saved(tracker.target()), before, "an unfinished update changes nothing");
-        }
-        assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
-    }
-}
-
-fn one_workspace_serves_many_targets<T: Target>(config: T::Config) {
-    let (mut own, mut one) = (locked::<T>(config), locked::<T>(config));
-    let mut other = T::with(config).unwrap();
-    let first = picture(TARGET.x, TARGET.y);
-    let place = Rect::new(20, 20, 20, 20);
-    own.lock(&whole(&first), place).unwrap();
-    other.lock(one.parts().1, &whole(&first), place).unwrap();
-    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        let frame = whole(pixels);
-        assert_eq!(one.update(&frame).unwrap(), expected);
-        assert_eq!(other.update(one.parts().1, &frame).unwrap(), own.update(&frame).unwrap());
-    }
-}
-
-/// After half an update, or half a lock, each call is followed by the answer of a tracker that has made no step.
-fn every_other_call_ends_what_is_under_way<T: Target>(config: T::Config) {
-    let (first, half, next) = (picture(TARGET.x, TARGET.y), picture(75, 50), picture(62, 42));
-    let other = {
-        let mut other = locked::<T>(config);
-        other.update(&whole(&next)).unwrap();
-        saved(other.target())
-    };
-    type Call<T> = fn(&mut Tracker<T>, &[u8]);
-    let calls: [Call<T>; 8] = [
-        |tracker, other| tracker.restore(other).unwrap(),
-        |tracker, _| tracker.moved(256, 0),
-        |tracker, _| assert!(tracker.lock(&whole(&picture(TARGET.x, TARGET.y)), TARGET).is_ok()),
-        |tracker, _| assert!(tracker.lock_step(&whole(&picture(1, 1)), Rect::new(1, 1, 20, 20), u32::MAX).is_ok()),
-        |tracker, _| assert!(tracker.bbox().is_none() || tracker.update(&whole(&picture(63, 44))).is_ok()),
-        |tracker, other| tracker.parts().0.restore(other).unwrap(),
-        |tracker, _| tracker.configure(*tracker.config()).unwrap(),
-        |tracker, _| *tracker.parts().1 = T::Workspace::default(),
-    ];
-    for (number, call) in calls.into_iter().enumerate() {
-        let (mut stepped, mut plain) = (locked::<T>(config), locked::<T>(config));
-        stepped.update(&whole(&half)).unwrap();
-        plain.update(&whole(&half)).unwrap();
-        let most = stepped.work();
-        assert_eq!(stepped.update_step(&whole(&half), most / 2).unwrap(), None);
-        call(&mut stepped, &other);
-        call(&mut plain, &other);
-        assert_eq!(
-            stepped.update_step(&whole(&next), u32::MAX).ok(),
-            plain.update(&whole(&next)).map(Some).ok(),
-            "{number}"
-        );
-
-        let mut stepped = locked::<T>(config);
-        let done = stepped.lock_step(&whole(&half), TARGET, 1).unwrap();
-        if done.is_none() {
-            stepped.restore(&other).unwrap();
-            let mut plain = locked::<T>(config);
-            plain.restore(&other).unwrap();
-            call(&mut stepped, &other);
-            call(&mut plain, &other);
-            let lock = |tracker: &mut Tracker<T>| tracker.lock_step(&whole(&first), TARGET, u32::MAX).unwrap();
-            assert_eq!(lock(&mut stepped), lock(&mut plain), "{number}");
-            assert_eq!(saved(stepped.target()), saved(plain.target()), "{number}");
-        }
-    }
-}
-
-fn a_step_that_is_refused_leaves_what_is_under_way<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    let pixels = picture(62, 42);
-    let frame = whole(&pixels);
-    let part = cut(&frame, Rect::new(61, 46, 5, 5));
-    assert_eq!(tracker.update_step(&frame, 3000).unwrap(), None);
-    let work = tracker.work();
-    for (frame, rect) in [(&frame, Rect::new(5, 5, 0, 7)), (&frame, Rect::new(-1, 5, 7, 7)), (&part, TARGET)] {
-        assert!(tracker.lock_step(frame, rect, 1).is_err());
-    }
-    assert_eq!(tracker.update_step(&part, 1).err(), Some(UpdateError::WindowNotInMemory));
-    assert_eq!(tracker.update_step(&frame, 1).unwrap(), None);
-    assert!(tracker.work() > work, "it goes on");
-    assert_eq!(tracker.update_step(&frame, u32::MAX).unwrap(), locked::<T>(config).update(&frame).ok());
-}
-
-fn a_lock_in_steps_is_that_at_once<T: Target>(config: T::Config) {
-    let pixels = picture(TARGET.x, TARGET.y);
-    let frame = whole(&pixels);
-    let at_once = locked::<T>(config);
-    for work in [0, 3000, 400_000] {
-        let mut tracker = Box::new(Tracker::<T>::with(config).unwrap());
-        // Another box begins anew.
-        tracker.lock_step(&frame, Rect::new(20, 20, 10, 10), 5000).unwrap();
-        let mut before = 0;
-        let quality = loop {
-            if let Some(quality) = tracker.lock_step(&frame, TARGET, work).unwrap() {
-                break quality;
-            }
-            assert!(tracker.work() > before, "every step makes progress");
-            before = tracker.work();
-        };
-        assert_eq!(Some(quality), at_once.quality());
-        assert_eq!(saved(tracker.target()), saved(at_once.target()));
-    }
-}
-
-fn there_is_no_target_until_a_lock_in_steps_is_finished<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    let pixels = picture(62, 42);
-    let (frame, turned) = (whole(&pixels), Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap()));
-    let part = cut(&frame, Rect::new(61, 46, 5, 5));
-    if tracker.lock_step(&frame, TARGET, 100).unwrap().is_some() {
-        return; // the paper's lock is one step
-    }
-    assert_eq!((tracker.bbox(), tracker.state(), tracker.window()), (None, None, None));
-    assert_eq!(tracker.update_step(&frame, 1).err(), Some(UpdateError::NotLocked));
-    assert_eq!(tracker.save(&mut []).err(), Some(SaveError::NotLocked));
-    assert_eq!(tracker.lock_step(&part, TARGET, 1).err(), Some(LockError::LockWindowNotInMemory));
-    assert_eq!(tracker.lock_step(&turned, Rect::new(100, 1, 30, 30), 1).err(), Some(LockError::BoxOutsideFrame));
-    assert!(tracker.lock_step(&frame, TARGET, u32::MAX).unwrap().is_some());
-    assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
-}
-
-fn a_deadline_in_time_ends_a_call<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    let pixels = picture(62, 42);
-    let frame = whole(&pixels);
-    let answer = loop {
-        let mut asked = 0;
-        let answer = tracker.update_step_until(&frame, || {
-            asked += 1;
-            asked == 2
-        });
-        if let Some(answer) = answer.unwrap() {
-            break answer;
-        }
-        assert_eq!(asked, 2);
-    };
-    assert_eq!(answer, locked::<T>(config).update(&frame).unwrap());
-}
-
 fn a_flat_target_is_said_to_be_poor<T: Target>(config: T::Config) {
     let (flat, textured) = (vec![90; 160 * 120], picture(TARGET.x, TARGET.y));
     let lock = |pixels, target| Tracker::<T>::with(config).unwrap().lock(&whole(pixels), target).unwrap();
@@ -370,7 +149,7 @@ fn a_flat_target_is_said_to_be_poor<T: Target>(config: T::Config) {
 }
 
 fn a_turn_of_the_camera_is_followed<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
+    let mut tracker = of_scene::<T>(config);
     let window = tracker.window().unwrap();
     tracker.moved(30 * 256, 15 * 256);
     let moved = tracker.window().unwrap();
@@ -382,41 +161,12 @@ fn a_turn_of_the_camera_is_followed<T: Target>(config: T::Config) {
     assert!(off <= 1 && answer.state == State::Tracking, "{answer:?}");
 }
 
-fn however_far_the_camera_turns_nothing_overflows<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    let pixels = picture(62, 42);
-    for (right, down) in [(i32::MAX, i32::MAX), (i32::MIN, i32::MIN), (i32::MIN, i32::MAX), (0, i32::MIN), (127, -128)]
-    {
-        tracker.moved(right, down);
-        tracker.moved(right, down);
-        let window = tracker.window().unwrap();
-        assert!(whole(&pixels).bounds().contains(window), "{window:?}");
-        tracker.update(&whole(&pixels)).unwrap();
-    }
-    let mut empty = T::with(config).unwrap();
-    empty.moved(5, 5);
-    assert_eq!((empty.bbox(), empty.state()), (None, None));
-}
-
-fn a_saved_target_goes_on_with_identical_answers<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
-    for (pixels, expected) in frames().iter().zip(answers::<T>(config)) {
-        let bytes = saved(tracker.target());
-        assert!(bytes.len() <= T::SAVED_SIZE);
-        // As after a loss of power: only the bytes are left.
-        *tracker = Tracker::with(config).unwrap();
-        tracker.restore(&bytes).unwrap();
-        assert_eq!(saved(tracker.target()), bytes);
-        assert_eq!(tracker.update(&whole(pixels)).unwrap(), expected);
-    }
-}
-
 fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
-    let mut tracker = locked::<T>(config);
+    let mut tracker = of_scene::<T>(config);
     let older = saved(tracker.target());
     tracker.update(&whole(&frames()[0])).unwrap();
     let bytes = saved(tracker.target());
-    let mut other = locked::<T>(config);
+    let mut other = of_scene::<T>(config);
     let before = saved(other.target());
     for length in 0..bytes.len() {
         let error = other.restore(&bytes[..length]).unwrap_err();
@@ -459,6 +209,10 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     tracker.lock(&frame, TARGET).unwrap();
     assert_eq!(tracker.state(), Some(State::Tracking));
     assert_eq!(tracker.bbox(), Some(FineRect::from(TARGET)));
+    assert!(tracker.lock_window(frame.bounds(), TARGET).contains(TARGET));
+    for outside in [Rect::new(150, 40, 24, 30), Rect::new(0, 0, 0, 5)] {
+        assert!(tracker.lock_window(frame.bounds(), outside).is_empty(), "{outside:?}");
+    }
 
     let turned = Frame::whole(Image::new(&pixels, SIZE.1, SIZE.0).unwrap());
     assert_eq!(tracker.update(&turned).err(), Some(UpdateError::FrameSizeChanged));
@@ -468,14 +222,14 @@ fn misuse_is_an_error_and_changes_nothing<T: Target>(config: T::Config) {
     assert_eq!(tracker.save(&mut bytes[..size - 1]), Err(SaveError::BufferTooSmall));
     assert!(bytes.iter().all(|&byte| byte == 0xA5), "a save that is refused writes nothing");
     assert_eq!(tracker.save(&mut bytes), Ok(size));
-    assert_eq!(tracker.update(&frame).unwrap(), locked::<T>(config).update(&frame).unwrap(), "nothing has changed");
+    assert_eq!(tracker.update(&frame).unwrap(), of_scene::<T>(config).update(&frame).unwrap(), "nothing has changed");
     tracker.lock(&turned, Rect::new(10, 10, 20, 20)).unwrap();
     assert!(tracker.update(&turned).is_ok(), "locking again may change the frame's size");
 }
 
 #[test]
 fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
-    let bytes = saved(locked::<SmallPaper>(small_paper()).target());
+    let bytes = saved(of_scene::<SmallPaper>(small_paper()).target());
     let mut robust = Robust::new();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
     // Backend and pruning do not matter.
@@ -484,7 +238,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     assert_eq!(SmallPaper::with(slow).unwrap().restore(&bytes), Ok(()));
     assert_eq!(Paper::<256, 161>::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
     assert_eq!(Paper::<1024, 33>::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::TooLarge));
-    let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
+    let bytes = saved(of_scene::<Robust>(robust::Config::robust()).target());
     assert_eq!(SmallPaper::with(small_paper()).unwrap().restore(&bytes), Err(RestoreError::OtherTracker));
 }
 
@@ -496,7 +250,7 @@ static OTHER_TABLE: Table = match Table::new(100) {
 /// Changes each number of `config` by the name of its setting. The change is kept, also in a record, and a target that
 /// was saved before is refused with that name.
 fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
-    let bytes = saved(locked::<T>(config).target());
+    let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
     // Only with its feature can the refiner be on.
     let settings =
@@ -552,7 +306,7 @@ fn the_settings_of_the_robust_tracker_have_names() {
 /// Two settings differ: the first one in the order of the bytes is named.
 #[test]
 fn a_refusal_names_the_first_of_several() {
-    let bytes = saved(locked::<Robust>(robust::Config::robust()).target());
+    let bytes = saved(of_scene::<Robust>(robust::Config::robust()).target());
     let mut other = robust::Config::robust();
     (other.reach, other.early_rate) = (5, 9);
     assert_eq!(Robust::with(other).unwrap().restore(&bytes), Err(RestoreError::OtherConfig("reach")));

@@ -2,7 +2,7 @@
 
 use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;
-use crate::track::tests::{cut, steps_keep_their_bound};
+use crate::track::tests::{cut, drawn, of_size};
 use crate::{ConfigError, Frame, Image, ImageError, LockError, Rect, State, Tracker};
 use std::{println, vec, vec::Vec};
 
@@ -12,7 +12,6 @@ fn small_config() -> Config {
     Config { window: Radius { x: 10, y: 10 }, window_limit: Radius { x: 20, y: 20 }, ..Config::camera() }
 }
 
-/// A frame of noise, unique for each seed, with or without a textured target.
 struct Picture {
     width: u16,
     height: u16,
@@ -20,42 +19,33 @@ struct Picture {
 }
 
 impl Picture {
+    fn of(width: u16, height: u16, level: impl FnMut(i32, i32) -> u8) -> Self {
+        Self { width, height, pixels: drawn((width, height), level) }
+    }
+
+    /// Unique for each seed.
     fn noise(width: u16, height: u16, seed: u32) -> Self {
         let mut state = seed | 1;
-        let mut pixels = Vec::new();
-        for _ in 0..u32::from(width) * u32::from(height) {
+        Self::of(width, height, |_, _| {
             state ^= state << 13;
             state ^= state >> 17;
             state ^= state << 5;
-            pixels.push((state >> 24) as u8);
-        }
-        Self { width, height, pixels }
-    }
-
-    fn with_target(mut self, x: i32, y: i32) -> Self {
-        let target = Self::noise(12, 12, 99);
-        for (j, row) in (0..).zip(target.pixels.chunks(12)) {
-            for (i, &pixel) in (0..).zip(row) {
-                let (x, y) = (x + i, y + j);
-                if (0..i32::from(self.width)).contains(&x) && (0..i32::from(self.height)).contains(&y) {
-                    self.pixels[(y * i32::from(self.width) + x) as usize] = pixel;
-                }
-            }
-        }
-        self
-    }
-
-    fn image(&self) -> Image<'_> {
-        Image::new(&self.pixels, self.width, self.height).unwrap()
+            (state >> 24) as u8
+        })
     }
 
     fn frame(&self) -> Frame<'_> {
-        Frame::whole(self.image())
+        of_size(&self.pixels, (self.width, self.height))
     }
 }
 
-fn scene(seed: u32, x: i32, y: i32) -> Picture {
-    Picture::noise(64, 48, seed).with_target(x, y)
+/// A target of 12x12 pixels on noise.
+fn scene(seed: u32, left: i32, top: i32) -> Picture {
+    let (ground, target) = (Picture::noise(64, 48, seed).pixels, Picture::noise(12, 12, 99).pixels);
+    Picture::of(64, 48, |x, y| match (x - left, y - top) {
+        (column @ 0..12, row @ 0..12) => target[(12 * row + column) as usize],
+        _ => ground[(64 * y + x) as usize],
+    })
 }
 
 fn locked_at(x: i32, y: i32) -> Small {
@@ -107,51 +97,16 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
 }
 
-/// Templates and windows of all proportions up to the largest, in frames in which no or many offsets can be excluded.
-#[test]
-fn a_step_does_no_more_than_it_promises() {
-    const SPAN: usize = 300;
-    let (a, b) = (Picture::noise(300, 280, 3), Picture::noise(300, 280, 9));
-    let constant = Picture { pixels: vec![9; 300 * 280], ..Picture::noise(300, 280, 1) };
-    let mut tracker = std::boxed::Box::new(Tracker::<Paper<256, SPAN>>::with(Config::camera()).unwrap());
-    for (width, height, radius, always) in [
-        (16, 16, (16, 16), true),
-        (16, 16, (149, 149), false),
-        (256, 1, (149, 149), true),
-        (1, 256, (149, 149), true),
-        (1, 1, (149, 149), true),
-        (8, 4, (149, 3), true),
-        (5, 7, (2, 149), false),
-    ] {
-        let window = Radius { x: radius.0, y: radius.1 };
-        tracker
-            .configure(Config { window, window_limit: window, runner_up_always: always, ..Config::paper() })
-            .unwrap();
-        for (first, second) in [(&a, &b), (&a, &a), (&constant, &constant)] {
-            tracker.lock(&first.frame(), Rect::new(20, 12, width, height)).unwrap();
-            let bound = Paper::<256, SPAN>::most_work(tracker.config(), width, height);
-            steps_keep_their_bound(
-                &mut tracker,
-                &second.frame(),
-                [0, 1, 5000],
-                bound.beyond_a_step,
-                &(width, height, radius),
-            );
-        }
-    }
-}
-
 /// Frames in which no offset can be excluded come close to the computed bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
     // All blocks of 4x4 have the same range. The template is within it, but no pixel matches.
-    let of =
-        |level: fn(usize) -> u8| Picture { pixels: (0..160 * 120).map(level).collect(), ..Picture::noise(160, 120, 1) };
-    let stripes = [of(|_| 150), of(|at| if (at % 160 + at / 160) % 2 == 0 { 100 } else { 200 })];
+    let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
+    let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
     // One pixel of eight matches, wherever the box is. So the bound of each group falls, to the score of all offsets
     // and no further.
-    let dots = [of(|at| if (at % 160 + at / 160) % 8 == 0 { 150 } else { 250 }), of(|_| 150)];
+    let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up_always) in
         (1..=20).flat_map(|radius| [(radius, true, true), (radius, true, false), (radius, false, true)])
@@ -221,11 +176,10 @@ fn a_lost_target_is_found_again_by_a_growing_window() {
 
 /// A target of 12x12 pixels at (20, 20), pixel i of gray level `level(i)`, on a background of level `around`.
 fn plain_but(around: u8, level: impl Fn(usize) -> u8) -> Picture {
-    let pixel = |at: usize| match ((at % 64).wrapping_sub(20), (at / 64).wrapping_sub(20)) {
-        (column, row) if column < 12 && row < 12 => level(row * 12 + column),
+    Picture::of(64, 48, |x, y| match (x - 20, y - 20) {
+        (column @ 0..12, row @ 0..12) => level((row * 12 + column) as usize),
         _ => around,
-    };
-    Picture { width: 64, height: 48, pixels: (0..64 * 48).map(pixel).collect() }
+    })
 }
 
 /// Locks on the first frame and returns the state in the second. alpha is 255, so all pixels count.
@@ -284,10 +238,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let config = Config { first_threshold: 255, gate_leaving: Fraction::new(0, 1), ..small_config() };
     let mut tracker = Small::with(config).unwrap();
-    let board = Picture {
-        pixels: (0..64 * 48).map(|at| if at % 64 < 8 && at % 2 == 0 { 90 } else { 10 }).collect(),
-        ..Picture::noise(64, 48, 1)
-    };
+    let board = Picture::of(64, 48, |x, _| if x < 8 && x % 2 == 0 { 90 } else { 10 });
     tracker.lock(&board.frame(), Rect::new(0, 20, 12, 12)).unwrap();
     // White matches nothing; the black padding matches most of the target.
     let white = plain_but(255, |_| 255);
@@ -323,21 +274,6 @@ fn the_window_grows_to_its_limit_and_never_overflows() {
     for _ in 0..3 {
         assert_eq!(tracker.update(&nothing).unwrap().state, State::Lost);
         assert_eq!(tracker.target().offsets().unwrap().xs(), 0..=40);
-    }
-}
-
-#[test]
-fn the_part_of_the_frame_in_the_window_is_enough() {
-    for (x, y) in [(20, 20), (0, 0), (52, 36)] {
-        let mut whole = locked_at(x, y);
-        let mut part = locked_at(x, y);
-        let (mut at_x, mut at_y) = (x, y);
-        for seed in 2..8 {
-            (at_x, at_y) = ((at_x + 3).min(60), (at_y - 4).max(-7));
-            let scene = scene(seed, at_x, at_y);
-            let window = part.window().unwrap();
-            assert_eq!(part.update(&cut(&scene.frame(), window)), whole.update(&scene.frame()));
-        }
     }
 }
 
