@@ -14,6 +14,7 @@ use super::{
 use crate::similarity::Table;
 use crate::{FineRect, Frame, Image, Paper, Rect, Robust};
 use core::fmt::Debug;
+use promises::{promises_hold_at_the_edges, promises_hold_in_films};
 use std::{boxed::Box, string::ToString, vec, vec::Vec};
 
 type SmallPaper = Paper<1024, 161>;
@@ -123,6 +124,8 @@ macro_rules! for_both {
 
 for_both! {
     the_scene_has_what_it_is_for,
+    promises_hold_in_films,
+    promises_hold_at_the_edges,
     a_flat_target_is_said_to_be_poor,
     a_turn_of_the_camera_is_followed,
     damaged_bytes_are_refused,
