@@ -1,5 +1,4 @@
-//! The promises of both trackers, tested by the same code: partial frames, steps, shared workspaces, motion of the
-//! camera, saved targets, misuse.
+//! Both trackers, tested by the same code: their promises, motion of the camera, damaged bytes, misuse, settings, memory.
 
 mod promises;
 
