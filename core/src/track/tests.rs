@@ -92,11 +92,6 @@ fn of_scene<T: Target>(config: T::Config) -> Box<Tracker<T>> {
     locked(config, &whole(&picture(TARGET.x, TARGET.y)), TARGET)
 }
 
-fn answers<T: Target>(config: T::Config) -> Vec<Answer> {
-    let mut tracker = of_scene::<T>(config);
-    frames().iter().map(|pixels| tracker.update(&whole(pixels)).unwrap()).collect()
-}
-
 fn saved<T: Target>(target: &T) -> Vec<u8> {
     let mut bytes = vec![0; T::SAVED_SIZE];
     let length = target.save(&mut bytes).unwrap();
@@ -132,7 +127,8 @@ for_both! {
 }
 
 fn the_scene_has_what_it_is_for<T: Target>(config: T::Config) {
-    let answers = answers::<T>(config);
+    let mut tracker = of_scene::<T>(config);
+    let answers: Vec<Answer> = frames().iter().map(|pixels| tracker.update(&whole(pixels)).unwrap()).collect();
     let states: Vec<State> = answers.iter().map(|answer| answer.state).collect();
     assert_eq!(states[..3], [State::Tracking; 3]);
     assert!(states[3..].contains(&State::Lost), "{states:?}");

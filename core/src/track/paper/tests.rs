@@ -314,25 +314,6 @@ fn a_configuration_is_checked_when_the_tracker_is_built() {
 }
 
 #[test]
-fn the_smallest_and_the_largest_frames_work() {
-    let mut tracker = Small::with(Config { padding: 0, ..small_config() }).unwrap();
-    let one = Image::new(&[7], 1, 1).unwrap();
-    tracker.lock(&one.into(), Rect::new(0, 0, 1, 1)).unwrap();
-    let answer = tracker.update(&one.into()).unwrap();
-    assert_eq!((answer.bbox, answer.ratio, answer.runner_up_ratio), (Rect::new(0, 0, 1, 1), 65535, None));
-
-    let config = Config { padding: u16::MAX, neighbourhood: u16::MAX, growth: u16::MAX, ..small_config() };
-    let pixels: Vec<u8> = (0..65535u32).map(|i| ((i * i) >> 7) as u8).collect();
-    for (width, height) in [(65535, 1), (1, 65535)] {
-        let line = Image::new(&pixels, width, height).unwrap();
-        let end = Rect::new(i32::from(width) - 1, i32::from(height) - 1, 1, 1);
-        let mut tracker = Small::with(config).unwrap();
-        tracker.lock(&line.into(), end).unwrap();
-        assert_eq!(tracker.update(&line.into()).unwrap().bbox, end);
-    }
-}
-
-#[test]
 fn the_largest_template_has_a_ratio_of_one() -> Result<(), ImageError> {
     let pixels = vec![200; 256 * 256];
     let frame = Frame::whole(Image::new(&pixels, 256, 256)?);

@@ -157,7 +157,7 @@ prop_compose! {
         until in prop::option::weighted(0.2, 1..9_u32),
         [part, restored, shared] in any::<[bool; 3]>(),
         turn in prop::option::weighted(0.15, prop_oneof![(-9000..9000, -9000..9000), any::<(i32, i32)>(), Just((i32::MAX, i32::MIN))]),
-        interrupted in prop::option::weighted(0.4, (0..256_u32, 0..CALLS, prop::bool::weighted(0.1))),
+        interrupted in prop::option::weighted(0.3, (0..256_u32, 0..CALLS, prop::bool::weighted(0.25))),
     ) -> Way {
         Way { grant, until, part, restored, shared, turn, interrupted }
     }
@@ -182,17 +182,28 @@ impl Filmed for SmallPaper {
     fn configs() -> BoxedStrategy<paper::Config> {
         let radius = || prop_oneof![6 => 0..16_u16, 1 => 0..=80_u16];
         let radii = (radius(), radius(), radius(), radius());
-        (radii, 0..9_u16, prop_oneof![0..30_u16, Just(u16::MAX)], 1..=60_u8, 0..150_u16, any::<[bool; 4]>())
-            .prop_map(|((x, y, across, down), growth, padding, first, gate, [always, pruning, zone, few])| {
-                let mut config = if zone { paper::Config::paper() } else { paper::Config::camera() };
-                config.window = paper::Radius { x, y };
-                config.window_limit = paper::Radius { x: x.max(across), y: y.max(down) };
-                (config.growth, config.padding, config.first_threshold) = (growth, padding, first);
-                config.gate_tracking = paper::Fraction::new(gate, 100);
-                (config.runner_up_always, config.pruning) = (always, pruning);
-                config.gate_lead = if few { 100 } else { u16::MAX };
-                config
-            })
+        let grown = || prop_oneof![0..30_u16, Just(u16::MAX)];
+        (radii, grown(), [grown(), grown()], 1..=60_u8, 0..150_u16, any::<[bool; 4]>())
+            .prop_map(
+                |(
+                    (x, y, across, down),
+                    growth,
+                    [padding, neighbourhood],
+                    first,
+                    gate,
+                    [always, pruning, zone, few],
+                )| {
+                    let mut config = if zone { paper::Config::paper() } else { paper::Config::camera() };
+                    config.window = paper::Radius { x, y };
+                    config.window_limit = paper::Radius { x: x.max(across), y: y.max(down) };
+                    (config.growth, config.padding, config.first_threshold) = (growth, padding, first);
+                    config.neighbourhood = neighbourhood;
+                    config.gate_tracking = paper::Fraction::new(gate, 100);
+                    (config.runner_up_always, config.pruning) = (always, pruning);
+                    config.gate_lead = if few { 100 } else { u16::MAX };
+                    config
+                },
+            )
             .boxed()
     }
 
@@ -212,7 +223,7 @@ impl Filmed for SmallPaper {
 }
 
 impl Filmed for Robust {
-    const FILMS: u32 = 24;
+    const FILMS: u32 = 32;
     const PIXELS: u32 = u32::MAX;
 
     fn configs() -> BoxedStrategy<robust::Config> {
@@ -359,7 +370,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         }
     }
 
-    fn update(&mut self, frame: &Frame<'_>, way: &Way) {
+    fn update(&mut self, frame: &Frame<'_>, way: &Way) -> Answer {
         let Self { film, most, plain, other, neighbour } = self;
         let goes_on = way.interrupted.is_some();
         if way.restored && !goes_on {
@@ -379,6 +390,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         assert_eq!(answer.found_again, before == Some(State::Lost) && answer.state != State::Lost);
         T::believe(other, film.target, frame.bounds(), &answer);
         self.agree();
+        answer
     }
 }
 
@@ -402,10 +414,10 @@ fn in_steps<T: Filmed>(tracker: &mut Tracker<T>, frame: &Frame<'_>, way: &Way, m
     })
 }
 
-fn promises_hold<T: Filmed>(config: T::Config, film: &Film, grant: u32, ways: &[Way]) {
+fn promises_hold<T: Filmed>(config: T::Config, film: &Film, grant: u32, ways: &[Way]) -> Vec<Answer> {
     let frames = film.frames();
     let mut twins = Twins::<T>::lock(config, film, &frames[0], grant);
-    for (pixels, way) in frames[1..].iter().zip(ways.iter().cycle()) {
+    let answer = |(pixels, way): (&Vec<u8>, &Way)| {
         let frame = of_size(pixels, film.size);
         let (right, down) = way.turn.unwrap_or_default();
         [&mut twins.plain, &mut twins.other].into_iter().for_each(|tracker| tracker.moved(right, down));
@@ -413,8 +425,9 @@ fn promises_hold<T: Filmed>(config: T::Config, film: &Film, grant: u32, ways: &[
             let reversed: Vec<u8> = pixels.iter().rev().copied().collect();
             twins.interrupt(&frame, &of_size(&reversed, film.size), interruption);
         }
-        twins.update(&frame, way);
-    }
+        twins.update(&frame, way)
+    };
+    frames[1..].iter().zip(ways.iter().cycle()).map(answer).collect()
 }
 
 pub(super) fn promises_hold_in_films<T: Filmed>(_: T::Config) {
@@ -429,7 +442,7 @@ pub(super) fn promises_hold_in_films<T: Filmed>(_: T::Config) {
     ran.unwrap();
 }
 
-/// The smallest, the longest and the largest frames and boxes: noise, black, white, and the target again.
+/// The smallest, the longest and the largest frames and boxes: the target, noise, black, white, and the target again.
 pub(super) fn promises_hold_at_the_edges<T: Filmed>(config: T::Config) {
     for (size, target) in [
         ((1, 1), Rect::new(0, 0, 1, 1)),
@@ -443,10 +456,10 @@ pub(super) fn promises_hold_at_the_edges<T: Filmed>(config: T::Config) {
         ((60, 900), Rect::new(20, 30, 12, 800)),
         ((1200, 900), Rect::new(100, 100, 1000, 700)),
     ] {
-        let covers = [Some(Look::NOISE), Some(Look::Flat(0)), Some(Look::Flat(255)), Some(Look::NOISE), None];
+        let covers = [None, Some(Look::NOISE), Some(Look::Flat(0)), Some(Look::Flat(255)), Some(Look::NOISE), None];
         let shots = covers.map(|cover| Shot { cover, ..Shot::default() }).into();
         let film = Film { size, target: at_most(T::PIXELS, target), looks: [Look::NOISE; 2], seed: 1, shots };
         let ways = [0, 20_000].map(|grant| Way { grant, part: true, ..Way::default() });
-        promises_hold::<T>(config, &film, 0, &ways);
+        assert_eq!(promises_hold::<T>(config, &film, 0, &ways)[0].bbox, film.target);
     }
 }
