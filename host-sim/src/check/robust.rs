@@ -226,7 +226,7 @@ mod tests {
                 of.most_coded = 4095.0, of.most_gathered = 8191.0, of.first_steps = 5, of.most_conjugate = 0.5, of.distance_penalty = 128.0, of.velocity_fraction = 0.25,
                 of.velocity_rate = 0.25, of.scale_step = 1.03, of.early_rate = 1.0 / 64.0, of.similarity_scale = 250.0, of.alpha_bounds.0 = 99.0,
                 of.alpha_bounds.1 = 9.0, of.most_change = 1.0, of.gain_bounds.1 = 0.25, of.tiles_across = 3, of.counted_ratio = 5,
-                of.refined_from = 65_535.0, of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.most_sum = 2048.0,
+                of.refined_from = 65_535.0, of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0,
                 of.confidence_rate = 76.0, of.parts.size = false,
             },
         );
@@ -236,7 +236,9 @@ mod tests {
             checked(CHECKED[0], Config::robust(), numbers, 40)
         };
         noticed(unrefined, changes! { of; of.scale_reach = 0 });
-        noticed(jumping, changes! { of; of.coarse_step = 1, of.scale_gain = 128.0 });
+        noticed(jumping, changes! { of; of.scale_gain = 128.0 });
+        let border = |numbers| checked(CHECKED[2], Config::refined(), numbers, 10);
+        noticed(border, changes! { of; of.coarse_step = 1, of.most_sum = 2048.0 });
         noticed(dimmed, changes! { of; of.gain_bounds.0 = 0.5, of.light_rate = 0.5, of.least_window = 16.0 });
         let on = |target| move |numbers| moved_once(numbers, target);
         noticed(on(Rect::new(100, 20, 6, 3)), changes! { of; of.least_step = 1.0, of.least_side = 5 });
@@ -253,7 +255,7 @@ mod tests {
         noticed(
             noisy,
             changes! { of;
-                of.most_trust = 2.0, of.opinion_rate = 0.25, of.opinion_lost_below = 1.0, of.opinion_uncertain_below = 1.0,
+                of.most_trust = 2.0, of.opinion_rate = 0.25, of.opinion_lost_below = 1.1, of.opinion_uncertain_below = 1.0,
             },
         );
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });
