@@ -167,7 +167,7 @@ pub unsafe extern "C" fn smr_lock(
 
 /// Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
 /// size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
-/// no target until then. Units of work: see #smr_update_step; a lock takes at most 9.8 million. The paper's tracker does
+/// no target until then. Units of work: see #smr_update_step; a lock takes at most 11.2 million. The paper's tracker does
 /// all work in one step.
 ///
 /// @param tracker  Made by #smr_init.

@@ -146,7 +146,7 @@ pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
 /// of its side.
 pub(super) const LEARNED_WIDTH: u32 = 32;
 /// Steps of conjugate gradients at the lock. More of them follow the first frame too closely.
-/// R with 25 steps of steepest descent, at five times the work, +0.003 +- 0.006; with 9 steps -0.006 +- 0.006.
-pub(super) const FIRST_STEPS: u32 = 6;
+/// R with 25 steps of steepest descent, at four times the work, +0.003 +- 0.005; with 9 steps -0.004 +- 0.006.
+pub(super) const FIRST_STEPS: u32 = 7;
 /// The learning rate of these steps, in units of 1/256.
 pub(super) const WHOLE_STEP: u16 = 256;

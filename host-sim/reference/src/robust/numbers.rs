@@ -127,7 +127,7 @@ impl Numbers {
             most_gathered: 16_383.0,
             most_error: 65_535.0,
             step: 5.0 / 8.0,
-            first_steps: 6,
+            first_steps: 7,
             most_conjugate: 0.75,
             distance_penalty: 77.0,
             velocity_fraction: 0.5,
