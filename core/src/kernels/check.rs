@@ -1,8 +1,8 @@
-//! Compares the loops of a backend with formulas or the plain loops: sizes, alignments, thresholds, extreme values,
-//! missing memory. A difference panics.
+//! Compares the loops of a backend with formulas or the plain loops, for many sizes, alignments and thresholds, for
+//! extreme values, and for slices that are too short. A difference panics.
 //!
-//! Unit tests do this for each backend of the host, beside forbidden pages; `examples/kernels` does it on emulated
-//! chips, at the edges of their memory.
+//! Unit tests do this for each backend of the host, with data that ends at a page that may not be read;
+//! `examples/kernels` does it on emulated chips, at the edges of their memory.
 
 #![allow(clippy::indexing_slicing, clippy::unwrap_used)] // a panic is a result
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // of noise
@@ -537,7 +537,7 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
 #[cfg(feature = "refiner")]
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
-    // Patches, inputs and outputs: those of the refiner, and odd ones.
+    // Patches, inputs and outputs: those of the refiner, small and odd ones.
     let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
     let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
     let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));

@@ -661,7 +661,7 @@ struct Count<V> {
 }
 
 impl<V: Vector> Count<V> {
-    /// Vectors between two calls of [`Count::flush`]. A lane has room for 127 more.
+    /// Vectors of a row after which the counts are flushed. A lane counts to 255, so 127 vectors may be counted before.
     const MOST: usize = 128;
 
     /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.

@@ -64,13 +64,13 @@ impl Layout {
         if pieces.start == 0 { 0..self.span } else { 0..0 }
     }
 
-    /// Rows of cells that lie under a filter of `weights` weights at some offset.
+    /// The number of rows of cells that lie under a filter of `weights` weights at some offset.
     #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)
     }
 
-    /// Products of the weights with the bytes in row `row` of the cells, over all offsets.
+    /// The number of products of the weights with the bytes in row `row` of the cells, over all offsets.
     #[allow(dead_code)] // as above
     pub(crate) fn work_on(self, row: usize, weights: usize) -> usize {
         let down = weights.checked_div(self.row).unwrap_or(0);

@@ -23,7 +23,7 @@ use core::ops::Range;
 pub(crate) const SUMS: usize = 3;
 pub(crate) const BOTH: usize = 1;
 
-/// The rows of a filter and of its offsets, in pairs.
+/// The sizes of sums over two rows of the filter and two rows of offsets at a time.
 #[derive(Clone, Copy)]
 pub(crate) struct Pairs {
     /// Rows of the filter.

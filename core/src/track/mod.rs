@@ -6,9 +6,9 @@
 //! | `update.rs` | updates and locks in steps, and the work of a step |
 //! | `target.rs` | the trait [`Target`], which both trackers implement |
 //! | `tracker.rs` | a target together with its workspace |
-//! | `saved.rs` | a target as bytes |
+//! | `saved.rs`, `checksum.rs` | a target as bytes; the CRC-32 of these and of records |
+//! | `settings.rs` | the macro for the settings of both trackers |
 //! | `record.rs` | the flight record: everything a tracker saw and answered, as bytes |
-//! | `checksum.rs` | the CRC-32 of saved targets and records |
 //! | `paper/`, `robust/` | the two trackers |
 
 #[macro_use]

@@ -1,5 +1,5 @@
-//! One description of the settings of both trackers. From it follow the fields of the configurations, their names and
-//! ranges in every language, and the order of their numbers in a saved target and in a record.
+//! The macro that defines settings: those of a tracker are in its `config.rs`. From them follow the fields of the
+//! configurations, names and ranges in every language, and the order of the numbers in a saved target and in a record.
 
 use super::ConfigError;
 use crate::similarity::Table;

@@ -1,4 +1,4 @@
-//! A bound of scores by a single sum of bytes: the points.
+//! Points: a sum of bytes, cheap to compute, that bounds the score of an offset.
 //!
 //! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference
 //! almost as similarities do. So a score is at most the number of points divided by a fixed rate. An offset with too

@@ -33,7 +33,7 @@ const TOP: u32 = !LOWER;
 /// Pixels that the loops over bytes take at a time. On Cortex-M0+ they hardly ever run, and fewer take less flash.
 const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
-/// Words of a row, at most. Each byte of a sum counts one pixel of each word.
+/// The most words of a row. Each byte of a sum grows by at most 1 for each word.
 const MOST_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {

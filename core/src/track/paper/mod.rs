@@ -2,9 +2,9 @@
 //!
 //! | file | what it does | step of the paper |
 //! |---|---|---|
-//! | `config.rs` | the numbers of the method, and the presets | |
-//! | `track.rs` | the track of a target, and its search window | 1 |
-//! | `gate.rs` | whether a match is accepted; the check for a covered lens | |
+//! | `config.rs` | the settings, their ranges, and the presets | |
+//! | `track.rs` | the track of a target: box, state (leaving at the frame's edge), search window, which grows while it is lost | 1 |
+//! | `gate.rs` | the test that accepts or refuses a match; the check for a covered lens | |
 //! | `search/` | which offsets are scored, exact pruning, the peak; [`similarity`](crate::similarity) has the scores | 1 to 4 |
 //! | `template.rs` | the template and alpha | 5, 6 |
 //! | `saved.rs` | a target as bytes | |

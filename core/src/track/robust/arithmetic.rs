@@ -1,6 +1,6 @@
 //! Division of wide numbers, and roots.
 //!
-//! On processors with registers of 32 bits, the compiler's function for it takes 1 KB of flash. An update divides few
+//! On processors with registers of 32 bits, the compiler's function for a wide division takes 1 KB of flash. An update divides few
 //! wide numbers, so here a loop divides bit by bit.
 
 /// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.

@@ -91,14 +91,14 @@ pub(super) const RANK: usize = 4;
 /// If the least were 8, a target with little contrast would match any patch as plain: `verification/lighting.rs`.
 pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
-/// A gain of the template's contrast of 1.
+/// The gain 1, in units of 1/256: the contrast of the template itself.
 pub(super) const ONE_GAIN: u32 = 256;
 /// The most expected gain: 16.
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The least contrast that a search window counts with, in units of 1/16 gray level: 1/4.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The light follows that of a frame by 1/8.
-/// Wrong frames called *tracking* with all of it (0) +0.05 on half of the recordings.
+/// The light moves by 1/8 of the way to that of a frame.
+/// With 0 it is taken over at once: 0.05 more of the wrong frames are called *tracking*, on half of the recordings.
 pub(super) const FOLLOWED: u32 = 3;
 /// Alpha for the quality of a target at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;

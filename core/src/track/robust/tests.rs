@@ -60,7 +60,7 @@ fn a_target_of_any_size_costs_about_the_same() {
     }
 }
 
-/// The most work done: by an update, by a lock, and by a step beyond its grant.
+/// The most work that was done: in an update, in a lock, and in a step beyond its grant.
 fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
     // The last step is nearly two blocks.
@@ -149,8 +149,8 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels in tiles on a background of weaker tiles; brightness and contrast in percent. Without a
-/// place there is only background.
+/// A target of 40x40 pixels with strong tiles on a background of weak tiles. `light` scales all gray levels, in percent.
+/// If `at` is `None`, there is only the background.
 fn scene(at: Option<(i32, i32)>, light: u32) -> Vec<u8> {
     drawn((320, 240), |x, y| {
         let level = match at.map(|(left, top)| (x - left, y - top)) {

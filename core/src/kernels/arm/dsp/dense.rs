@@ -23,7 +23,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     if !whole || rows(weights.len(), inputs) < count || rows(out.len(), count) < number {
         return plain::outputs(layer, patches, spare, out);
     }
-    // Two patches are unpacked: four words for four inputs of both.
+    // Room for two unpacked patches: four words hold four inputs of each.
     // SAFETY: all bit patterns are valid words.
     let (_, room, _) = unsafe { spare.align_to_mut::<[u32; 4]>() };
     let (mut from, mut to, mut left) = (patches.as_ptr(), out.as_mut_ptr(), number);

@@ -150,9 +150,9 @@ fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums 
     Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at))
 }
 
-/// The votes of the pixels of the cell at the column `at`, by sector, and those of the mirrored sectors (see
-/// [`Votes`]). A gradient along an axis may be in either of the two, because it gives the same votes. Zeroes if the
-/// cell is not on the lines.
+/// The votes of the cell that begins at the column `at`, by sector and by mirrored sector, as in [`Votes`]. A gradient
+/// along an axis may count in a sector or in its mirror image: both give the same votes. All are 0 if the cell reaches
+/// beyond the lines.
 #[inline(always)]
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directions: &Directions) -> [[u32; 5]; 2] {
     const { assert!(COLUMNS > 8 && COLUMNS < 256) };

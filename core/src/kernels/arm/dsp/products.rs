@@ -367,9 +367,9 @@ macro_rules! slide {
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
-                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums
-                // and the stack is written: it saves r6 and r7, which `asm!` may not name, and what is needed after
-                // each row.
+                // SAFETY: of each row `count` factors and `count + n - 1` numbers are read. Only the n sums and the
+                // stack are written. The stack keeps r6 and r7, which `asm!` may not name, and what is needed after each
+                // row.
                 unsafe {
                     asm!(
                         "push {{r0, r5, r8, r11}}",

@@ -112,8 +112,8 @@ fn distance(pair: &Rows, enough: u32) -> u32 {
     sum
 }
 
-/// Keeps in each lane of `$picked` the least or the most of that lane and the three before it. `$ones` and `$twos` hold
-/// the lanes before the first one at the start, and the last lanes at the end.
+/// Replaces each lane of `$picked` by the least (or the most) of itself and the three lanes before it. `$ones` carries
+/// one lane from a vector to the next, `$twos` carries two.
 macro_rules! of_four {
     ($pick:literal, $picked:literal, $ones:literal, $twos:literal) => {
         concat!(

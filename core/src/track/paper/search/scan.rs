@@ -3,8 +3,8 @@
 //! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
 //! 2. For the runner-up: the scores of nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`exclusion.rs`).
-//! 4. The offsets of the remaining groups are scored. Where a backend can, four at a time are bounded first. Scoring
-//!    stops as soon as an offset cannot reach the needed score.
+//! 4. The offsets of the remaining groups are scored. A backend that can bounds four offsets at a time first. The score
+//!    of an offset is given up as soon as it cannot reach the needed score.
 //!
 //! The result does not depend on the order, nor on how the work is divided into steps.
 

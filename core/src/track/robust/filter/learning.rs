@@ -5,7 +5,7 @@
 //! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
 //! error      e(d) = r(d) - y(d),   y = a Gaussian around the target (MOSSE; Bolme et al., 2010)
 //! slope      z = m * grad E,       grad E = sum over d of e(d) x(. + d) + lambda * w
-//! direction  p = z + beta * p',    beta = (grad E . z) / (the same of the step before); 0 in an update
+//! direction  p = z + beta * p',    beta = (grad E . z) / (grad E . z of the step before); 0 in an update
 //! step       w' = w - rate * a * p,   a = (grad E . z) / (sum over d of rp(d)^2 + lambda * |p|^2)
 //! responses  r' = r - a * rp,      in a lock
 //! ```
