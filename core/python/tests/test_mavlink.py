@@ -316,10 +316,10 @@ def test_a_peer_that_goes_is_connected_again():
         server.settimeout(30)
         command = [sys.executable, "-m", "smr.mavlink", "synthetic", f"tcp:127.0.0.1:{server.getsockname()[1]}", "--repeat"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-            for _ in range(3):
+            for end in (bool, bool, running.terminate):
                 with server.accept()[0] as peer:
                     assert peer.recv(300)
-            running.terminate()
+                    end()
             assert running.stdout.read() == ""
             said = running.stderr.read().splitlines()
     assert len(said) <= 6 and "the peer has gone; trying again" in said[1] and said[2] == "connected again"
