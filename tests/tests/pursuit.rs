@@ -126,7 +126,7 @@ struct Loop<T: Target> {
     pursuit: Pursuit<Pin, Pin, Pin>,
     servo_pins: [Pin; 2],
     lamp: Pin,
-    /// Where the servos stand, and where the pulses of the frame before tell them to.
+    /// The angles of the servos, and the angles that the pulses of the frame before ask for.
     head: Direction,
     goal: Direction,
 }

@@ -80,7 +80,7 @@ pub(crate) trait Scores {
 /// shared. No result depends on them.
 #[allow(dead_code)] // not every target has a backend that bounds four offsets
 pub(crate) struct Effort {
-    /// How many more times to go on without the bound.
+    /// The number of times that the loop goes on without the bound.
     without: AtomicU8,
     /// One set bit for each successive time that the bound excluded nothing, at most six.
     in_vain: AtomicU8,

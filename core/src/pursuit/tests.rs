@@ -82,7 +82,7 @@ fn pursuit(config: PursuitConfig, errors: [Option<ErrorKind>; 3], max_duty: u16)
     Pursuit::new(config, pan, tilt, indicator)
 }
 
-/// What was written since the last call to the pins of pan, tilt and the indicator.
+/// The values written to the pins of pan, tilt and the indicator since the last call.
 fn written(pursuit: &mut Pins) -> [Vec<u16>; 3] {
     [&mut pursuit.pan.pin, &mut pursuit.tilt.pin, &mut pursuit.indicator].map(|pin| core::mem::take(&mut pin.written))
 }
