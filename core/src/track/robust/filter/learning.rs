@@ -68,7 +68,7 @@ pub(crate) struct Sums {
     pub(crate) per_weight: [i32; WEIGHTS],
     /// The errors before they are coded, in units of 1/16384; spare memory while the gradient is summed; then the
     /// responses to the direction, in the unit of the direction.
-    pub(crate) per_offset: [[i32; SPAN]; SPAN],
+    pub(super) per_offset: [[i32; SPAN]; SPAN],
     /// In units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
 }
