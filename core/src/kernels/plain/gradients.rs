@@ -25,12 +25,12 @@ impl Sums {
     }
 }
 
-/// The votes of a cell: for each of the five sectors between the directions of 0 to 100 degrees, and for each mirrored
-/// sector. The low 16 bits are the votes for the first direction of the sector, the high 16 bits those for the second.
-pub(crate) struct Votes(pub(crate) [[u32; 5]; 2]);
+/// The gradients of a cell, added up for each of the five sectors between the directions of 0 to 100 degrees, and for
+/// each mirrored sector: |y| in the low 16 bits and |x| in the high ones, at most 4,080 each.
+pub(crate) struct Sectors(pub(crate) [[u32; 5]; 2]);
 
-impl Votes {
-    /// Adds the votes of a pixel, given its four neighbours.
+impl Sectors {
+    /// Adds the gradient of a pixel, given its four neighbours.
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
@@ -38,62 +38,80 @@ impl Votes {
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // The distance of the gradient beyond a direction: at most 361 * 256 / sin 20 degrees. That is its vote for the
-        // next direction, if the gradient lies between the two. The gradient is always beyond 0 degrees and never
-        // beyond 100.
-        let beyond = |(cos, sin): (i32, i32)| cos * up - sin * right;
-        let [zero, one, two, three, four, five] = DIRECTIONS;
-        let (number, short, over);
-        let two = beyond(two);
-        if two < 0 {
-            let one = beyond(one);
-            (number, short, over) = if one < 0 { (0, one, beyond(zero)) } else { (1, two, one) };
+        // The gradient is always beyond 0 degrees and never beyond 100.
+        let beyond = |(cos, sin): (i32, i32)| cos * up >= sin * right;
+        let [_, one, two, three, four, _] = DIRECTIONS;
+        let number = if !beyond(two) {
+            usize::from(beyond(one))
+        } else if !beyond(three) {
+            2
         } else {
-            let three = beyond(three);
-            if three < 0 {
-                (number, short, over) = (2, three, two);
-            } else {
-                let four = beyond(four);
-                (number, short, over) = if four < 0 { (3, four, three) } else { (4, beyond(five), four) };
-            }
-        }
-        // The votes are in units of 1/4. No sum of a cell reaches 2^16.
+            3 + usize::from(beyond(four))
+        };
         if let Some(sector) = sectors.get_mut(number) {
-            *sector += (short.wrapping_neg().cast_unsigned() >> 6) + (over.cast_unsigned() >> 6 << 16);
+            *sector += up.cast_unsigned() | right.cast_unsigned() << 16;
         }
     }
 
-    pub(crate) fn sums(&self, gray: u16) -> Sums {
-        let [[a0, a1, a2, a3, a4], [b0, b1, b2, b3, b4]] = self.0;
-        let high = |pair: u32| low(pair >> 16);
+    /// The votes of all gradients, and the sum of gray levels. `distance` is [`distance`] or its equal.
+    #[inline(always)]
+    pub(crate) fn sums(&self, gray: u16, distance: impl Fn(u32, (i32, i32)) -> i32) -> Sums {
+        // The distance of the gradients beyond a direction is their vote for the next one, and the other way round.
+        let beyond = |number: usize, direction| {
+            self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
+        };
+        let [zero, one, two, three, four, five] = DIRECTIONS;
+        let ([a1, b8], [a2, b7], [a3, b6], [a4, b5], [a5, b4]) =
+            (beyond(0, zero), beyond(1, one), beyond(2, two), beyond(3, three), beyond(4, four));
+        let ([c0, d0], [c1, d8], [c2, d7], [c3, d6], [c4, d5]) =
+            (beyond(0, one), beyond(1, two), beyond(2, three), beyond(3, four), beyond(4, five));
+        // In units of 1/4. No sum reaches 2^16.
+        let quarters = |sum: i32| low(sum.cast_unsigned() >> 6);
         Sums([
-            low(a0) + low(b0),
-            high(a0) + low(a1),
-            high(a1) + low(a2),
-            high(a2) + low(a3),
-            high(a3) + low(a4) + high(b4),
-            high(a4) + high(b3) + low(b4),
-            high(b2) + low(b3),
-            high(b1) + low(b2),
-            high(b0) + low(b1),
+            quarters(-c0 - d0),
+            quarters(a1 - c1),
+            quarters(a2 - c2),
+            quarters(a3 - c3),
+            quarters(a4 + b4 - c4),
+            quarters(a5 + b5 - d5),
+            quarters(b6 - d6),
+            quarters(b7 - d7),
+            quarters(b8 - d8),
             gray,
         ])
     }
 }
 
+/// Returns how far the gradient in `sum` is beyond a direction: cos * |y| - sin * |x|.
+pub(crate) fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
+    cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
+}
+
 /// The sums of a cell. They depend on its pixels and their neighbours.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
-    votes(lines, at).sums(gray(lines, at))
+    sectors(lines, at).sums(gray(lines, at), distance)
 }
 
-/// Computes the sums and the energy of each cell of a row, one by one.
+/// Computes the sums and the energy of each cell of a row.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
     sums: &mut [[u16; ROW]],
     energies: &mut [u32; ROW],
     across: usize,
+) {
+    by_cells(lines, sums, energies, across, cell);
+}
+
+/// Computes the sums and the energy of each cell of a row, one by one, by `cell`.
+#[inline(always)]
+pub(crate) fn by_cells<const COLUMNS: usize, const ROW: usize>(
+    lines: &[[u8; COLUMNS]; SIDE],
+    sums: &mut [[u16; ROW]],
+    energies: &mut [u32; ROW],
+    across: usize,
+    cell: impl Fn(&[[u8; COLUMNS]; SIDE], usize) -> Sums,
 ) {
     for (number, energy) in energies.iter_mut().enumerate().take(across) {
         let cell = cell(lines, number * usize::from(CELL));
@@ -119,9 +137,9 @@ pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     low(gray) + low(gray >> 16)
 }
 
-/// The votes of all pixels of a cell.
-fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Votes {
-    let mut votes = Votes([[0; 5]; 2]);
+/// The gradients of all pixels of a cell.
+fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
+    let mut sectors = Sectors([[0; 5]; 2]);
     let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
     for window in lines.windows(3) {
         let [above, middle, below] = window else { continue };
@@ -129,12 +147,12 @@ fn votes<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Vote
         let [_, above_a, above_b, above_c, above_d, _] = above;
         let [left, a, b, c, d, right] = middle;
         let [_, below_a, below_b, below_c, below_d, _] = below;
-        votes.add([left, b], [above_a, below_a]);
-        votes.add([a, c], [above_b, below_b]);
-        votes.add([b, d], [above_c, below_c]);
-        votes.add([c, right], [above_d, below_d]);
+        sectors.add([left, b], [above_a, below_a]);
+        sectors.add([a, c], [above_b, below_b]);
+        sectors.add([b, d], [above_c, below_c]);
+        sectors.add([c, right], [above_d, below_d]);
     }
-    votes
+    sectors
 }
 
 /// The lower 16 bits.

@@ -1,5 +1,7 @@
 //! Words of four pixels in ordinary 32-bit registers, for processors without a faster instruction set.
 
+#[cfg(all(smr_swar, target_arch = "arm"))]
+pub(crate) mod gradients;
 #[cfg(smr_swar)]
 pub(crate) mod levels;
 #[cfg(not(target_arch = "wasm32"))]
@@ -9,10 +11,12 @@ pub(crate) mod scores;
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
 // A page with WebAssembly must be small, and nearly all browsers have its vectors.
+#[cfg(all(smr_swar, not(target_arch = "arm")))]
+pub(crate) use crate::kernels::plain::gradients;
 #[cfg(target_arch = "wasm32")]
 pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
-pub(crate) use crate::kernels::plain::{gradients, weights};
+pub(crate) use crate::kernels::plain::weights;
 
 /// True: every processor has such registers.
 pub(crate) const fn is_available() -> bool {

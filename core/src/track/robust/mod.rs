@@ -2,7 +2,7 @@
 //!
 //! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough
 //! evidence. SMR verifies the target: an early template, which learns very slowly, is compared tile by tile. All
-//! numbers are integers. Every frame costs about the same.
+//! numbers are integers.
 //!
 //! ```text
 //!                                                                                                M units of work
@@ -19,13 +19,13 @@
 //!     |          (lighting)                                                                          0.62
 //!  refinement    place and size to a fraction of a pixel                                             0.06
 //!     |
-//!  scale         the response at other scales                                                        1.18
+//!  scale         the response at other scales, if refinement has not found the size                  1.18
 //!     |
 //!  confidence    the state: tracking, uncertain, lost
 //!     |      \
 //!     |       redetection   if the target is lost: a second window, searched and verified            2.57
 //!     |
-//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        1.29
+//!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        0.97
 //!     |
 //!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it
 //!     |

@@ -23,8 +23,8 @@ fn following(first: &[u8], size: (u16, u16), target: Rect) -> impl FnMut(&[u8]) 
 #[cfg(target_pointer_width = "64")]
 #[test]
 fn a_target_of_any_size_costs_about_the_same() {
-    let work_of = |refiner: bool, pixels: &[u8], size: (u16, u16), target: Rect| {
-        let (config, frame) = (Config { refiner, ..Config::robust() }, of_size(pixels, size));
+    let work_of = |config: Config, pixels: &[u8], size: (u16, u16), target: Rect| {
+        let frame = of_size(pixels, size);
         let (mut tracker, most) = (locked::<Robust>(config, &frame, target), config.most_work());
         assert!(u64::from(tracker.work()) <= most.lock, "{target:?}: {} of {most:?}", tracker.work());
         let works = [(); 2].map(|()| tracker.update(&frame).map(|_| tracker.work()).unwrap());
@@ -38,9 +38,9 @@ fn a_target_of_any_size_costs_about_the_same() {
         let pixels = pixels(usize::from(width) * usize::from(height));
         let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
         let target = Rect::new(left, top, across, down);
-        work_of(cfg!(feature = "refiner"), &pixels, (width, height), target);
-        // The refiner runs only where the early template gives no exact place and size.
-        work_of(false, &pixels, (width, height), target)
+        work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
+        // The scale search and the refiner run only where the early template gives no exact place and size.
+        work_of(Config { refiner: false, size: false, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
     let holds = |across: u16, down: u16, pixels, of_40: u32| {

@@ -74,11 +74,12 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
         split(&mut sums.gradient, if turned { (-right, -down) } else { (right, down) });
         sums.gray += pixel(x, y);
     }
+    sums.gradient = sums.gradient.map(|sum| down(sum, 4.0));
     sums
 }
 
 /// Splits a gradient between the two directions next to it, u and v: g = a u + b v, so a = (g x v) / (u x v) and
-/// b = (u x g) / (u x v). Directions over u x v, which is sin 20 degrees, are rounded to 1/256; a and b down to 1/4.
+/// b = (u x g) / (u x v). Directions over u x v, which is sin 20 degrees, are rounded to 1/256.
 fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     let step = PI / DIRECTIONS as f64;
     let cross = |number: usize| {
@@ -88,9 +89,8 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     };
     // The first that the gradient does not reach is the second of the two; beyond the last one there is none.
     let second = (1..DIRECTIONS).find(|&number| cross(number) < 0.0).unwrap_or(DIRECTIONS);
-    let part = |cross: f64| down(cross.max(0.0), 4.0);
-    gradient[second - 1] += part(-cross(second));
-    gradient[second % DIRECTIONS] += part(cross(second - 1));
+    gradient[second - 1] -= cross(second).min(0.0);
+    gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
 /// Gradients over their norm around, rounded down and at most 127; gray over the cell, less 128.
@@ -120,8 +120,8 @@ mod tests {
             sums
         };
         assert_eq!(of((10.0, 0.0)), only(&[(0, 10.0)]));
-        // Half of 10 / cos 10 degrees each: 5.08 gray levels, rounded down to quarters.
-        assert_eq!(of((0.0, 10.0)), only(&[(4, 5.0), (5, 5.0)]));
-        assert_eq!(of((-9.0, 1.0)), only(&[(8, 2.75), (0, 6.25)]).map(|part| part));
+        // Half of 10 / cos 10 degrees each.
+        assert_eq!(of((0.0, 10.0)), only(&[(4, 1300.0 / 256.0), (5, 1300.0 / 256.0)]));
+        assert_eq!(of((-9.0, 1.0)), only(&[(8, 748.0 / 256.0), (0, 1601.0 / 256.0)]));
     }
 }

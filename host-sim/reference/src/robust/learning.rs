@@ -61,7 +61,7 @@ impl Filter {
         let mut before = None;
         for _ in 0..numbers.first_steps {
             let sample = Sample { cells, responses: &responses, target: (0.0, 0.0) };
-            let step = self.learn(numbers, shape, &sample, 1.0, before.as_ref());
+            let step = self.learn(numbers, shape, &sample, (1.0, numbers.reach), before.as_ref());
             let changes = Coded::new(&step.responses, 32_767.0);
             let units = step.length * step.direction.divisor * changes.divisor / 2.0_f64.powi(60);
             responses
@@ -72,14 +72,14 @@ impl Filter {
         }
     }
 
-    /// One step, of `part` of the best length. The direction is each gradient times the learning window at its cell, and a part of the
+    /// One step, of `part` of the best length, which is measured at offsets up to `reach`. The direction is each gradient times the learning window at its cell, and a part of the
     /// direction before. That part is the quotient of both descents, in units of 1/65536.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
         shape: &Shape,
         sample: &Sample<'_>,
-        part: f64,
+        (part, reach): (f64, i64),
         before: Option<&Step>,
     ) -> Step {
         let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
@@ -102,7 +102,11 @@ impl Filter {
             }
         }
         let responses: Vec<f64> = offsets(numbers).map(|(x, y)| direction.sum(shape, sample.cells, x, y)).collect();
-        let length = (best_length(numbers, &direction, descent, &responses) * part).floor();
+        let near = |(x, y): (i64, i64)| (x - numbers.reach).abs().max((y - numbers.reach).abs()) <= reach;
+        let measured = offsets(numbers).zip(&responses).filter(|&(offset, _)| near(offset));
+        let measured: Vec<f64> = measured.map(|(_, response)| *response).collect();
+        let all = responses.len() as f64;
+        let length = (best_length(numbers, &direction, descent, &measured, all) * part).floor();
         for (weight, number) in self.weights.iter_mut().zip(&direction.numbers) {
             *weight -= nearest(number * length * direction.divisor / 2.0_f64.powi(44), 1.0);
         }
@@ -124,10 +128,11 @@ pub struct Step {
 /// The best length of a step (exact line search), in units of 2^-44: the descent over the curvature along the direction.
 ///
 /// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. Nine
-/// binary places of a response are left out, rounded down.
-fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64]) -> f64 {
+/// binary places of a response are left out, rounded down. There are `all` offsets, and responses to some of them.
+fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
+    let curvature = ((curvature / 256.0).floor() * all / responses.len() as f64).floor() * 256.0;
     let curvature = curvature + (numbers.regularisation * squared / 262_144.0).floor();
     quotient(descent * 67_108_864.0, curvature.max((descent / 2_097_152.0).floor() + 1.0))
 }

@@ -238,7 +238,13 @@ impl Reference {
         self.place = candidate.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
-            self.filter.learn(&self.numbers, &self.shape, &sample, self.numbers.step, None);
+            self.filter.learn(
+                &self.numbers,
+                &self.shape,
+                &sample,
+                (self.numbers.step, 5 * self.numbers.reach / 8),
+                None,
+            );
         }
         if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
             self.tracked_scale = self.place.scale;

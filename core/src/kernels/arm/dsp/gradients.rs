@@ -1,8 +1,8 @@
 //! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
 //! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
-use crate::kernels::layout::{CELL, CHANNELS, SIDE};
-use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sums, Votes};
+use crate::kernels::layout::{CHANNELS, SIDE};
+use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sectors, Sums};
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
@@ -12,35 +12,20 @@ const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// The directions in the form that the assembly reads.
-#[repr(C)]
-struct Directions {
-    /// For each of the sectors 0 to 4: its first direction, and the negative of its second.
-    sectors: [[u32; 2]; 5],
-    /// The second to the fifth direction. A gradient that is beyond n of them lies in sector n.
-    between: [u32; 4],
-}
-
-impl Directions {
-    const fn new([a, b, c, d, e, f]: [(i32, i32); 6]) -> Self {
-        const fn sector(first: (i32, i32), second: (i32, i32)) -> [u32; 2] {
-            [pair(first.0, first.1), pair(-second.0, -second.1)]
-        }
-        let sectors = [sector(a, b), sector(b, c), sector(c, d), sector(d, e), sector(e, f)];
-        Self { sectors, between: [pair(b.0, b.1), pair(c.0, c.1), pair(d.0, d.1), pair(e.0, e.1)] }
-    }
-}
+/// The second to the fifth direction. A gradient that is beyond n of them lies in sector n.
+static BETWEEN: [u32; 4] = {
+    let [_, (a, b), (c, d), (e, f), (g, h), _] = DIRECTIONS;
+    [pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
+};
 
 /// Memory of the assembly, which knows the offsets of the fields.
 #[repr(C)]
 struct Memory {
-    /// The votes in the sectors 0 to 4: for the first direction in the low 16 bits, for the second in the high 16 bits.
     sectors: [u32; 5],
     /// The address where the pixels end.
     end: u32,
-    directions: [[u32; 2]; 5],
-    unused: [u32; 16],
-    /// The votes in the mirrored sectors. They are 128 bytes further on: 128 is the top bit of a byte.
+    unused: [u32; 26],
+    /// The mirrored sectors. They are 128 bytes further on: 128 is the top bit of a byte.
     mirrored: [u32; 5],
 }
 
@@ -56,29 +41,23 @@ macro_rules! feature {
     };
 }
 
-/// Adds the votes of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of
+/// Adds the gradient of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of
 /// byte `byte` of r8 says whether the gradient is mirrored. r11 becomes the sector minus 4.
-macro_rules! vote {
+macro_rules! add {
     ($pixel:literal, $byte:literal) => {
         concat!(
             concat!("smusd r11, ", $pixel, ", r2\n"),
             concat!("smusd r9, ", $pixel, ", r3\n"),
             concat!("smusd lr, ", $pixel, ", r4\n"),
-            "asr r11, r11, #31\n",
+            "asrs r11, r11, #31\n",
             "add r11, r11, r9, asr #31\n",
             concat!("smusd r9, ", $pixel, ", r5\n"),
             "add r11, r11, lr, asr #31\n",
             "add r11, r11, r9, asr #31\n",
-            "add lr, r0, r11, lsl #3\n",
-            "ldrd r9, lr, [lr, #40]\n",
-            concat!("smusd r9, ", $pixel, ", r9\n"),
-            concat!("smusd lr, ", $pixel, ", lr\n"),
-            "lsr lr, lr, #6\n",
-            "pkhbt lr, lr, r9, lsl #10\n",
             concat!("uxtab r9, r0, r8, ror #8 * ", $byte, "\n"),
-            concat!("ldr ", $pixel, ", [r9, r11, lsl #2]\n"),
-            concat!("add ", $pixel, ", ", $pixel, ", lr\n"),
-            concat!("str ", $pixel, ", [r9, r11, lsl #2]\n"),
+            "ldr lr, [r9, r11, lsl #2]\n",
+            concat!("add lr, ", $pixel, "\n"),
+            "str lr, [r9, r11, lsl #2]\n",
         )
     };
 }
@@ -123,7 +102,7 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Computes the sums and the energy of each cell of a row, one by one.
+/// See [`plain::gradients`].
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -131,33 +110,29 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     energies: &mut [u32; ROW],
     across: usize,
 ) {
-    // A function that both this and the plain loop call would take more flash.
-    for (number, energy) in energies.iter_mut().enumerate().take(across) {
-        let cell = cell(lines, number * usize::from(CELL));
-        *energy = cell.energy();
-        for (row, sum) in sums.iter_mut().zip(cell.0) {
-            if let Some(of_cell) = row.get_mut(number) {
-                *of_cell = sum;
-            }
-        }
-    }
+    plain::by_cells(lines, sums, energies, across, cell);
 }
 
 /// The sums of a cell. They depend on its pixels and their neighbours.
 #[inline(always)]
 fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
-    static SECTORS: Directions = Directions::new(DIRECTIONS);
-    Votes(sectors(lines, at, &SECTORS)).sums(plain::gray(lines, at))
+    sectors(lines, at).sums(plain::gray(lines, at), |sum, (cos, sin)| {
+        let distance;
+        // SAFETY: it reads two registers and writes one.
+        unsafe {
+            asm!("smusd {}, {}, {}", out(reg) distance, in(reg) sum, in(reg) pair(cos, sin), options(pure, nomem, nostack, preserves_flags));
+        }
+        distance
+    })
 }
 
-/// The votes of the cell that begins at the column `at`, by sector and by mirrored sector, as in [`Votes`]. A gradient
-/// along an axis may count in a sector or in its mirror image: both give the same votes. All are 0 if the cell reaches
-/// beyond the lines.
+/// The gradients of the cell that begins at the column `at`, by sector and by mirrored sector. A gradient along an axis
+/// may count in a sector or in its mirror image: both give the same votes. All are 0 if the cell reaches beyond the lines.
 #[inline(always)]
-fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directions: &Directions) -> [[u32; 5]; 2] {
+fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize) -> Sectors {
     const { assert!(COLUMNS > 8 && COLUMNS < 256) };
     if at + 6 > COLUMNS {
-        return [[0; 5]; 2];
+        return Sectors([[0; 5]; 2]);
     }
     let mut memory = MaybeUninit::<Memory>::uninit();
     // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields
@@ -165,9 +140,6 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
     unsafe {
         asm!(
             "push {{r6, r7}}",
-            "add r12, r0, #24",
-            "ldm r2!, {{r3, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
-            "stm r12, {{r3, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
             "ldm r2, {{r2, r3, r4, r5}}",
             "movs r6, #0",
             "strd r6, r6, [r0]",
@@ -200,26 +172,26 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize, directio
             "uxtb16 r10, r7",
             "pkhbt r12, r9, r10, lsl #16",
             "pkhtb r10, r10, r9, asr #16",
-            vote!("r12", 0),
-            vote!("r10", 2),
+            add!("r12", 0),
+            add!("r10", 2),
             "uxtb16 r9, r6, ror #8",
             "uxtb16 r10, r7, ror #8",
             "pkhbt r12, r9, r10, lsl #16",
             "pkhtb r10, r10, r9, asr #16",
-            vote!("r12", 1),
+            add!("r12", 1),
             "ldr r12, [r0, #4]",
-            vote!("r10", 3),
+            add!("r10", 3),
             "cmp r1, r12",
             "bne 2b",
             "pop {{r6, r7}}",
             inout("r0") memory.as_mut_ptr() => _,
             inout("r1") lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS + at) => _,
-            inout("r2") directions => _,
+            inout("r2") &raw const BETWEEN => _,
             out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _, out("r12") _,
             out("lr") _,
             columns = const COLUMNS,
         );
         let memory = memory.as_ptr();
-        [(&raw const (*memory).sectors).read(), (&raw const (*memory).mirrored).read()]
+        Sectors([(&raw const (*memory).sectors).read(), (&raw const (*memory).mirrored).read()])
     }
 }

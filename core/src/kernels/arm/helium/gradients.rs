@@ -1,4 +1,4 @@
-//! Cells of gradient orientations by Helium: eight cells at a time. The plain loops are in `plain/gradients.rs`.
+//! Cells of gradient orientations by Helium: four cells at a time. The plain loops are in `plain/gradients.rs`.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
@@ -6,35 +6,35 @@ use core::arch::asm;
 use core::mem::MaybeUninit;
 
 /// Cells at a time.
-const LANES: usize = 8;
+const LANES: usize = 4;
 /// Sectors between two directions, with the mirrored ones.
 const SECTORS: usize = 10;
-/// For each pixel in a row of four cells: the index of its cell in [`Sectors`], what is left of that and the index in
-/// the mirrored sector together, and the offset of its bytes in [`Pixels`].
+/// For each pixel in a row of four cells: the index of its cell in [`Memory::sectors`], what is left of that and the
+/// index in the mirrored sector together, and the offset of its bytes in [`Memory::pixels`].
 static PLACES: [[u8; 16]; 3] = [
-    [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3],
-    [72, 72, 72, 72, 74, 74, 74, 74, 76, 76, 76, 76, 78, 78, 78, 78],
+    [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
+    [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
     [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
 ];
 /// The largest |x| for each |y| of a gradient beyond direction 2.
 static BEYOND_TWO: [u8; 256] = largest_beyond(DIRECTIONS[2]);
-/// Four times for each sector, in the order of [`Sectors`]: the factors of |y| and |x| in the vote for the first
-/// direction, then those of |x| and |y| in the vote for the second direction.
-static FACTORS: [[[[i16; 2]; 4]; 2]; SECTORS] = factors();
+/// For each direction, from 5 to 8 and from 0 to 4: the factors of the sector before it, of its word |y| + 65,536 |x| and
+/// of |x|, then those of the sector behind it.
+static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = factors();
 /// The offsets of the features of eight cells.
-static FEATURES: [u16; LANES] = [0, 10, 20, 30, 40, 50, 60, 70];
+static FEATURES: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// The votes of eight cells for the first and the second direction of each sector: of the sectors 0 to 4, then of the
-/// mirrored sectors 4 to 0.
-#[repr(align(4))]
+/// Memory of the assembly, which knows the offsets of the fields.
+#[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
-struct Sectors(MaybeUninit<[[[u16; 2]; LANES]; SECTORS]>);
-
-/// Gradients of four cells in a row of pixels. For the first pixel of each cell |y| and |x|, then for each the index of
-/// its votes; then the same for the next pixels.
-#[repr(align(4))]
-#[allow(dead_code)] // the assembly reads it
-struct Pixels(MaybeUninit<[[[[u8; 2]; 4]; 2]; CELL as usize]>);
+struct Memory {
+    /// Gradients in a row of pixels. For the first pixel of each cell |y| and |x|, then for each the index of its sector;
+    /// then those of the next pixels.
+    pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
+    /// The sums of |y| and |x| of each cell: those of the mirrored sectors 4 to 0, then of the sectors 0 to 4. So two
+    /// sectors that stand together share a direction.
+    sectors: [[[u16; 2]; LANES]; SECTORS],
+}
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss)] // at most 255
 const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
@@ -48,32 +48,39 @@ const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
     largest
 }
 
-#[allow(clippy::cast_possible_truncation)] // at most 748 * 32
-const fn factors() -> [[[[i16; 2]; 4]; 2]; SECTORS] {
-    let mut factors = [[[[0; 2]; 4]; 2]; SECTORS];
-    let mut at = 0;
-    while at < SECTORS {
-        let sector = if at < SECTORS / 2 { at } else { SECTORS - 1 - at };
-        let (first, second) = (DIRECTIONS[sector], DIRECTIONS[sector + 1]);
-        factors[at] =
-            [[[-32 * second.0 as i16, 32 * second.1 as i16]; 4], [[-32 * first.1 as i16, 32 * first.0 as i16]; 4]];
-        at += 1;
+const fn factors() -> [[[i32; 2]; 2]; SECTORS - 1] {
+    const fn beyond((cos, sin): (i32, i32)) -> [i32; 2] {
+        [cos, -sin - (cos << 16)]
     }
-    factors
+    const fn short_of((cos, sin): (i32, i32)) -> [i32; 2] {
+        beyond((-cos, -sin))
+    }
+    let [zero, one, two, three, four, five] = DIRECTIONS;
+    [
+        [beyond(four), beyond(three)], // the sector before it holds |x| less the mirrored |x|
+        [short_of(four), beyond(two)],
+        [short_of(three), beyond(one)],
+        [short_of(two), beyond(zero)],
+        [short_of(one), short_of(one)],
+        [beyond(zero), short_of(two)],
+        [beyond(one), short_of(three)],
+        [beyond(two), short_of(four)],
+        [beyond(three), short_of(five)],
+    ]
 }
 
-/// Computes the gradients of 16 pixels in a row, and the index of their votes. r0 points to the pixel above the first
+/// Computes the gradients of 16 pixels in a row, and the index of their sector. r10 points to the pixel above the first
 /// one and becomes that pixel's place, r5 is one row further down.
 ///
 /// A gradient is beyond direction 1, 3 or 4 if |x| is at most a number that these products give for each |y|.
 macro_rules! pixels {
     () => {
         concat!(
-            "vldrb.u8 q2, [r0]\n",
-            "add r0, r0, #{line}\n",
-            "add r5, r0, #{line}\n",
-            "vldrb.u8 q0, [r0, #-1]\n",
-            "vldrb.u8 q1, [r0, #1]\n",
+            "vldrb.u8 q2, [r10]\n",
+            "add r10, r10, #{line}\n",
+            "add r5, r10, #{line}\n",
+            "vldrb.u8 q0, [r10, #-1]\n",
+            "vldrb.u8 q1, [r10, #1]\n",
             "vldrb.u8 q3, [r5]\n",
             "vhsub.u8 q4, q1, q0\n", // the top bit is the sign
             "vabd.u8 q0, q0, q1\n",
@@ -115,55 +122,21 @@ macro_rules! beyond {
     };
 }
 
-/// Adds the votes of one pixel in each of four cells.
-macro_rules! votes {
+/// Adds the gradient of one pixel in each of four cells.
+macro_rules! add {
     ($($at:literal)*) => {
         concat!($(
             concat!("vldrh.u32 q0, [r1, #", $at, " + 8]\n"),
             concat!("vldrb.u16 q1, [r1, #", $at, "]\n"),
-            "vldrw.u32 q2, [r9, q0, uxtw #2]\n",
-            "vshl.i16 q1, q1, #4\n",
-            "vldrw.u32 q3, [r10, q0, uxtw #2]\n",
-            "vqdmladh.s16 q2, q1, q2\n",
-            "vldrw.u32 q4, [r11, q0, uxtw #2]\n",
-            "vqdmladhx.s16 q2, q1, q3\n",
-            "vadd.i16 q4, q4, q2\n",
-            "vstrw.32 q4, [r11, q0, uxtw #2]\n",
+            "vldrw.u32 q2, [r11, q0, uxtw #2]\n",
+            "vadd.i16 q2, q2, q1\n",
+            "vstrw.32 q2, [r11, q0, uxtw #2]\n",
         )*)
     };
 }
 
-/// Stores q0, which is zero.
-macro_rules! zero {
-    ($to:literal: $($number:literal)*) => {
-        concat!($("vstrw.32 q0, [", $to, ", #16 * ", $number, "]\n",)*)
-    };
-}
-
-/// Loads the votes of the next sector.
-macro_rules! load {
-    ($($registers:literal)*) => {
-        concat!($("vld20.16 ", $registers, ", [r1]\nvld21.16 ", $registers, ", [r1]!\n",)*)
-    };
-}
-
-/// Stores the sum of the votes for a direction, q0, and adds its square to the energies: q2 for even cells, q3 for odd
-/// ones.
-macro_rules! sum {
-    ($to:literal) => {
-        concat!(
-            concat!("vstrh.16 q0, ", $to, "\n"),
-            "vshr.u16 q0, q0, #2\n",
-            "vmullb.u16 q1, q0, q0\n",
-            "vmullt.u16 q0, q0, q0\n",
-            "vadd.i32 q2, q2, q1\n",
-            "vadd.i32 q3, q3, q0\n",
-        )
-    };
-}
-
 /// Computes the sums of a row of cells and their energies, as the plain loop does. Rows and lines have room for a
-/// multiple of eight cells.
+/// multiple of four cells.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -173,148 +146,108 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
 ) {
     let Some(sums) = sums.first_chunk_mut() else { return };
     for block in 0..across.div_ceil(LANES) {
-        eight_cells(lines, block, sums, energies);
+        four_cells(lines, block, sums, energies);
     }
 }
 
-/// Computes the nine gradient sums, the sum of gray levels and the energy of each of the eight cells of block `block`.
+/// Computes the nine gradient sums, the sum of gray levels and the energy of each of the four cells of block `block`.
 /// Does nothing if the cells are not on the lines or have no room in the rows.
-///
-/// How far a gradient is beyond a direction, v = cos * |y| - sin * |x|, has 19 bits and a sign. `vqdmladh` gives v / 64,
-/// rounded down, from 32 cos, 32 sin, 16 |y| and 16 |x|.
 #[inline(never)] // the compiler would unroll the loop over blocks
-fn eight_cells<const COLUMNS: usize, const ROW: usize>(
-    lines: &[[u8; COLUMNS]; 6],
+fn four_cells<const COLUMNS: usize, const ROW: usize>(
+    lines: &[[u8; COLUMNS]; SIDE],
     block: usize,
-    sums: &mut [[u16; ROW]; 10],
+    sums: &mut [[u16; ROW]; CHANNELS],
     energies: &mut [u32; ROW],
 ) {
-    let (first, at) = (block * LANES, 4 * block * LANES);
-    if first + LANES > ROW || at + 4 * LANES + 2 > COLUMNS {
+    let (first, at) = (block * LANES, LANES * block * usize::from(CELL));
+    if first + LANES > ROW || at + LANES * usize::from(CELL) + 2 > COLUMNS {
         return;
     }
-    let mut sectors = Sectors(MaybeUninit::uninit());
-    let mut gradients = Pixels(MaybeUninit::uninit());
-    // The upper left neighbour of the first pixel.
-    let pixels = lines.as_ptr().cast::<u8>().wrapping_add(at);
-    // SAFETY: all of `sectors` and `gradients` is written.
+    let mut memory = MaybeUninit::<Memory>::uninit();
+    let to = memory.as_mut_ptr().cast::<u8>();
+    // SAFETY: 18 pixels of each of six lines are read, four sums of each row and four energies are written from `first`
+    // on, and the check above leaves room for them. All of `memory` is written before it is read, `pixels` at the
+    // offsets in `PLACES`, so each index is one in `sectors`.
     unsafe {
         asm!(
             "vmov.i32 q0, #0",
-            zero!("r1": 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19),
-            zero!("r2": 0 1 2 3),
-            in("r1") &raw mut sectors,
-            in("r2") &raw mut gradients,
-            out("q0") _,
-            options(nostack),
-        );
-    }
-    let to = (&raw mut gradients).cast::<u8>();
-    let factors = (&raw const FACTORS).cast::<[[i16; 2]; 4]>();
-    let mut half = 0;
-    while half < 2 {
-        // SAFETY: 18 pixels of each of six lines are read, and the check above leaves room for them. `gradients` is
-        // written at the offsets in `PLACES`, so each index of votes is one in `sectors`.
-        unsafe {
-            asm!(
-                "vldrb.u8 q6, [r4]",
-                "vldrb.u8 q5, [r4, #16]",
-                "vldrb.u8 q7, [r4, #32]",
-                "add r4, r1, #8",
-                "mov lr, #4",
-                "dls lr, lr",
-                "2:",
-                pixels!(),
-                votes!(0 16 32 48),
-                "le lr, 2b",
-                inout("r0") pixels.wrapping_add(16 * half + 1) => _,
-                in("r1") to,
-                in("r2") to.wrapping_add(1),
-                in("r3") &raw const BEYOND_TWO,
-                inout("r4") &raw const PLACES => _,
-                out("r5") _,
-                in("r8") 8,
-                in("r9") factors,
-                in("r10") factors.wrapping_add(1),
-                in("r11") (&raw mut sectors).cast::<[[u16; 2]; 4]>().wrapping_add(half),
-                out("lr") _, out("q0") _, out("q1") _, out("q2") _, out("q3") _, out("q4") _, out("q5") _,
-                out("q6") _, out("q7") _,
-                line = const COLUMNS,
-                options(nostack),
-            );
-        }
-        half += 1; // not a range: the compiler would unroll the loop
-    }
-    // SAFETY: `sectors` was written. Eight sums of each row and eight energies are written from `first` on: `first +
-    // LANES <= ROW`. 32 pixels of the four inner lines are read.
-    unsafe {
-        asm!(
-            "vmov.i32 q2, #0",
-            "vmov.i32 q3, #0",
-            "mov r4, r0",
-            load!("{{q4, q5}}"),
-            "vstrh.16 q4, [r0], #{row}", // for direction 0, without the mirrored sector
-            load!("{{q6, q7}}"),
-            "vadd.i16 q0, q5, q6",
-            sum!("[r0], #{row}"),
-            load!("{{q4, q5}}"),
-            "vadd.i16 q0, q7, q4",
-            sum!("[r0], #{row}"),
-            load!("{{q6, q7}}"),
-            "vadd.i16 q0, q5, q6",
-            sum!("[r0], #{row}"),
-            load!("{{q4, q5}}"),
-            "vadd.i16 q0, q7, q4",
-            load!("{{q6, q7}}"),
-            "vadd.i16 q0, q0, q7",
-            sum!("[r0], #{row}"),
-            "vadd.i16 q0, q5, q6",
-            load!("{{q6, q7}}"),
-            "vadd.i16 q0, q0, q7",
-            sum!("[r0], #{row}"),
-            load!("{{q4, q5}}"),
-            "vadd.i16 q0, q5, q6",
-            sum!("[r0], #{row}"),
-            load!("{{q6, q7}}"),
-            "vadd.i16 q0, q7, q4",
-            sum!("[r0], #{row}"),
-            load!("{{q4, q5}}"),
-            "vadd.i16 q0, q5, q6",
-            sum!("[r0], #{row}"),
-            "vldrh.u16 q0, [r4]",
-            "vadd.i16 q0, q0, q4",
-            sum!("[r4]"),
-            "vst20.32 {{q2, q3}}, [r2]",
-            "vst21.32 {{q2, q3}}, [r2]",
-            // Gray levels: a vector holds a row of four cells. Neighbouring pixels are added, then neighbouring sums.
-            "vmov.i32 q2, #0",
-            "vmov.i32 q3, #0",
+            "mov lr, #14",
+            "dls lr, lr",
+            "2:",
+            "vstrw.32 q0, [r2], #16",
+            "le lr, 2b",
+            "vldrb.u8 q6, [r4]",
+            "vldrb.u8 q5, [r4, #16]",
+            "vldrb.u8 q7, [r4, #32]",
+            "add r2, r1, #1",
+            "add r4, r1, #8",
+            "add r11, r1, #64",
             "mov lr, #4",
             "dls lr, lr",
-            "3:",
-            "vldrb.u8 q1, [r3, #16]",
-            "vldrb.u8 q0, [r3]",
-            "add r3, r3, #{line}",
-            "vmovlb.u8 q4, q1",
+            "2:",
+            pixels!(),
+            add!(0 16 32 48),
+            "le lr, 2b",
+            // The gray levels, from the fourth line to the first. Neighbouring pixels are added, then neighbouring sums.
+            "vmov.i32 q0, #0",
+            "mov lr, #4",
+            "dls lr, lr",
+            "2:",
+            "vldrb.u8 q1, [r10]",
+            "sub r10, r10, #{line}",
+            "vmovlb.u8 q2, q1",
             "vmovlt.u8 q1, q1",
-            "vadd.i16 q3, q3, q4",
-            "vadd.i16 q3, q3, q1",
-            "vmovlb.u8 q4, q0",
-            "vmovlt.u8 q0, q0",
-            "vadd.i16 q2, q2, q4",
-            "vadd.i16 q2, q2, q0",
-            "le lr, 3b",
-            "vshr.u32 q0, q2, #16",
-            "vshr.u32 q1, q3, #16",
             "vadd.i16 q0, q0, q2",
-            "vadd.i16 q1, q1, q3",
+            "vadd.i16 q0, q0, q1",
+            "le lr, 2b",
+            "vshr.u32 q1, q0, #16",
+            "vadd.i16 q0, q0, q1",
             "vstrh.32 q0, [r0]",
-            "vstrh.32 q1, [r0, #8]",
-            inout("r0") sums.as_mut_ptr().cast::<u16>().wrapping_add(first) => _,
-            inout("r1") &raw const sectors => _,
-            inout("r2") energies.as_mut_ptr().wrapping_add(first) => _,
-            inout("r3") pixels.wrapping_add(COLUMNS + 1) => _,
-            out("r4") _,
+            "sub r0, r0, #4 * {row}",
+            // Sector 4 and the mirrored one lie between the directions 4 and 5. Their |y| count alike, their |x| do not.
+            "vldrw.u32 q0, [r11]",
+            "vldrw.u32 q1, [r11, #144]",
+            "mvn r2, #0",
+            "lsl r2, r2, #17",
+            "vshr.u32 q2, q0, #16",
+            "vadd.i32 q1, q1, q0",
+            "vmla.i32 q1, q2, r2",
+            "vstrw.32 q1, [r11]",
+            "vstrw.32 q1, [r11, #144]",
+            "vmov.i32 q6, #0",
+            "mov lr, #9",
+            "dls lr, lr",
+            "2:",
+            "ldm r9!, {{r2, r3, r4, r5}}",
+            "vldrw.u32 q1, [r11], #16",
+            "vldrw.u32 q2, [r11]",
+            "vmul.i32 q0, q1, r2",
+            "vshr.s32 q1, q1, #16",
+            "vmla.i32 q0, q2, r4",
+            "vshr.s32 q2, q2, #16",
+            "vmla.i32 q0, q1, r3",
+            "vmla.i32 q0, q2, r5",
+            "vshr.u32 q0, q0, #6",
+            "vstrh.32 q0, [r0], #{row}",
+            "vshr.u32 q0, q0, #2",
+            "cmp lr, #6",
+            "it eq",
+            "subeq r0, r0, #9 * {row}", // after direction 8
+            "vmul.i32 q0, q0, q0",
+            "vadd.i32 q6, q6, q0",
+            "le lr, 2b",
+            "vstrw.32 q6, [r12]",
+            inout("r10") lines.as_ptr().cast::<u8>().wrapping_add(at + 1) => _,
+            in("r1") to,
+            inout("r2") to => _,
+            inout("r3") &raw const BEYOND_TWO => _,
+            inout("r4") &raw const PLACES => _,
+            out("r5") _,
+            in("r8") 4,
+            inout("r9") &raw const FACTORS => _,
+            inout("r0") sums.as_mut_ptr().cast::<u16>().wrapping_add((CHANNELS - 1) * ROW + first) => _,
+            out("r11") _,
+            in("r12") energies.as_mut_ptr().wrapping_add(first),
             out("lr") _, out("q0") _, out("q1") _, out("q2") _, out("q3") _, out("q4") _, out("q5") _, out("q6") _,
             out("q7") _,
             row = const 2 * ROW,
@@ -328,7 +261,7 @@ fn eight_cells<const COLUMNS: usize, const ROW: usize>(
 /// 16, 127)`, and `(gray >> 4) - 128`. No product reaches 2^32.
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     let Some(sums) = sums.first_chunk::<CHANNELS>() else { return };
-    const { assert!(ROW.is_multiple_of(LANES)) };
+    const { assert!(ROW.is_multiple_of(8)) };
     if out.is_empty() || out.len() > ROW {
         return;
     }

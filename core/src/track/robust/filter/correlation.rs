@@ -25,6 +25,17 @@ pub(crate) struct FeatureWindow<'a> {
     pub(crate) layout: Layout,
 }
 
+impl FeatureWindow<'_> {
+    /// The part of the window on which the filter lies at offsets of up to 5/8 of the reach.
+    pub(super) fn inner(mut self) -> Self {
+        let Layout { stride, step, span, .. } = self.layout;
+        let margin = span / 2 - 5 * (span / 2) / 8;
+        self.cells = self.cells.get(margin * (stride + step)..).unwrap_or_default();
+        self.layout.span -= 2 * margin;
+        self
+    }
+}
+
 /// Adds one piece of the gradient. Returns true after the last piece. `packed` and `spare` are scratch memory.
 pub(super) fn add_gradient<const S: usize>(
     products: Products,

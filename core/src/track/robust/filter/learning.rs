@@ -14,7 +14,8 @@
 //! ATOM; Danelljan et al., 2019), or of conjugate gradients (Hestenes and Stiefel, 1952) with the preconditioner `m`.
 //! Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
 //! filter's cells: cells far from the target's middle show the target less often, so they learn less. In an update a
-//! whole step would follow each frame too closely; `rate` shortens it.
+//! whole step would follow each frame too closely; `rate` shortens it. An update measures `rp` at the offsets up to 5/8 of
+//! the reach, and takes their mean square as that of all offsets.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -26,10 +27,10 @@
 //! | `grad E . z` | descent | | 2000 * 8191^2 < 2^37 |
 //! | `a` | step length | 44 fractional bits | 2^47 |
 //!
-//! Cost: 578 products for each weight by default, twice as many as the responses of a search.
+//! Cost: 410 products for each weight by default, and 578 in a step of a lock.
 
 use super::super::arithmetic::quotient;
-use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS};
+use super::super::constants::{CHANNELS, MOST_CODED_ERROR, MOST_ERROR, REGULARISATION, SPAN, WEIGHTS, WHOLE_STEP};
 use super::super::features::{Extent, Grid};
 use super::correlation::{Coded, FeatureWindow, Filter, LARGEST, add_gradient, shift_below};
 use super::gaussian::Gaussian;
@@ -40,9 +41,18 @@ use crate::track::update::{Budget, largest, units};
 /// Units of work for each weight when the direction is computed.
 const SLOPED: u32 = 64;
 
-/// The most work for a step: the errors, the gradient, the direction, and the responses to it.
+/// The most work for a step of a lock: the errors, the gradient, the direction, and the responses to it.
+pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
+    without_responses(extent) + response::most_work(extent)
+}
+
+/// The most work for the step of an update, which needs fewer responses.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
-    extent.offsets() + 2 * response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
+    without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
+}
+
+const fn without_responses(extent: Extent) -> u32 {
+    extent.offsets() + response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
 /// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
@@ -146,14 +156,17 @@ impl Sums {
             .apply(responses.rows.as_flattened_mut(), coded);
     }
 
-    /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47.
+    /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47. Of `offsets` offsets
+    /// `measured` have a response to the direction.
     #[inline(never)] // gives its loops registers of their own
-    fn step_length(&self, direction: &[i16], descent: i64, rate: u16) -> i64 {
+    fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
-        // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53.
+        // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53, and in units
+        // of 256 times that, times 289, to less than 2^54.
         let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
-        let curvature = ((REGULARISATION * squared) >> 18) + responses.sum::<i64>();
+        let responses = quotient((responses.sum::<i64>() >> 8) * offsets, measured) << 8;
+        let curvature = ((REGULARISATION * squared) >> 18) + responses;
         (i64::from(rate) * quotient(descent << 26, curvature.max((descent >> 21) + 1))) >> 8
     }
 }
@@ -222,6 +235,8 @@ pub(crate) struct Learning {
     target: (i32, i32),
     /// The part of a whole step. Unit: 1/256.
     rate: u16,
+    /// True in a lock, which needs the responses to the direction at all offsets.
+    locks: bool,
     /// The descent of the last direction; 0 before the first.
     descent: i64,
     phase: Phase,
@@ -240,8 +255,14 @@ enum Phase {
 }
 
 impl Learning {
+    /// The step of an update.
     pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
-        Self { target, rate, descent: 0, phase: Phase::Errors }
+        Self { target, rate, locks: false, descent: 0, phase: Phase::Errors }
+    }
+
+    /// The steps of a lock. The target is in the middle of the window.
+    pub(crate) fn lock() -> Self {
+        Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
     /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid. The
@@ -279,11 +300,13 @@ impl Learning {
                 self.phase = Phase::Curvature { piece: 0 };
             }
             Phase::Curvature { piece } => {
-                budget.spend(units(products.work(piece, layout, count)));
-                if direction.respond(*products, packed, &mut sums.per_weight, *window, piece, &mut sums.per_offset) {
+                let window = if self.locks { *window } else { window.inner() };
+                budget.spend(units(products.work(piece, window.layout, count)));
+                if direction.respond(*products, packed, &mut sums.per_weight, window, piece, &mut sums.per_offset) {
                     budget.spend(CODED * grid.work_on_weights());
                     self.phase = Phase::Errors;
-                    return Some(sums.step_length(direction.numbers(), self.descent, self.rate));
+                    let offsets = [layout, window.layout].map(|layout| i64::from(units(layout.span.pow(2))));
+                    return Some(sums.step_length(direction.numbers(), self.descent, self.rate, offsets));
                 }
                 self.phase = Phase::Curvature { piece: piece + 1 };
             }

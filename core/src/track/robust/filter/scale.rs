@@ -6,8 +6,8 @@
 //! ```
 //!
 //! `peak(s)` is the top of the parabolas through the responses, without penalty. All three scales are sampled around
-//! the same place, so that none has an advantage by its place. Offsets of up to one cell are searched. If refinement
-//! has found the growth, that growth is taken, but the search runs all the same, so that every frame costs the same.
+//! the same place, so that none has an advantage by its place. Offsets of up to one cell are searched. A frame in which
+//! refinement has found the growth needs no search.
 //! Cost: three small windows of features, and 27 products for each weight.
 
 use super::super::arithmetic::quotient;

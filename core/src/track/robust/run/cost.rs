@@ -37,7 +37,7 @@ const fn search(extent: Extent) -> u32 {
 const fn lock(config: &Config, extent: Extent) -> u32 {
     let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
     let begin = CODED * extent.weights() + agreement::most_of_a_view(extent);
-    crop + begin + window(extent) + FIRST_STEPS * (learning::most_work(extent) + CODED * extent.offsets())
+    crop + begin + window(extent) + FIRST_STEPS * (learning::most_of_a_lock(extent) + CODED * extent.offsets())
 }
 
 /// The largest piece of work that cannot be divided.

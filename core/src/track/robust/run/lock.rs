@@ -8,7 +8,7 @@
 //! of learning changes the weights. Its end sets template and track.
 
 use super::super::config::Config;
-use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA, WHOLE_STEP};
+use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
 use super::super::decision::{Memory, Track};
 use super::super::filter::{CODED, Learning};
 use super::super::refiner::FirstCrop;
@@ -104,7 +104,7 @@ impl LockPipeline {
                     self.measure_light(buffers, budget);
                     // All weights are 0, and so are their responses.
                     buffers.responses.clear(config.span());
-                    self.stage = Stage::Learning(Learning::begin((0, 0), WHOLE_STEP));
+                    self.stage = Stage::Learning(Learning::lock());
                 }
             }
             Stage::Learning(learning) => {

@@ -40,8 +40,7 @@ enum Stage {
     Response(usize),
     Verification(Verification),
     Refinement(Verified),
-    /// The search, and the growth that refinement found, if any. Unit: 1/65536.
-    Scale(ScaleSearch, Option<i32>),
+    Scale(ScaleSearch),
     Learning(Learning),
     Refiner(Refiner),
 }
@@ -135,11 +134,9 @@ impl Pipeline {
                 }
             }
             Stage::Refinement(_) => self.refine(inputs, buffers, budget),
-            Stage::Scale(search, growth) => {
+            Stage::Scale(search) => {
                 let (tools, mut borrowed) = scale_search(inputs, buffers);
                 if let Some(scale) = search.next_piece(&tools, frame, &mut borrowed, budget) {
-                    let last = self.candidate.place.scale;
-                    let scale = growth.map_or(scale, |growth| scale::grown(last, growth));
                     self.scaled(inputs, scale, buffers);
                 }
             }
@@ -176,7 +173,7 @@ impl Pipeline {
         self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
-    /// Refines a verified candidate and begins the scale search, if the configuration has one.
+    /// Refines a verified candidate. Begins the scale search, unless refinement has found the scale or the size is fixed.
     #[inline(never)] // see `next_piece`
     fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
@@ -191,12 +188,14 @@ impl Pipeline {
         }
         budget.spend(REFINED * grid.pixels());
         (self.candidate, self.alignment) = (candidate, alignment);
-        if inputs.config.size {
-            let (tools, mut borrowed) = scale_search(inputs, buffers);
-            let search = ScaleSearch::begin(candidate.place, &tools, &mut borrowed);
-            self.stage = Stage::Scale(search, refined.map(|refined| refined.growth));
-        } else {
-            self.scaled(inputs, candidate.place.scale, buffers);
+        let last = candidate.place.scale;
+        match refined {
+            _ if !inputs.config.size => self.scaled(inputs, last, buffers),
+            Some(Refined { growth, .. }) => self.scaled(inputs, scale::grown(last, growth), buffers),
+            None => {
+                let (tools, mut borrowed) = scale_search(inputs, buffers);
+                self.stage = Stage::Scale(ScaleSearch::begin(candidate.place, &tools, &mut borrowed));
+            }
         }
     }
 
