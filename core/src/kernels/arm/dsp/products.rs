@@ -4,14 +4,16 @@
 //! under it pass from the register of one sum to that of the next, so each number is loaded once for all of them. A
 //! factor is a pair of 16-bit numbers:
 //!
-//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side, and paired as in
-//!   `three_sums.rs`.
-//! - Gradient: the errors at an offset and at the one below it. The features of a channel are unpacked as pairs of two
-//!   rows of cells.
+//! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side.
+//! - Gradient: the errors of two rows of offsets. The features of a channel are unpacked as pairs of two rows of cells,
+//!   or of differences of rows.
+//!
+//! Both take three sums of products instead of four, as in `three_sums.rs`. In the gradient the rows of errors take the
+//! place of the rows of the filter, and the rows of the filter that of the offsets.
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{Pairs, Rows};
+use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 use core::ops::Range;
@@ -205,27 +207,37 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks one byte each of `width` cells from `upper` and from `lower` as pairs.
+/// Unpacks a channel of `width` cells from the rows `first` as pairs, less that from the rows `second` unless they are
+/// `whole`.
 ///
 /// # Safety
-/// These bytes can be read, and as many words written. `width` is not 0.
+/// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
 #[inline(always)]
-unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *const i8) {
-    // SAFETY: a round takes two bytes and writes a word, for each of the `width` cells.
+unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], second: [*const i8; 2], whole: bool) {
+    // SAFETY: a round takes two or four bytes and writes a word, for each of the `width` cells.
     unsafe {
         asm!(
             "2:",
             "ldrsb {x}, [{upper}], #10",
             "ldrsb {y}, [{lower}], #10",
+            "cbnz r1, 3f",
+            "ldrsb {u}, [{less_upper}], #10",
+            "ldrsb {v}, [{less_lower}], #10",
+            "subs {x}, {x}, {u}",
+            "subs {y}, {y}, {v}",
+            "3:",
             "subs {count}, {count}, #1",
             "pkhbt {x}, {x}, {y}, lsl #16",
             "str {x}, [{to}], #4",
             "bne 2b",
-            upper = inout(reg) upper => _,
-            lower = inout(reg) lower => _,
+            upper = inout(reg) first[0] => _,
+            lower = inout(reg) first[1] => _,
+            less_upper = inout(reg) second[0] => _,
+            less_lower = inout(reg) second[1] => _,
+            in("r1") usize::from(whole), // `cbnz` takes a low register
             to = inout(reg) to => _,
             count = inout(reg) width => _,
-            x = out(reg) _, y = out(reg) _,
+            x = out(reg) _, y = out(reg) _, u = out(reg) _, v = out(reg) _,
             options(nostack),
         );
     }
@@ -233,11 +245,14 @@ unsafe fn bytes_of_rows(to: *mut i32, width: usize, upper: *const i8, lower: *co
 
 /// A piece of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// The pieces of [`gather`] are the channels.
-pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
+/// The pieces of [`gather`] are the channels of each of the three sums.
+pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
-/// See [`plain::gather`]. A piece is a channel. The caller leaves `room` as it is between pieces; `spare` holds the sums
-/// of a channel.
+/// See [`plain::gather`]. A piece is a channel of one of the three sums. The caller leaves `room` as it is between pieces;
+/// `spare` holds a row of sums.
+///
+/// An error is at most 16,383, and two of them add up to at most 32,766, which fits in 16 bits. A difference of two
+/// features takes 9 bits. Each of the three sums is at most 17 * 9 * 32,766 * 128 < 2^30.
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -248,66 +263,63 @@ pub(crate) fn gather<const N: usize>(
     sums: &mut [i32],
 ) {
     let Layout { row, stride, span, .. } = layout;
-    // Rows of pairs of errors. At an even row of the filter the first row of a pair of rows of cells lies under an even
-    // row of errors.
-    let (across, width, high) = (row / STEP, row / STEP + span.saturating_sub(1), span / 2 + 1);
-    let (pairs, numbers) = room.words().split_at_mut_checked(2 * high * span).unwrap_or_default();
-    // The pairs of rows of cells that are unpacked at a time.
-    let most = numbers.len() / width.max(1);
-    let has_room = |_: &usize| span >= LEAST && span <= N && errors.len() >= span && most > 0;
-    let fitting = layout.fits(cells.len(), sums.len()).filter(has_room);
-    let (of_cells, _) = sums.as_chunks_mut::<STEP>();
-    let (Some(down), Some(of_channel)) = (fitting, spare.get_mut(..of_cells.len())) else {
+    let down = layout.fits(cells.len(), sums.len()).unwrap_or(0);
+    let (by_two, across) = (Pairs::new(span, down), row / STEP);
+    let width = across + span.saturating_sub(1);
+    let (factors, numbers) = room.words().split_at_mut_checked((by_two.rows_of(0) + 1) * span).unwrap_or_default();
+    let fits = down > 0 && span >= LEAST && span <= N && errors.len() >= span;
+    let has_room = (by_two.rows_of(0) + by_two.offsets_of(0)) / 2 * width <= numbers.len();
+    let (true, Some(of_row)) = (fits && has_room, spare.get_mut(..across)) else {
         return plain::gather(layout.whole(pieces), room, spare, cells, layout, errors, sums);
     };
-    if pieces.start == 0 {
-        let error = |y: usize, x: usize| {
-            errors.get(y).filter(|_| y < span).and_then(|errors| errors.get(x)).copied().unwrap_or(0)
-        };
-        for (number, pairs) in pairs.chunks_exact_mut(span.max(1)).enumerate() {
-            let y = if number < high { 2 * number } else { (2 * (number - high)).wrapping_sub(1) };
-            for (x, to) in rolled(pairs.iter_mut().enumerate()) {
-                *to = pair(error(y, x).into(), error(y.wrapping_add(1), x).into());
-            }
-        }
-    }
-    let rows = down + span - 1;
-    let (pairs, numbers) = (pairs.as_ptr(), numbers.as_mut_ptr());
-    for channel in pieces.start..pieces.end.min(STEP) {
-        rolled(of_channel.iter_mut()).for_each(|sum| *sum = 0);
-        let (mut first, both) = (0, rows.div_ceil(2));
-        while first < both {
-            let last = both.min(first + most);
-            for number in first..last {
-                let of = |row: usize| cells.as_ptr().wrapping_add(row * stride + channel);
-                // The row below the last one may hold anything: its factors are 0.
-                let (upper, lower) = (of(2 * number), of((2 * number + 1).min(rows - 1)));
-                // SAFETY: the cells have these rows, and there is room for `most` rows of numbers.
-                unsafe { bytes_of_rows(numbers.wrapping_add((number - first) * width), width, upper, lower) };
-            }
-            for (y, sums) in of_channel.chunks_exact_mut(across.max(1)).enumerate() {
-                let (from, to) = (first.max(y / 2), last.min(y / 2 + high));
-                if from < to {
-                    let factors = pairs.wrapping_add((y % 2 * high + from - y / 2) * span);
-                    let numbers = numbers.wrapping_add((from - first) * width);
-                    // SAFETY: at each offset the rows of errors lie on as many rows of numbers.
-                    unsafe { Slide { factors, count: span, numbers, width, rows: to - from }.add(sums) };
+    let (numbers, sums) = (numbers.as_mut_ptr(), sums.as_mut_ptr());
+    for piece in pieces.start..pieces.end.min(SUMS * STEP) {
+        let (sum_of, channel) = (piece / STEP, piece % STEP);
+        let (rows, offsets) = (by_two.rows_of(sum_of), by_two.offsets_of(sum_of));
+        // At odd offsets the first row of a pair of rows of cells lies under no errors.
+        let odd = rows.div_ceil(2);
+        if channel == 0 {
+            factors.fill(0);
+            for (y, errors) in errors.iter().enumerate().take(span) {
+                if sum_of != BOTH && sum_of / 2 != y % 2 {
+                    continue;
+                }
+                let mut half = |row: usize, first: usize| {
+                    factors.as_mut_ptr().wrapping_add((first + row / 2) * span).cast::<i16>().wrapping_add(row % 2)
+                };
+                let (mut even, mut odd) = (half(y / 2, 0), half(y / 2 + 1, odd));
+                for error in rolled(errors.iter().take(span)) {
+                    // SAFETY: there is room for the rows of factors at even and at odd offsets.
+                    unsafe { (*even, *odd) = (*even + error, *odd + error) };
+                    (even, odd) = (even.wrapping_add(2), odd.wrapping_add(2));
                 }
             }
-            first = last;
         }
-        for (sum, of_cell) in rolled(of_channel.iter().zip(&mut *of_cells)) {
-            if let Some(to) = of_cell.get_mut(channel) {
-                *to += *sum;
+        // Below the last row may be any row: it counts in two sums and is subtracted again.
+        let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
+        for number in 0..(rows + offsets) / 2 {
+            let of = |row| channel_of(4 * number + row);
+            let (first, second) = ([of(sum_of), of(sum_of + 2)], [of(1), of(3)]);
+            // SAFETY: the cells have these rows, and there is room for so many rows of numbers.
+            unsafe { pairs_of_rows(numbers.wrapping_add(number * width), width, first, second, sum_of == BOTH) };
+        }
+        for at in 0..offsets {
+            let factors = factors.as_ptr().wrapping_add(at % 2 * odd * span);
+            let numbers = numbers.wrapping_add(at / 2 * width);
+            of_row.fill(0);
+            // SAFETY: the rows of factors lie on as many rows of numbers.
+            unsafe { Slide { factors, count: span, numbers, width, rows: (rows + 1 + at % 2) / 2 }.add(of_row) };
+            let first = 2 * at + sum_of / 2;
+            for at in first..down.min(first + 1 + usize::from(sum_of == BOTH)) {
+                let mut to = sums.wrapping_add(at * row + channel);
+                for sum in rolled(of_row.iter()) {
+                    // SAFETY: there is a sum for each of the `row` weights in each of the `down` rows.
+                    unsafe { *to += sum };
+                    to = to.wrapping_add(STEP);
+                }
             }
         }
     }
-}
-
-/// Two numbers of 16 bits in the form that `smlad` takes.
-#[inline(always)]
-fn pair(low: i32, high: i32) -> i32 {
-    low & 0xFFFF | high << 16
 }
 
 /// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
