@@ -1,8 +1,8 @@
 //! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
 //! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
 
-use crate::kernels::layout::{CHANNELS, SIDE};
-use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sectors, Sums};
+use crate::kernels::layout::{CELL, CHANNELS, SIDE};
+use crate::kernels::plain::gradients::DIRECTIONS;
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
@@ -12,22 +12,13 @@ const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// The second to the fifth direction. A gradient that is beyond n of them lies in sector n.
-static BETWEEN: [u32; 4] = {
-    let [_, (a, b), (c, d), (e, f), (g, h), _] = DIRECTIONS;
-    [pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
+/// The first direction, the second to the sixth negated, and the second to the fifth. A gradient that is beyond n of
+/// the last four lies in sector n. The assembly knows the order.
+static TABLE: [u32; 10] = {
+    let [first, (a, b), (c, d), (e, f), (g, h), (i, j)] = DIRECTIONS;
+    let [k, l, m] = [pair(first.0, first.1), pair(-a, -b), pair(-c, -d)];
+    [k, l, m, pair(-e, -f), pair(-g, -h), pair(-i, -j), pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
 };
-
-/// Memory of the assembly, which knows the offsets of the fields.
-#[repr(C)]
-struct Memory {
-    sectors: [u32; 5],
-    /// The address where the pixels end.
-    end: u32,
-    unused: [u32; 26],
-    /// The mirrored sectors. They are 128 bytes further on: 128 is the top bit of a byte.
-    mirrored: [u32; 5],
-}
 
 /// Computes a feature: the sum times the inverse, divided by 2^16, and at most 127.
 macro_rules! feature {
@@ -62,7 +53,7 @@ macro_rules! add {
     };
 }
 
-/// Computes the features of a row of cells, as [`plain::features`] specifies them. Does nothing if there are fewer sums or
+/// Computes the features of a row of cells, as [`plain::features`](crate::kernels::plain::gradients::features) specifies them. Does nothing if there are fewer sums or
 /// inverses than cells.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
@@ -102,7 +93,21 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// See [`plain::gradients`].
+/// Stores a sum of votes, goes on to the next channel, and adds to the energy. A vote is the distance of a sector from
+/// the direction at a place in the table.
+macro_rules! sum {
+    ($first:literal $at:literal, $second:literal $to:literal $(, $third:literal $by:literal)?) => {
+        concat!(
+            concat!("ldr r7, [r2, #4 * ", $at, "]\nldr r12, [r2, #4 * ", $to, "]\n"),
+            concat!("smusd r6, ", $first, ", r7\n", $("ldr r7, [r2, #4 * ", $by, "]\n",)? "smlsd r6, ", $second, ", r12, r6\n"),
+            $(concat!("smlsd r6, ", $third, ", r7, r6\n"),)?
+            "lsrs r6, r6, #6\nstrh r6, [r3]\nadd r3, r8\nlsrs r6, r6, #2\nmla r10, r6, r6, r10\n",
+        )
+    };
+}
+
+/// See [`plain::gradients`](crate::kernels::plain::gradients::gradients). A gradient along an axis may count in a sector
+/// or in its mirror image: both give the same votes. Does nothing if there are too few sums.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -110,88 +115,83 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     energies: &mut [u32; ROW],
     across: usize,
 ) {
-    plain::by_cells(lines, sums, energies, across, cell);
-}
-
-/// The sums of a cell. They depend on its pixels and their neighbours.
-#[inline(always)]
-fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
-    sectors(lines, at).sums(plain::gray(lines, at), |sum, (cos, sin)| {
-        let distance;
-        // SAFETY: it reads two registers and writes one.
+    const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
+    // Five sectors, the address where the pixels end, and from word 32 the mirrored sectors. 32 words are 128 bytes, the
+    // top bit of a byte.
+    let mut memory = MaybeUninit::<[u32; 37]>::uninit();
+    let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
+    let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);
+    for energy in energies.iter_mut().take(if sums.len() < CHANNELS { 0 } else { across }) {
+        // SAFETY: six pixels of each of six lines are read, which `ROW` cells have, and a sum of each of ten channels is
+        // written. Words need not be aligned. What is read of `memory` has been written. r6 and r7, which `asm!` may not
+        // name, are saved on the stack.
         unsafe {
-            asm!("smusd {}, {}, {}", out(reg) distance, in(reg) sum, in(reg) pair(cos, sin), options(pure, nomem, nostack, preserves_flags));
+            asm!(
+                "push {{r2, r3, r6, r7}}",
+                "movs r6, #0",
+                "ldr r4, [r1, #1]\nldr r5, [r1, #1 + {columns}]",
+                "ldr r7, [r1, #1 + 2 * {columns}]\nldr r8, [r1, #1 + 3 * {columns}]",
+                "usad8 r4, r4, r6\nusada8 r4, r5, r6, r4\nusada8 r4, r7, r6, r4\nusada8 r4, r8, r6, r4",
+                "strh r4, [r3, #8 * {row}]",
+                "adds r2, #4 * 6",
+                "ldm r2, {{r2, r3, r4, r5}}",
+                "add r7, r1, #4 * {columns}",
+                "strd r6, r6, [r0]\nstrd r6, r6, [r0, #8]\nstrd r6, r7, [r0, #16]",
+                "strd r6, r6, [r0, #128]\nstrd r6, r6, [r0, #136]\nstr r6, [r0, #144]",
+                // Now r0 points to sector 4.
+                "adds r0, #16",
+                "2:",
+                "ldr r6, [r1]",
+                "ldr r7, [r1, #2]",
+                // The absolute difference. The top bit of r8 is the sign.
+                "usub8 r12, r6, r7\nuhsub8 r8, r7, r6\nusub8 r7, r7, r6\nsel r7, r7, r12",
+                "ldr r6, [r1, #1 - {columns}]",
+                "ldr r12, [r1, #1 + {columns}]",
+                "add r1, r1, #{columns}",
+                "usub8 r9, r6, r12\nuhsub8 lr, r12, r6\nusub8 r6, r12, r6\nsel r6, r6, r9",
+                "eor r8, r8, lr",
+                "and r8, r8, #0x80808080",
+                // The first and the third pixel. The second and the fourth follow below.
+                "uxtb16 r9, r6\nuxtb16 r10, r7",
+                "pkhbt r12, r9, r10, lsl #16\npkhtb r10, r10, r9, asr #16",
+                add!("r12", 0),
+                add!("r10", 2),
+                "uxtb16 r9, r6, ror #8\nuxtb16 r10, r7, ror #8",
+                "pkhbt r12, r9, r10, lsl #16\npkhtb r10, r10, r9, asr #16",
+                add!("r12", 1),
+                "ldr r12, [r0, #4]",
+                add!("r10", 3),
+                "cmp r1, r12",
+                "bne 2b",
+                // The sums 1 to 4 from the sectors, then 8 to 5 in the same way from the mirrored ones. r9 becomes sum 0.
+                "ldrd r2, r3, [sp]",
+                "add r1, r0, #128",
+                "mov r8, #{row}",
+                "mov r9, #0\nmov r10, #0",
+                "3:",
+                "ldrd r4, r5, [r0, #-16]\nldrd r11, lr, [r0, #-8]",
+                "ldr r6, [r2, #4]\nsmlsd r9, r4, r6, r9",
+                sum!("r4" 0, "r5" 2),
+                sum!("r5" 6, "r11" 3),
+                sum!("r11" 7, "lr" 4),
+                "ldr r4, [r0]\nldr r5, [r1]",
+                sum!("lr" 8, "r4" 5, "r5" 9),
+                "add r3, r3, r8, lsl #1\nadd r3, r8",
+                "mov r4, r0\nmov r0, r1\nmov r1, r4",
+                "rsbs r8, r8, #0",
+                "bmi 3b",
+                "lsrs r6, r9, #6\nstrh r6, [r3, #-{row}]\nlsrs r6, r6, #2\nmla r10, r6, r6, r10",
+                "add sp, #8\npop {{r6, r7}}",
+                inout("r0") memory.as_mut_ptr() => _,
+                inout("r1") pixels => _,
+                inout("r2") TABLE.as_ptr() => _,
+                inout("r3") to => _,
+                out("r4") _, out("r5") _, out("r8") _, out("r9") _, lateout("r10") *energy, out("r11") _, out("r12") _,
+                out("lr") _,
+                columns = const COLUMNS,
+                row = const 2 * ROW,
+            );
         }
-        distance
-    })
-}
-
-/// The gradients of the cell that begins at the column `at`, by sector and by mirrored sector. A gradient along an axis
-/// may count in a sector or in its mirror image: both give the same votes. All are 0 if the cell reaches beyond the lines.
-#[inline(always)]
-fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; 6], at: usize) -> Sectors {
-    const { assert!(COLUMNS > 8 && COLUMNS < 256) };
-    if at + 6 > COLUMNS {
-        return Sectors([[0; 5]; 2]);
-    }
-    let mut memory = MaybeUninit::<Memory>::uninit();
-    // SAFETY: six pixels of each of six lines are read, and `at + 6 <= COLUMNS`. Words need not be aligned. All fields
-    // of `memory` are written except `unused`. r6 and r7, which `asm!` may not name, are saved on the stack.
-    unsafe {
-        asm!(
-            "push {{r6, r7}}",
-            "ldm r2, {{r2, r3, r4, r5}}",
-            "movs r6, #0",
-            "strd r6, r6, [r0]",
-            "strd r6, r6, [r0, #8]",
-            "add r7, r1, #4 * {columns}",
-            "strd r6, r7, [r0, #16]",
-            "strd r6, r6, [r0, #128]",
-            "strd r6, r6, [r0, #136]",
-            "str r6, [r0, #144]",
-            // Now r0 points to sector 4.
-            "adds r0, #16",
-            "2:",
-            "ldr r6, [r1]",
-            "ldr r7, [r1, #2]",
-            "usub8 r12, r6, r7",
-            "uhsub8 r8, r7, r6", // the top bit is the sign
-            "usub8 r7, r7, r6",
-            "sel r7, r7, r12",
-            "ldr r6, [r1, #1 - {columns}]",
-            "ldr r12, [r1, #1 + {columns}]",
-            "add r1, r1, #{columns}",
-            "usub8 r9, r6, r12",
-            "uhsub8 lr, r12, r6",
-            "usub8 r6, r12, r6",
-            "sel r6, r6, r9",
-            "eor r8, r8, lr",
-            "and r8, r8, #0x80808080",
-            // The first and the third pixel. The second and the fourth follow below.
-            "uxtb16 r9, r6",
-            "uxtb16 r10, r7",
-            "pkhbt r12, r9, r10, lsl #16",
-            "pkhtb r10, r10, r9, asr #16",
-            add!("r12", 0),
-            add!("r10", 2),
-            "uxtb16 r9, r6, ror #8",
-            "uxtb16 r10, r7, ror #8",
-            "pkhbt r12, r9, r10, lsl #16",
-            "pkhtb r10, r10, r9, asr #16",
-            add!("r12", 1),
-            "ldr r12, [r0, #4]",
-            add!("r10", 3),
-            "cmp r1, r12",
-            "bne 2b",
-            "pop {{r6, r7}}",
-            inout("r0") memory.as_mut_ptr() => _,
-            inout("r1") lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS + at) => _,
-            inout("r2") &raw const BETWEEN => _,
-            out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _, out("r12") _,
-            out("lr") _,
-            columns = const COLUMNS,
-        );
-        let memory = memory.as_ptr();
-        Sectors([(&raw const (*memory).sectors).read(), (&raw const (*memory).mirrored).read()])
+        (pixels, to) = (pixels.wrapping_add(CELL.into()), to.wrapping_add(1));
     }
 }
