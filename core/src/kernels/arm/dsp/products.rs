@@ -36,17 +36,14 @@ pub(crate) fn responses<const N: usize>(
     weights: &[i16],
     out: &mut [[i32; N]],
 ) {
-    let Layout { row, span, .. } = layout;
-    let (width, of_row) = (row / STEP + span.saturating_sub(1), row / 2);
-    let has_room = |&down: &usize| {
-        let pairs = Pairs::new(down, span);
-        let room = width * PAIRS + pairs.both() * N <= PACKED / 2 && pairs.rows_of_factors() * of_row <= spare.len();
-        row >= LEAST * STEP && span <= N && out.len() >= span && room
-    };
-    let Some(down) = layout.fits(cells.len(), weights.len()).filter(has_room) else {
+    let Layout { row, stride, span, .. } = layout;
+    let down = layout.fits(cells.len(), weights.len()).unwrap_or(0);
+    let (pairs, width, of_row) = (Pairs::new(down, span), row / STEP + span.saturating_sub(1), row / 2);
+    let fits = down > 0 && row >= LEAST * STEP && span <= N && out.len() >= span;
+    let room_for = width * PAIRS + pairs.both() * N;
+    if !fits || room_for > PACKED / 2 || pairs.rows_of_factors() * of_row > spare.len() {
         return plain::responses(layout.whole(pieces), room, spare, cells, layout, weights, out);
-    };
-    let pairs = Pairs::new(down, span);
+    }
     if pieces.start == 0 {
         for number in 0..pairs.rows_of_factors() {
             let (first, second) = pairs.factors(number);
@@ -58,14 +55,8 @@ pub(crate) fn responses<const N: usize>(
     }
     let (unpacked, both) = room.words().split_at_mut_checked(width * PAIRS).unwrap_or_default();
     let both = both.as_chunks_mut().0.get_mut(..pairs.both()).unwrap_or_default();
-    let mut rows = Unpacked {
-        cells: cells.as_ptr(),
-        stride: layout.stride,
-        unpacked: unpacked.as_mut_ptr(),
-        width,
-        factors: spare.as_ptr(),
-        of_row,
-    };
+    let (cells, unpacked, factors) = (cells.as_ptr(), unpacked.as_mut_ptr(), spare.as_ptr());
+    let mut rows = Unpacked { cells, stride, unpacked, width, factors, of_row };
     pairs.responses(pieces, &mut rows, both, out);
 }
 
@@ -218,13 +209,10 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
     unsafe {
         asm!(
             "2:",
-            "ldrsb {x}, [{upper}], #10",
-            "ldrsb {y}, [{lower}], #10",
+            "ldrsb {x}, [{upper}], #10\nldrsb {y}, [{lower}], #10",
             "cbnz r1, 3f",
-            "ldrsb {u}, [{less_upper}], #10",
-            "ldrsb {v}, [{less_lower}], #10",
-            "subs {x}, {x}, {u}",
-            "subs {y}, {y}, {v}",
+            "ldrsb {u}, [{less_upper}], #10\nldrsb {v}, [{less_lower}], #10",
+            "subs {x}, {x}, {u}\nsubs {y}, {y}, {v}",
             "3:",
             "subs {count}, {count}, #1",
             "pkhbt {x}, {x}, {y}, lsl #16",
