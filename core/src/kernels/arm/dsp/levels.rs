@@ -71,16 +71,12 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest
 }
 
-/// Computes one column.
-macro_rules! column {
-    () => {
+/// Computes two columns: the weights in the registers become 2^16 times the gray levels.
+macro_rules! columns {
+    ($first:literal $second:literal) => {
         concat!(
-            "ldrh {pair}, [{from}], #2\n",
-            "ldr {part}, [{parts}], #4\n",
-            "ldr {pair}, [{row}, {pair}]\n",
-            "smlad {pair}, {pair}, {part}, {half}\n",
-            "lsrs {pair}, {pair}, #16\n",
-            "strb {pair}, [{out}], #1\n",
+            "ldrh {x}, [{from}], #2\nldrh {y}, [{from}], #2\nldr {x}, [{row}, {x}]\nldr {y}, [{row}, {y}]\n",
+            concat!("smlad ", $first, ", {x}, ", $first, ", {half}\nsmlad ", $second, ", {y}, ", $second, ", {half}\n"),
         )
     };
 }
@@ -93,31 +89,35 @@ macro_rules! column {
 #[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
-    if count == 0 {
-        return;
-    }
     // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair in the row, which need not
     // be aligned.
     unsafe {
         asm!(
-            "tst {count}, #1",
-            "beq 2f",
-            column!(),
-            "subs {count}, #1",
-            "beq 3f",
+            "subs r5, #4",
+            "blo 3f",
             "2:",
-            column!(),
-            column!(),
-            "subs {count}, #2",
-            "bne 2b",
+            "ldm r0!, {{r1, r2, r3, r4}}",
+            columns!("r1" "r2"),
+            columns!("r3" "r4"),
+            "pkhtb r1, r3, r1, asr #16\npkhtb r2, r4, r2, asr #16",
+            "orr r1, r1, r2, lsl #8\nstr r1, [{out}], #4",
+            "subs r5, #4",
+            "bhs 2b",
             "3:",
+            "adds r5, #4",
+            "beq 5f",
+            "4:",
+            "ldrh {x}, [{from}], #2\nldm r0!, {{r1}}\nldr {x}, [{row}, {x}]\nsmlad r1, {x}, r1, {half}",
+            "lsrs r1, r1, #16\nstrb r1, [{out}], #1",
+            "subs r5, #1",
+            "bne 4b",
+            "5:",
             from = inout(reg) from.as_ptr() => _,
-            parts = inout(reg) parts.as_ptr() => _,
+            inout("r0") parts.as_ptr() => _,
             out = inout(reg) out.as_mut_ptr() => _,
-            count = inout(reg) count => _,
-            row = in(reg) row.as_ptr(),
-            half = in(reg) (1 << 23) + (1 << 15),
-            pair = out(reg) _, part = out(reg) _,
+            inout("r5") count => _,
+            row = in(reg) row.as_ptr(), half = in(reg) (1 << 23) + (1 << 15),
+            x = out(reg) _, y = out(reg) _, out("r1") _, out("r2") _, out("r3") _, out("r4") _,
             options(nostack),
         );
     }

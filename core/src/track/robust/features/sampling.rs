@@ -300,17 +300,17 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
     let fraction = u32::from(fraction);
     let rest = 256 - fraction;
-    let (uppers, upper) = upper.as_chunks::<4>();
-    let (lowers, lower) = lower.as_chunks::<4>();
-    let (start, end) = mixed.split_at_mut_checked(4 * uppers.len()).unwrap_or_default();
-    let (start, _) = start.as_chunks_mut::<4>();
-    for ((mixed, &upper), &lower) in rolled(start.iter_mut().zip(uppers).zip(lowers)) {
+    let [(uppers, _), (lowers, _)] = [upper, lower].map(<[u8]>::as_chunks::<4>);
+    for ((mixed, &upper), &lower) in rolled(mixed.as_chunks_mut::<4>().0.iter_mut().zip(uppers).zip(lowers)) {
         let (upper, lower) = (u32::from_le_bytes(upper), u32::from_le_bytes(lower));
         let even = ((upper & EVEN) * rest + (lower & EVEN) * fraction) ^ BOTH;
         let odd = ((upper >> 8 & EVEN) * rest + (lower >> 8 & EVEN) * fraction) ^ BOTH;
         *mixed = [low(even), low(odd), low(even >> 16), low(odd >> 16)];
     }
-    for ((mixed, &upper), &lower) in rolled(end.iter_mut().zip(upper).zip(lower)) {
+    for at in rolled(4 * uppers.len()..upper.len()) {
+        let (Some(mixed), Some(&upper), Some(&lower)) = (mixed.get_mut(at), upper.get(at), lower.get(at)) else {
+            return;
+        };
         *mixed = low(u32::from(upper) * rest + u32::from(lower) * fraction) ^ BIAS;
     }
 }
