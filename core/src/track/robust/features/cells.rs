@@ -25,7 +25,6 @@ use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
 use crate::kernels::{PACKED, Packed, SIDE, features, gradients, rolled};
 use crate::track::update::Budget;
-use core::cell::Cell;
 use heapless::Vec;
 
 /// Cells in the longest row.
@@ -192,20 +191,17 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
 /// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the
 /// lattice.
 fn invert(columns: &mut [u32], rows: u32) {
-    let columns = Cell::from_mut(columns).as_slice_of_cells();
     let (mut left, mut here) = (0, 0);
-    let mut right = columns.iter().skip(1);
-    for column in rolled(columns.iter()) {
-        let middle = column.get();
+    for at in rolled(0..columns.len()) {
         // Cells beyond the edge do not count.
-        let (next, cells) = right.next().map_or((0, here + rows), |next| (next.get(), here + 2 * rows));
-        column.set(inverse(left + middle + next, cells));
-        (left, here) = (middle, rows);
+        let (next, cells) = columns.get(at + 1).map_or((0, here + rows), |&next| (next, here + 2 * rows));
+        let Some(column) = columns.get_mut(at) else { return };
+        let energy = left + *column + next;
+        (left, here, *column) = (*column, rows, inverse(energy, cells));
     }
 }
 
 /// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
-#[cfg_attr(smr_dsp, inline(never))]
 fn inverse(energy: u32, cells: u32) -> u32 {
     // Nine energies are below 2^29; 64 times their mean is below 2^32.
     (NORM_GAIN << 16) / (root(64 * mean(energy, cells)) + NORM_FLOOR)
