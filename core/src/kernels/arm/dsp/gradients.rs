@@ -20,14 +20,13 @@ static TABLE: [u32; 10] = {
     [k, l, m, pair(-e, -f), pair(-g, -h), pair(-i, -j), pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
 };
 
-/// Computes a feature: the sum times the inverse, divided by 2^16, and at most 127.
-macro_rules! feature {
-    () => {
+/// Computes a feature of each of the sums: the sum times the inverse, divided by 2^16, and at most 127.
+macro_rules! features {
+    ($($sum:literal)*) => {
         concat!(
-            "ldrh {feature}, [{sum}], #{row}\n",
-            "smulwb {feature}, {inverse}, {feature}\n",
-            "usat {feature}, #7, {feature}\n",
-            "strb {feature}, [{out}], #1\n",
+            $("ldrh ", $sum, ", [{from}], #{row}\n",)*
+            $("smulwb ", $sum, ", {inverse}, ", $sum, "\n",)*
+            $("usat ", $sum, ", #7, ", $sum, "\nstrb ", $sum, ", [{out}], #1\n",)*
         )
     };
 }
@@ -67,26 +66,24 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
         asm!(
             "2:",
             "ldr {inverse}, [{inverses}], #4",
-            "mov {sum}, {sums}",
+            "mov {from}, {sums}",
             "adds {sums}, {sums}, #2",
             "movs {left}, #3",
             "3:",
-            feature!(),
-            feature!(),
-            feature!(),
+            features!("{a}" "{b}" "{c}"),
             "subs {left}, {left}, #1",
             "bne 3b",
-            "ldrh {feature}, [{sum}]",
-            "lsrs {feature}, {feature}, #4",
-            "eor {feature}, {feature}, #128",
-            "strb {feature}, [{out}], #1",
+            "ldrh {a}, [{from}]",
+            "lsrs {a}, {a}, #4",
+            "eor {a}, {a}, #128",
+            "strb {a}, [{out}], #1",
             "subs {count}, {count}, #1",
             "bne 2b",
             sums = inout(reg) sums.as_ptr() => _,
             inverses = inout(reg) inverses.as_ptr() => _,
             out = inout(reg) out.as_mut_ptr() => _,
             count = inout(reg) out.len() => _,
-            inverse = out(reg) _, sum = out(reg) _, feature = out(reg) _, left = out(reg) _,
+            inverse = out(reg) _, from = out(reg) _, left = out(reg) _, a = out(reg) _, b = out(reg) _, c = out(reg) _,
             row = const 2 * ROW,
             options(nostack),
         );
