@@ -9,15 +9,29 @@ use core::mem::MaybeUninit;
 const LANES: usize = 4;
 /// Sectors between two directions, with the mirrored ones.
 const SECTORS: usize = 10;
-/// For each pixel in a row of four cells: the index of its cell in [`Memory::sectors`], what is left of that and the
-/// index in the mirrored sector together, and the offset of its bytes in [`Memory::pixels`].
-static PLACES: [[u8; 16]; 3] = [
-    [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
-    [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
-    [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
-];
-/// The largest |x| for each |y| of a gradient beyond direction 2.
-static BEYOND_TWO: [u8; 256] = largest_beyond(DIRECTIONS[2]);
+/// Read by the assembly, which knows the offsets.
+#[repr(C, align(4))]
+#[allow(dead_code)]
+struct Tables {
+    /// The largest |x| for each |y| of a gradient beyond direction 2.
+    beyond_two: [u8; 256],
+    /// For each pixel in a row of four cells: the index of its cell in [`Memory::sectors`].
+    first: [u8; 16],
+    /// Factors of |y| for the directions 1, 3 and 4.
+    beyond: [[u8; 16]; 3],
+    /// What is left of the index and that in the mirrored sector together.
+    both: [u8; 16],
+    /// The offset in [`Memory::pixels`].
+    offsets: [u8; 16],
+}
+
+static TABLES: Tables = Tables {
+    beyond_two: largest_beyond(DIRECTIONS[2]),
+    first: [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
+    beyond: [[191; 16], [79; 16], [105; 16]],
+    both: [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
+    offsets: [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
+};
 /// For each direction, from 5 to 8 and from 0 to 4: the factors of the sector before it, of its word |y| + 65,536 |x| and
 /// of |x|, then those of the sector behind it.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = factors();
@@ -73,65 +87,69 @@ const fn factors() -> [[[i32; 2]; 2]; SECTORS - 1] {
 /// one and becomes that pixel's place, r5 is one row further down.
 ///
 /// A gradient is beyond direction 1, 3 or 4 if |x| is at most a number that these products give for each |y|.
+///
+/// Loads stand between sums: the processor does both at once.
 macro_rules! pixels {
     () => {
         concat!(
             "vldrb.u8 q2, [r10]\n",
             "add r10, r10, #{line}\n",
             "add r5, r10, #{line}\n",
-            "vldrb.u8 q0, [r10, #-1]\n",
-            "vldrb.u8 q1, [r10, #1]\n",
             "vldrb.u8 q3, [r5]\n",
-            "vhsub.u8 q4, q1, q0\n", // the top bit is the sign
+            "vldrb.u8 q0, [r10, #-1]\n",
+            "vabd.u8 q5, q2, q3\n",
+            "vldrb.u8 q1, [r10, #1]\n",
+            "vhsub.u8 q3, q3, q2\n", // the top bit is the sign
+            "vldrw.u32 q2, [r3, #272]\n",
+            "vhsub.u8 q4, q1, q0\n",
+            "vmulh.u8 q2, q2, q5\n",
             "vabd.u8 q0, q0, q1\n",
-            "vhsub.u8 q1, q3, q2\n",
-            "vabd.u8 q2, q2, q3\n",
-            // A gradient is mirrored if the signs differ. If x or y is 0, both ways give the same votes.
-            "veor q4, q4, q1\n",
-            "vmov.i8 q1, #191\n",
-            "vmulh.u8 q3, q1, q2\n",
-            "vorr q1, q6, q6\n",
-            "vqadd.u8 q3, q3, q2\n",
-            "vstrb.8 q2, [r1, q7]\n",
-            "vqadd.u8 q3, q3, q2\n",
+            "vstrb.8 q5, [r1, q7]\n",
+            "vqadd.u8 q2, q2, q5\n",
             "vstrb.8 q0, [r2, q7]\n",
-            beyond!(),
-            "vldrb.u8 q3, [r3, q2]\n",
-            beyond!(),
-            "vmov.i8 q3, #79\n",
-            "vmulh.u8 q3, q3, q2\n",
+            "vqadd.u8 q2, q2, q5\n",
+            "vldrw.u32 q1, [r3, #256]\n",
+            beyond!("q2"),
+            "vldrb.u8 q2, [r3, q5]\n",
+            // A gradient is mirrored if the signs differ. If x or y is 0, both ways give the same votes.
+            "veor q4, q4, q3\n",
+            beyond!("q2"),
+            "vldrw.u32 q3, [r3, #288]\n",
+            "vmulh.u8 q3, q3, q5\n",
+            "vldrw.u32 q2, [r3, #304]\n",
             "vshr.u8 q3, q3, #1\n",
-            "vhadd.u8 q3, q3, q2\n",
-            beyond!(),
-            "vmov.i8 q3, #105\n",
-            "vmulh.u8 q3, q3, q2\n",
-            "vhadd.u8 q3, q3, q2\n",
-            "vshr.u8 q3, q3, #2\n",
-            beyond!(),
+            "vmulh.u8 q2, q2, q5\n",
+            "vhadd.u8 q3, q3, q5\n",
+            "vhadd.u8 q2, q2, q5\n",
+            beyond!("q3"),
+            "vshr.u8 q2, q2, #2\n",
+            "vldrw.u32 q3, [r3, #320]\n",
+            beyond!("q2"),
             "vpt.s8 lt, q4, zr\n",
-            "vsubt.i8 q1, q5, q1\n",
+            "vsubt.i8 q1, q3, q1\n",
             "vstrb.8 q1, [r4, q7]\n",
         )
     };
 }
 
-/// Goes on to the next sector where |x| (q0) is at most q3.
+/// Goes on to the next sector where |x| (q0) is at most a number.
 macro_rules! beyond {
-    () => {
-        "vpt.u8 cs, q3, q0\nvaddt.i8 q1, q1, r8\n"
+    ($most:literal) => {
+        concat!("vpt.u8 cs, ", $most, ", q0\nvaddt.i8 q1, q1, r8\n")
     };
 }
 
-/// Adds the gradient of one pixel in each of four cells.
+/// Adds the gradient of one pixel in each of four cells, q1, to the sectors at an index. Loads the gradients `at`, and
+/// their index.
 macro_rules! add {
-    ($($at:literal)*) => {
-        concat!($(
-            concat!("vldrh.u32 q0, [r1, #", $at, " + 8]\n"),
-            concat!("vldrb.u16 q1, [r1, #", $at, "]\n"),
-            "vldrw.u32 q2, [r11, q0, uxtw #2]\n",
+    ($index:literal, $next:literal, $at:literal) => {
+        concat!(
+            concat!("vldrw.u32 q2, [r11, ", $index, ", uxtw #2]\n"),
+            concat!("vldrh.u32 ", $next, ", [r1, #", $at, " + 8]\n"),
             "vadd.i16 q2, q2, q1\n",
-            "vstrw.32 q2, [r11, q0, uxtw #2]\n",
-        )*)
+            concat!("vldrb.u16 q1, [r1, #", $at, "]\n"),
+            concat!("vstrw.32 q2, [r11, ", $index, ", uxtw #2]\n"),
+        )
     };
 }
 
@@ -167,7 +185,7 @@ fn four_cells<const COLUMNS: usize, const ROW: usize>(
     let to = memory.as_mut_ptr().cast::<u8>();
     // SAFETY: 18 pixels of each of six lines are read, four sums of each row and four energies are written from `first`
     // on, and the check above leaves room for them. All of `memory` is written before it is read, `pixels` at the
-    // offsets in `PLACES`, so each index is one in `sectors`.
+    // offsets in `TABLES`, so each index is one in `sectors`.
     unsafe {
         asm!(
             "vmov.i32 q0, #0",
@@ -176,9 +194,8 @@ fn four_cells<const COLUMNS: usize, const ROW: usize>(
             "2:",
             "vstrw.32 q0, [r2], #16",
             "le lr, 2b",
-            "vldrb.u8 q6, [r4]",
-            "vldrb.u8 q5, [r4, #16]",
-            "vldrb.u8 q7, [r4, #32]",
+            "vmov.i32 q6, #0",
+            "vldrw.u32 q7, [r3, #336]",
             "add r2, r1, #1",
             "add r4, r1, #8",
             "add r11, r1, #64",
@@ -186,23 +203,24 @@ fn four_cells<const COLUMNS: usize, const ROW: usize>(
             "dls lr, lr",
             "2:",
             pixels!(),
-            add!(0 16 32 48),
+            // Meanwhile q6 sums up gray levels: two neighbouring pixels in a lane.
+            "vldrh.u32 q0, [r1, #8]",
+            "vldrb.u8 q3, [r10]",
+            "vldrb.u16 q1, [r1]",
+            "vmovlb.u8 q5, q3",
+            add!("q0", "q4", 16),
+            "vadd.i16 q6, q6, q5",
+            add!("q4", "q0", 32),
+            "vmovlt.u8 q3, q3",
+            add!("q0", "q4", 48),
+            "vadd.i16 q6, q6, q3",
+            "vldrw.u32 q2, [r11, q4, uxtw #2]",
+            "vadd.i16 q2, q2, q1",
+            "vstrw.32 q2, [r11, q4, uxtw #2]",
             "le lr, 2b",
-            // The gray levels, from the fourth line to the first. Neighbouring pixels are added, then neighbouring sums.
-            "vmov.i32 q0, #0",
-            "mov lr, #4",
-            "dls lr, lr",
-            "2:",
-            "vldrb.u8 q1, [r10]",
-            "sub r10, r10, #{line}",
-            "vmovlb.u8 q2, q1",
-            "vmovlt.u8 q1, q1",
-            "vadd.i16 q0, q0, q2",
-            "vadd.i16 q0, q0, q1",
-            "le lr, 2b",
-            "vshr.u32 q1, q0, #16",
-            "vadd.i16 q0, q0, q1",
-            "vstrh.32 q0, [r0]",
+            "vshr.u32 q1, q6, #16",
+            "vadd.i16 q6, q6, q1",
+            "vstrh.32 q6, [r0]",
             "sub r0, r0, #4 * {row}",
             // Sector 4 and the mirrored one lie between the directions 4 and 5. Their |y| count alike, their |x| do not.
             "vldrw.u32 q0, [r11]",
@@ -214,34 +232,37 @@ fn four_cells<const COLUMNS: usize, const ROW: usize>(
             "vmla.i32 q1, q2, r2",
             "vstrw.32 q1, [r11]",
             "vstrw.32 q1, [r11, #144]",
+            "vmov.i32 q3, #0",
             "vmov.i32 q6, #0",
+            "vldrw.u32 q1, [r11], #16",
             "mov lr, #9",
             "dls lr, lr",
             "2:",
             "ldm r9!, {{r2, r3, r4, r5}}",
-            "vldrw.u32 q1, [r11], #16",
             "vldrw.u32 q2, [r11]",
             "vmul.i32 q0, q1, r2",
             "vshr.s32 q1, q1, #16",
             "vmla.i32 q0, q2, r4",
             "vshr.s32 q2, q2, #16",
             "vmla.i32 q0, q1, r3",
+            "vldrw.u32 q1, [r11], #16",
+            "vadd.i32 q6, q6, q3",
             "vmla.i32 q0, q2, r5",
-            "vshr.u32 q0, q0, #6",
-            "vstrh.32 q0, [r0], #{row}",
-            "vshr.u32 q0, q0, #2",
+            "vshr.u32 q3, q0, #6",
+            "vstrh.32 q3, [r0], #{row}",
+            "vshr.u32 q3, q3, #2",
             "cmp lr, #6",
             "it eq",
             "subeq r0, r0, #9 * {row}", // after direction 8
-            "vmul.i32 q0, q0, q0",
-            "vadd.i32 q6, q6, q0",
+            "vmul.i32 q3, q3, q3",
             "le lr, 2b",
+            "vadd.i32 q6, q6, q3",
             "vstrw.32 q6, [r12]",
             inout("r10") lines.as_ptr().cast::<u8>().wrapping_add(at + 1) => _,
             in("r1") to,
             inout("r2") to => _,
-            inout("r3") &raw const BEYOND_TWO => _,
-            inout("r4") &raw const PLACES => _,
+            inout("r3") &raw const TABLES => _,
+            out("r4") _,
             out("r5") _,
             in("r8") 4,
             inout("r9") &raw const FACTORS => _,
