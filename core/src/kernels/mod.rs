@@ -96,9 +96,11 @@ pub use cut_table::CutTable;
 pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
-pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, replace};
+pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, norms, replace};
 #[cfg(feature = "refiner")]
 pub(crate) use plain::dense::Layer;
+#[cfg(feature = "refiner")]
+pub(crate) use plain::gradients::root;
 pub(crate) use plain::levels::{BIAS, MixedRow};
 pub(crate) use products::Products;
 #[cfg(feature = "refiner")]

@@ -73,6 +73,11 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     native::gradients::features(sums, inverses, out);
 }
 
+#[cfg(not(smr_helium))]
+pub(crate) use super::plain::gradients::norms;
+#[cfg(smr_helium)]
+pub(crate) use native::gradients::norms;
+
 /// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
 /// 65537 pixels.
 #[inline(never)]

@@ -2,6 +2,7 @@
 
 use super::backend::Backend;
 use super::check;
+use super::plain::gradients::{mean_by_parts, root};
 use super::scorer::Scorer;
 use crate::image::Image;
 use memory::Guarded;
@@ -80,6 +81,30 @@ fn too_large(backend: Backend) {
 #[test]
 fn native() {
     check::native(&mut Guarded::new().areas());
+}
+
+#[test]
+fn a_root_is_rounded_down() {
+    for root_of in 0..=46_341 {
+        let square: u32 = root_of * root_of;
+        for number in [square.saturating_sub(1), square, square + 1, square + root_of] {
+            assert_eq!(root(number), number.isqrt(), "{number}");
+        }
+    }
+    for number in (0..(u32::MAX - (1 << 17))).step_by(997) {
+        assert_eq!(root(number), number.isqrt(), "{number}");
+    }
+}
+
+#[test]
+fn means_are_exact() {
+    for cells in 1..=9 {
+        // All rests with all ten bits that may follow, and large energies.
+        let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
+        for energy in (0..cells << 10).chain(large) {
+            assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");
+        }
+    }
 }
 
 /// Defines a module of tests for each backend. A backend that the machine does not have is skipped by name.

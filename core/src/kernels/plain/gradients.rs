@@ -178,3 +178,75 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
         *level = (gray ^ 128).cast_signed();
     }
 }
+
+/// Replaces the energies of columns of three cells by `of` the norm of the cells around: the root of 64 times their mean
+/// energy. `rows` of the three lie in the lattice, and at least two columns.
+#[inline(always)]
+pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
+    let (mut left, mut here) = (0, 0);
+    for at in rolled(0..columns.len()) {
+        // Cells beyond the edge do not count.
+        let (next, cells) = columns.get(at + 1).map_or((0, here + rows), |&next| (next, here + 2 * rows));
+        let Some(column) = columns.get_mut(at) else { return };
+        // Nine energies are below 2^29; 64 times their mean is below 2^32.
+        let norm = root(64 * mean(left + *column + next, cells));
+        (left, here, *column) = (*column, rows, of(norm));
+    }
+}
+
+/// `energy / cells`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+fn mean(energy: u32, cells: u32) -> u32 {
+    energy / cells.max(1)
+}
+
+#[cfg(all(smr_swar, target_arch = "arm"))]
+use mean_by_parts as mean;
+
+/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time: Armv6-M has no division.
+#[cfg(any(test, all(smr_swar, target_arch = "arm")))]
+pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
+    // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
+    const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
+    let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
+    let (mut rest, mut mean) = (0, 0);
+    for places in [20, 10, 0] {
+        let part = rest << 10 | (energy >> places & 1023);
+        let digit = (part * inverse) >> 16;
+        (rest, mean) = (part - digit * cells, mean << 10 | digit);
+    }
+    mean
+}
+
+/// The square root, rounded down, bit by bit: Armv6-M has no division.
+#[cfg(all(smr_swar, target_arch = "arm"))]
+pub(crate) fn root(number: u32) -> u32 {
+    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
+    while bit > 0 {
+        let subtracted = root + bit;
+        root >>= 1;
+        if rest >= subtracted {
+            rest -= subtracted;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    root
+}
+
+/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
+/// they are faster than `isqrt`.
+#[cfg(not(all(smr_swar, target_arch = "arm")))]
+#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
+pub(crate) fn root(number: u32) -> u32 {
+    let places = (number | 1).leading_zeros() & !1;
+    let scaled = (number | 1) << places;
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
+    // is never too small.
+    let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
+    root = (root + scaled / root) / 2;
+    root = (root + scaled / root) / 2;
+    root >>= places / 2;
+    // 0 was treated as 1, and the result may be too large by 1.
+    root - u32::from(root * root > number)
+}

@@ -1,4 +1,4 @@
-//! Division of wide numbers, and roots.
+//! Division of wide numbers.
 //!
 //! On processors with registers of 32 bits, the compiler's function for a wide division takes 1 KB of flash. An update divides few
 //! wide numbers, so here a loop divides bit by bit.
@@ -40,39 +40,6 @@ fn long_division(number: u64, divisor: u64) -> u64 {
     quotient
 }
 
-/// The square root, rounded down, bit by bit: Armv6-M has no division.
-#[cfg(all(smr_swar, target_arch = "arm"))]
-pub(super) fn root(number: u32) -> u32 {
-    let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
-    while bit > 0 {
-        let subtracted = root + bit;
-        root >>= 1;
-        if rest >= subtracted {
-            rest -= subtracted;
-            root += bit;
-        }
-        bit >>= 2;
-    }
-    root
-}
-
-/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
-/// they are faster than `isqrt`.
-#[cfg(not(all(smr_swar, target_arch = "arm")))]
-#[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
-pub(super) fn root(number: u32) -> u32 {
-    let places = (number | 1).leading_zeros() & !1;
-    let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
-    // is never too small.
-    let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
-    root = (root + scaled / root) / 2;
-    root = (root + scaled / root) / 2;
-    root >>= places / 2;
-    // 0 was treated as 1, and the result may be too large by 1.
-    root - u32::from(root * root > number)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,19 +55,6 @@ mod tests {
         #[test]
         fn a_quotient_is_rounded_toward_zero(number in -(1i64 << 60)..1 << 60, divisor in -(1i64 << 40)..1 << 40) {
             prop_assert_eq!(quotient(number, divisor), number.checked_div(divisor).unwrap_or(0));
-        }
-    }
-
-    #[test]
-    fn a_root_is_rounded_down() {
-        for root_of in 0..=46_341 {
-            let square: u32 = root_of * root_of;
-            for number in [square.saturating_sub(1), square, square + 1, square + root_of] {
-                assert_eq!(root(number), number.isqrt(), "{number}");
-            }
-        }
-        for number in (0..(u32::MAX - (1 << 17))).step_by(997) {
-            assert_eq!(root(number), number.isqrt(), "{number}");
         }
     }
 }

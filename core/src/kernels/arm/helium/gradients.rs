@@ -333,3 +333,87 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
         );
     }
 }
+
+/// Brings y (q3) nearer to 1 / sqrt(x) (q2), and turns its sign.
+macro_rules! newton {
+    () => {
+        concat!(
+            "vqdmulh.s32 q4, q3, q3\n",
+            "vqdmulh.s32 q4, q4, q2\n",
+            "vadd.i32 q4, q4, {three}\n",
+            "vqdmulh.s32 q3, q3, q4\n",
+            "vshl.i32 q3, q3, #3\n",
+        )
+    };
+}
+
+/// Replaces the energies of columns by `of` the norms of cells, as the plain loop does.
+///
+/// A mean is a product: for n cells and an energy below 2^29, 2^32 / n rounded up is exact. For x = number * 4^h / 2^32,
+/// from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 3 %. Two Newton steps, y (x y^2 - 3) / 2, turn its sign
+/// twice and leave it a little too small. So the root is right or too small by 1.
+#[inline(always)]
+pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
+    let per = |cells: u32| u32::MAX / cells.max(1) + 1;
+    // SAFETY: the loop is predicated: it reads and writes the columns only.
+    unsafe {
+        asm!(
+            "vdup.32 q5, {edge}",
+            "vmov.i32 q6, #1",
+            "wlstp.32 lr, lr, 3f",
+            "2:",
+            // The next column to the right; 0 beyond the edge.
+            "vctp.32 {right}",
+            "vmov q3, q5",
+            "vpstt",
+            "vldrwt.u32 q1, [{columns}, #4]",
+            "vdupt.32 q3, {inner}",
+            "vldrw.u32 q0, [{columns}]",
+            "vmov.32 q3[0], {first}",
+            "vmov q2, q0",
+            "vshlc q2, {left}, #32",
+            "vadd.i32 q0, q0, q1",
+            "vadd.i32 q0, q0, q2",
+            "vmulh.u32 q0, q0, q3",
+            "vshl.i32 q0, q0, #6",
+            "vclz.i32 q1, q0",
+            "vshr.u32 q1, q1, #1", // h
+            "vadd.i32 q2, q1, q1",
+            "vshl.u32 q2, q0, q2",
+            "vshr.u32 q2, q2, #1", // x, times 2^31
+            "vqdmulh.s32 q3, q2, {c}",
+            "vadd.i32 q3, q3, {b}",
+            "vqdmulh.s32 q3, q3, q2",
+            "vadd.i32 q3, q3, {a}", // y, times 2^29
+            newton!(),
+            newton!(),
+            "vqdmulh.s32 q3, q3, q2",
+            "vneg.s32 q1, q1",
+            "vshl.u32 q3, q3, q1",
+            "vshr.u32 q3, q3, #13",
+            "vadd.i32 q1, q3, q6",
+            "vmul.i32 q2, q1, q1",
+            "vpt.u32 cs, q0, q2",
+            "vaddt.i32 q3, q3, q6",
+            "vstrw.32 q3, [{columns}], #16",
+            "subs {right}, {right}, #4",
+            "csel {first}, {inner}, {edge}, gt",
+            "letp lr, 2b",
+            "3:",
+            inout("lr") columns.len() => _,
+            columns = inout(reg) columns.as_mut_ptr() => _,
+            right = inout(reg) columns.len().wrapping_sub(1) => _,
+            left = inout(reg) 0 => _,
+            first = inout(reg) per(2 * rows) => _,
+            edge = in(reg) per(2 * rows),
+            inner = in(reg) per(3 * rows),
+            a = in(reg) 171 << 23,
+            b = in(reg) -(210 << 23),
+            c = in(reg) 105 << 23,
+            three = in(reg) 64 - (3 << 27),
+            out("q0") _, out("q1") _, out("q2") _, out("q3") _, out("q4") _, out("q5") _, out("q6") _,
+            options(nostack),
+        );
+    }
+    columns.iter_mut().for_each(|norm| *norm = of(*norm));
+}

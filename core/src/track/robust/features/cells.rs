@@ -18,12 +18,11 @@
 //!
 //! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
 
-use super::super::arithmetic::root;
 use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::grid::Extent;
 use super::sampling::{COLUMNS, Lattice, Sampling, most_read};
 use crate::image::{Frame, Rect};
-use crate::kernels::{PACKED, Packed, SIDE, features, gradients, rolled};
+use crate::kernels::{PACKED, Packed, SIDE, features, gradients, norms, rolled};
 use crate::track::update::Budget;
 use heapless::Vec;
 
@@ -184,51 +183,9 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
-    invert(inverses, rows);
+    // The factors for the sums of cells, times 2^16.
+    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR));
     features(sums, above, out);
-}
-
-/// Replaces the energies of columns of three cells by the factors for the sums of cells. `rows` of the three lie in the
-/// lattice.
-fn invert(columns: &mut [u32], rows: u32) {
-    let (mut left, mut here) = (0, 0);
-    for at in rolled(0..columns.len()) {
-        // Cells beyond the edge do not count.
-        let (next, cells) = columns.get(at + 1).map_or((0, here + rows), |&next| (next, here + 2 * rows));
-        let Some(column) = columns.get_mut(at) else { return };
-        let energy = left + *column + next;
-        (left, here, *column) = (*column, rows, inverse(energy, cells));
-    }
-}
-
-/// The factor for the sums of a cell: gain / (norm + floor), times 2^16, where `energy` is the sum over `cells` cells.
-fn inverse(energy: u32, cells: u32) -> u32 {
-    // Nine energies are below 2^29; 64 times their mean is below 2^32.
-    (NORM_GAIN << 16) / (root(64 * mean(energy, cells)) + NORM_FLOOR)
-}
-
-/// `energy / cells`.
-#[cfg(not(all(smr_swar, target_arch = "arm")))]
-fn mean(energy: u32, cells: u32) -> u32 {
-    energy / cells.max(1)
-}
-
-#[cfg(all(smr_swar, target_arch = "arm"))]
-use mean_by_parts as mean;
-
-/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time: Armv6-M has no division.
-#[cfg(any(test, all(smr_swar, target_arch = "arm")))]
-fn mean_by_parts(energy: u32, cells: u32) -> u32 {
-    // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
-    const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
-    let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
-    let (mut rest, mut mean) = (0, 0);
-    for places in [20, 10, 0] {
-        let part = rest << 10 | (energy >> places & 1023);
-        let digit = (part * inverse) >> 16;
-        (rest, mean) = (part - digit * cells, mean << 10 | digit);
-    }
-    mean
 }
 
 #[cfg(test)]
@@ -236,17 +193,6 @@ mod tests {
     use super::super::super::constants::PIXEL;
     use super::*;
     use crate::image::Image;
-
-    #[test]
-    fn means_are_exact() {
-        for cells in 1..=9 {
-            // All rests with all ten bits that may follow, and large energies.
-            let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
-            for energy in (0..cells << 10).chain(large) {
-                assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");
-            }
-        }
-    }
 
     /// FNV-1a of all bytes.
     fn hash(bytes: impl Iterator<Item = u8>) -> u64 {

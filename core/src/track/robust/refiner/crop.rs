@@ -8,10 +8,9 @@
 //! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
 //! plain crop small.
 
-use super::super::arithmetic::root;
 use super::super::features::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
-use crate::kernels::rolled;
+use crate::kernels::{rolled, root};
 use crate::track::saved::{Reader, Writer};
 use crate::track::update::{Budget, units};
 use heapless::Vec;
