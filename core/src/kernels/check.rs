@@ -708,25 +708,20 @@ fn cells() {
 /// Compares norms with the formula: of random energies, and where a root is just a whole number or not yet.
 fn norms_of_rows() {
     let mut noise = Noise(17);
-    for case in (0..47_200_u32).step_by(STEP) {
-        let (across, rows) = (2 + case as usize % 20, 1 + case % 3);
-        let mean = (case * case).div_ceil(64);
-        let shift = noise.bits() % 32;
-        for kind in 0..3 {
-            let mut columns = [7; 22];
-            columns[..across].fill_with(|| match kind {
-                0 => noise.bits().checked_shr(shift).unwrap_or(0) % (3 * 5900 * 5900),
-                kind => rows * (mean + 1 - kind).min(5900 * 5900),
-            });
-            let energies = columns;
-            norms(&mut columns[..across], rows, |norm| 3 * norm);
-            for (at, &given) in columns[..across].iter().enumerate() {
-                let around = &energies[at.saturating_sub(1)..across.min(at + 2)];
-                let mean = around.iter().sum::<u32>() / (rows * around.len() as u32);
-                assert_eq!(given, 3 * (64 * mean).isqrt(), "norm {at} of {across} in {rows} rows");
-            }
-            assert_eq!(columns[across..], energies[across..], "norms of {across} columns");
+    for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {
+        let (across, rows, shift) = (2 + case as usize % 20, 1 + case % 3, noise.bits() % 32);
+        let energies: [u32; 22] = core::array::from_fn(|_| match kind {
+            0 => (noise.bits() >> shift) % (rows * 5900 * 5900),
+            kind => rows * ((case * case).div_ceil(64) + 1 - kind).min(5900 * 5900),
+        });
+        let mut given = energies;
+        norms(&mut given[..across], rows, |norm| 3 * norm);
+        for (at, &norm) in given[..across].iter().enumerate() {
+            let around = &energies[at.saturating_sub(1)..across.min(at + 2)];
+            let mean = around.iter().sum::<u32>() / (rows * around.len() as u32);
+            assert_eq!(norm, 3 * (64 * mean).isqrt(), "norm {at} of {across} in {rows} rows");
         }
+        assert_eq!(given[across..], energies[across..], "norms of {across} columns");
     }
 }
 

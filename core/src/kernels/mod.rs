@@ -97,11 +97,9 @@ pub(crate) use cut_table::{MAX_PIXELS, ONE};
 pub use layout::{CELL, CHANNELS};
 pub(crate) use layout::{Layout, PACKED, Packed, SIDE};
 pub(crate) use native::{GradientStep, Interpolation, ScaledSums, deviation, features, gradients, norms, replace};
-#[cfg(feature = "refiner")]
-pub(crate) use plain::dense::Layer;
-#[cfg(feature = "refiner")]
-pub(crate) use plain::gradients::root;
 pub(crate) use plain::levels::{BIAS, MixedRow};
+#[cfg(feature = "refiner")]
+pub(crate) use plain::{dense::Layer, gradients::root};
 pub(crate) use products::Products;
 #[cfg(feature = "refiner")]
 pub(crate) use products::{Dense, SPARE};

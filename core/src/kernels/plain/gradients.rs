@@ -194,17 +194,12 @@ pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     }
 }
 
-/// `energy / cells`.
-#[cfg(not(all(smr_swar, target_arch = "arm")))]
+/// `energy / cells`. Armv6-M has no division.
 fn mean(energy: u32, cells: u32) -> u32 {
-    energy / cells.max(1)
+    if cfg!(all(smr_swar, target_arch = "arm")) { mean_by_parts(energy, cells) } else { energy / cells.max(1) }
 }
 
-#[cfg(all(smr_swar, target_arch = "arm"))]
-use mean_by_parts as mean;
-
-/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time: Armv6-M has no division.
-#[cfg(any(test, all(smr_swar, target_arch = "arm")))]
+/// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time.
 pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
     // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
     const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];

@@ -183,8 +183,7 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
-    // The factors for the sums of cells, times 2^16.
-    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR));
+    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR)); // factors of the sums, times 2^16
     features(sums, above, out);
 }
 
