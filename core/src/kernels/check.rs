@@ -712,7 +712,7 @@ fn norms_of_rows() {
         let (across, rows, shift) = (2 + case as usize % 20, 1 + case % 3, noise.bits() % 32);
         let energies: [u32; 22] = core::array::from_fn(|_| match kind {
             0 => (noise.bits() >> shift) % (rows * 5900 * 5900),
-            kind => rows * ((case * case).div_ceil(64) + 1 - kind).min(5900 * 5900),
+            kind => rows * ((case * case).div_ceil(64) + 1).saturating_sub(kind).min(5900 * 5900),
         });
         let mut given = energies;
         norms(&mut given[..across], rows, |norm| 3 * norm);
