@@ -252,6 +252,7 @@ mod tests {
         );
         noticed(noisy, changes! { of; of.most_trust = 2.0, of.opinion_rate = 0.25 });
         noticed(noisy, changes! { of; of.opinion_lost_below = 1.3, of.opinion_uncertain_below = 1.0 });
+        noticed(noisy, changes! { of; of.opinion_patience = 29, of.opinion_found = 2.0 });
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });
     }
 
@@ -284,22 +285,22 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// The target is hidden by noise and comes back; the network's opinion alone decides.
+    /// The target is hidden by noise until the network gives it up, and comes back. The opinion decides alone.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
-        (config.lost_below, config.uncertain_below) = (0, 0);
-        (numbers.lost_below, numbers.uncertain_below) = (0.0, 0.0);
+        (config.lost_below, config.uncertain_below) = (1, 1);
+        (numbers.lost_below, numbers.uncertain_below) = (1.0, 1.0);
         let noise = |at: usize, step: usize| (at + step * 19_200).wrapping_mul(2_654_435_761) >> 13;
         let target = tiles(40, 40, |x, y| (x, y));
         let frame = |step: usize| {
             let pixel = |at: usize| match ((at % 160).wrapping_sub(60), (at / 160).wrapping_sub(40)) {
-                _ if (5..40).contains(&step) => u8::try_from(noise(at, step) % 256).unwrap(),
+                _ if (5..80).contains(&step) => u8::try_from(noise(at, step) % 256).unwrap(),
                 (column, row) if column < 40 && row < 40 => target[row * 40 + column],
                 _ => 100,
             };
             GrayFrame { width: 160, height: 120, pixels: (0..160 * 120).map(pixel).collect() }
         };
-        through(lock("noisy", numbers, config, &frame(0), Rect::new(60, 40, 40, 40)), (1..50).map(frame))
+        through(lock("noisy", numbers, config, &frame(0), Rect::new(60, 40, 40, 40)), (1..94).map(frame))
     }
 
     /// A target of tiles that jumps on a ground of larger tiles, and then is larger in each frame, with its right half turned over.

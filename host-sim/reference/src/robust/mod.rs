@@ -27,7 +27,7 @@ pub use lighting::{free_gain, relit, threshold};
 pub use numbers::{Numbers, Parts};
 pub use sampling::{Lattice, Patch, Picture, Shape};
 
-use confidence::{FULL, confidence, decision, evidence, running_mean};
+use confidence::{FULL, confidence, decision, evidence, found_mean, running_mean};
 use gradients::features;
 use learning::{Coded, Filter, Sample};
 use refinement::Aligned;
@@ -179,7 +179,8 @@ impl Reference {
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { parts, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
-        (parts.sweep && lost_next).then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
+        (parts.sweep && (lost_next || self.given_up()))
+            .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
     }
 
     /// The margin of a view in whole cells.
@@ -199,6 +200,10 @@ impl Reference {
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
         self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
+        let given_up = parts.sweep && self.given_up();
+        if given_up {
+            self.mean_evidence = 0.0;
+        }
         let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
         let learned = !lost && candidate.evidence() >= self.numbers.learned_from;
         if learned {
@@ -228,11 +233,15 @@ impl Reference {
         );
         let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
         let swept = lost && parts.sweep;
-        let found = if swept { self.redetect(&frame, &coded, &candidate) } else { None };
+        let found =
+            if swept { self.redetect(&frame, &coded, if given_up { 0.0 } else { candidate.evidence() }) } else { None };
         self.next_window += i64::from(swept);
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
-            (self.velocity, self.mean_evidence) = ((0.0, 0.0), elsewhere.evidence());
+            (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
+            if let Some(refiner) = &mut self.refiner {
+                refiner.begin_again(&self.numbers);
+            }
             candidate = elsewhere;
         }
         self.place = candidate.place;
@@ -277,6 +286,10 @@ impl Reference {
             found,
             found_again,
         }
+    }
+
+    fn given_up(&self) -> bool {
+        self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
     }
 
     /// That of the mean evidence, or of the network's opinion if that is worse.
@@ -355,11 +368,10 @@ impl Reference {
     }
 
     /// The candidate in the sweep's next window, if its evidence is enough and clearly more than that of `followed`.
-    fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: &Candidate) -> Option<Candidate> {
+    fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         let candidate = self.candidate(frame, coded, self.sweep());
-        (candidate.evidence() >= found_from && candidate.evidence() >= followed.evidence() + better_by)
-            .then_some(candidate)
+        (candidate.evidence() >= found_from && candidate.evidence() >= followed + better_by).then_some(candidate)
     }
 }
 

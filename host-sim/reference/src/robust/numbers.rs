@@ -98,6 +98,9 @@ pub struct Numbers {
     pub opinion_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
+    /// The frames in a row with an opinion below the last bound after which the target is given up, and the opinion of one that is found.
+    pub opinion_patience: i64,
+    pub opinion_found: f64,
     /// The evidence from which a frame is learned.
     pub learned_from: f64,
     /// Redetection: the least evidence, and how much more it must be than at the followed place.
@@ -163,6 +166,8 @@ impl Numbers {
             opinion_rate: 0.125,
             opinion_lost_below: 0.8,
             opinion_uncertain_below: 1.1875,
+            opinion_patience: 30,
+            opinion_found: 1.0,
             learned_from: 37_500.0,
             found_from: 52_000.0,
             better_by: 16_000.0,

@@ -115,12 +115,14 @@ pub struct Refiner {
     sides: [f64; 2],
     /// The running mean of trust: how little the network expects to err.
     opinion: f64,
+    /// The last frames in a row in which the opinion was bad.
+    doubted: i64,
 }
 
 impl Refiner {
     pub fn new(numbers: &Numbers, weights: &'static [u8], frame: &Picture<'_>, target: [f64; 4]) -> Self {
         let first = crop(numbers, frame, target);
-        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust }
+        Self { weights, first, centre: [0.0; 2], sides: [1.0; 2], opinion: numbers.most_trust, doubted: 0 }
     }
 
     pub fn correct(&self, [x, y, width, height]: [f64; 4]) -> [f64; 4] {
@@ -155,6 +157,16 @@ impl Refiner {
     fn follow(&mut self, numbers: &Numbers, trust: f64) {
         let trust = trust.clamp(0.0, numbers.most_trust);
         self.opinion += down((trust - self.opinion) * numbers.opinion_rate, ESTIMATE);
+        self.doubted = if self.opinion < numbers.opinion_uncertain_below { self.doubted + 1 } else { 0 };
+    }
+
+    /// The target is lost after a bad opinion in many frames in a row.
+    pub fn gives_up(&self, numbers: &Numbers) -> bool {
+        self.doubted >= numbers.opinion_patience
+    }
+
+    pub fn begin_again(&mut self, numbers: &Numbers) {
+        (self.opinion, self.doubted) = (numbers.opinion_found, 0);
     }
 
     /// The best decision that the opinion allows.

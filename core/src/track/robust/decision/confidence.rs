@@ -22,6 +22,8 @@ use crate::track::State;
 pub(crate) struct Evidence(i32);
 
 impl Evidence {
+    pub(crate) const NONE: Self = Self(0);
+
     /// The evidence of a candidate; 0 if its patch cannot show the target.
     #[inline(never)]
     pub(crate) fn of(candidate: &Candidate) -> Self {
@@ -51,9 +53,13 @@ impl Confidence {
     /// The confidence after a lock.
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
-    /// The confidence after the target was found again.
-    pub(crate) const fn found(evidence: Evidence) -> Self {
-        Self(evidence.0)
+    /// The confidence in a target that is given up.
+    pub(crate) const NONE: Self = Self(0);
+
+    /// The confidence after the target was found again: at most *uncertain*, but not *lost*.
+    pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
+        let [lost, uncertain] = [config.lost_below, config.uncertain_below].map(|below| (3 * i32::from(below) + 1) / 2);
+        Self(evidence.0.min((uncertain - 1).max(lost)))
     }
 
     /// The mean, as it is saved.
@@ -107,7 +113,7 @@ mod tests {
             [ONE / 2, 9 * ONE].map(|response| Evidence::new(u16::MAX, response)),
             [Evidence(MOST_EVIDENCE - 1); 2]
         );
-        assert_eq!([Confidence::FULL, Confidence::found(Evidence(0))].map(Confidence::value), [u16::MAX, 0]);
+        assert_eq!([Confidence::FULL, Confidence::NONE].map(Confidence::value), [u16::MAX, 0]);
     }
 
     #[test]
@@ -126,6 +132,18 @@ mod tests {
         // The confidence is 2/3 of the mean.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
         assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
+    }
+
+    #[test]
+    fn a_target_that_was_found_is_uncertain() {
+        for (evidence, wanted) in [(FOUND_FROM, State::Uncertain), (MOST_EVIDENCE, State::Uncertain), (0, State::Lost)]
+        {
+            assert_eq!(Confidence::found(Evidence(evidence), &Config::robust()).state(&Config::robust()), wanted);
+        }
+        for below in [0, 1, 2, 30_000] {
+            let config = Config { lost_below: below, uncertain_below: below, ..Config::robust() };
+            assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking);
+        }
     }
 
     #[test]

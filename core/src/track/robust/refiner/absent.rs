@@ -22,6 +22,12 @@ impl Review {
 
     pub(super) fn agree(&mut self) {}
 
+    pub(super) fn begin_again(&mut self) {}
+
+    pub(super) fn gives_up(&self) -> bool {
+        false
+    }
+
     pub(super) fn follow(&mut self, (): (), _: bool) {}
 
     pub(super) fn correct(&self, target: FineRect) -> FineRect {

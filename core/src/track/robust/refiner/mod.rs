@@ -5,7 +5,7 @@
 //! of the box ([`network`]). The estimates are carried from frame to frame ([`correction`]). It corrects only the
 //! answer: place and scale of the tracker, and what it learns, stay as they are. (Moving the place or changing the
 //! scale by the estimates gained nothing on the recordings.) The network also estimates how far it may err, and that
-//! can make the state of the answer worse ([`opinion`]).
+//! can make the state worse, and after a while the target lost ([`opinion`]).
 //!
 //! ```text
 //! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
@@ -71,6 +71,16 @@ impl Review {
     /// The corrected box.
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         self.correction.correct(target)
+    }
+
+    /// True if the opinion has been bad for so long that the target is lost.
+    pub(super) fn gives_up(&self) -> bool {
+        self.opinion.gives_up()
+    }
+
+    /// Begins the opinion of a target that was found again.
+    pub(super) fn begin_again(&mut self) {
+        self.opinion.begin_again();
     }
 
     /// The best state that the opinion allows.

@@ -129,7 +129,7 @@ impl Pipeline {
                 let verified = verification.next_piece(&early, frame, extractor.sampling(), comparison, budget);
                 match verified {
                     None => {}
-                    Some(Verified { candidate, .. }) if self.redetects => self.redetect(candidate),
+                    Some(Verified { candidate, .. }) if self.redetects => self.redetect(inputs.config, candidate),
                     Some(verified) => self.stage = Stage::Refinement(verified),
                 }
             }
@@ -212,6 +212,9 @@ impl Pipeline {
         self.stage = Stage::Done;
         let evidence = Evidence::of(candidate);
         track.confidence = track.confidence.after(evidence, inputs.config.patience);
+        if inputs.config.sweep && track.review.gives_up() {
+            track.confidence = Confidence::NONE;
+        }
         track.motion.follow(candidate.visible.then_some(candidate.place));
         if track.confidence.state(inputs.config) == State::Lost {
             if inputs.config.sweep {
@@ -230,14 +233,17 @@ impl Pipeline {
 
     /// Ends redetection: follows its candidate if that is the lost target.
     #[inline(never)] // see `next_piece`
-    fn redetect(&mut self, candidate: Candidate) {
+    fn redetect(&mut self, config: &Config, candidate: Candidate) {
         self.stage = Stage::Done;
         let Self { track, .. } = self;
         track.sweep.move_on();
         let evidence = Evidence::of(&candidate);
-        if evidence.finds(Evidence::of(&self.candidate)) {
+        // A place that is given up needs no lead over it.
+        let there = if track.review.gives_up() { Evidence::NONE } else { Evidence::of(&self.candidate) };
+        if evidence.finds(there) {
             track.motion = Motion::at(candidate.place);
-            track.confidence = Confidence::found(evidence);
+            track.confidence = Confidence::found(evidence, config);
+            track.review.begin_again();
             self.candidate = candidate;
         }
     }

@@ -42,7 +42,7 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
 /// whenever it may be.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
-    let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config);
+    let may_be_lost = config.sweep && (track.confidence.may_be_lost_next(config) || track.review.gives_up());
     may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
 }
 
