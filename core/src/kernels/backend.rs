@@ -85,12 +85,6 @@ pub(super) use super::swar as native;
 ///
 /// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
 /// [`Backend::Swar`] can read all memory.
-///
-/// ```
-/// use smr_core::similarity::Backend;
-/// assert!(Backend::available().any(|backend| backend == Backend::Scalar));
-/// assert!(Backend::available().any(|backend| backend == Backend::best()));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

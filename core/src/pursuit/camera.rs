@@ -13,13 +13,6 @@ use micromath::F32;
 /// - focal length in mm / width of a pixel in mm;
 /// - measured: n * d / w, if an object of width w at distance d covers n pixels;
 /// - from the horizontal angle of view in the data sheet: (width / 2) / tan(angle / 2).
-///
-/// ```
-/// use smr_core::pursuit::Camera;
-/// // 160x120 pixels, horizontal angle of view 53 degrees.
-/// let camera = Camera::centred(160.0, 160, 120);
-/// assert_eq!((camera.principal_x_pixels, camera.principal_y_pixels), (80.0, 60.0));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Camera {

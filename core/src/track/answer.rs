@@ -39,12 +39,6 @@ impl State {
     }
 
     /// The state with this [`code`](Self::code).
-    ///
-    /// ```
-    /// use smr_core::State;
-    /// assert_eq!(State::from_code(State::Lost.code()), Some(State::Lost));
-    /// assert_eq!(State::from_code(4), None);
-    /// ```
     #[must_use]
     pub const fn from_code(code: u8) -> Option<Self> {
         match code {

@@ -222,21 +222,8 @@ impl<T: Target> Tracker<T> {
     }
 
     /// [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It asks after each 10,000 units of
-    /// work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000 units.
-    ///
-    /// ```
-    /// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
-    /// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    /// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-    /// # let mut tracker = Tracker::<Paper<256, 161>>::new();
-    /// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
-    /// use std::time::{Duration, Instant}; // in firmware: the timer's counter
-    /// let end = Instant::now() + Duration::from_millis(2);
-    /// if let Some(answer) = tracker.update_step_until(&frame, || Instant::now() >= end)? {
-    ///     assert_eq!(answer.bbox, Rect::new(20, 10, 16, 16));
-    /// } // else go on with the same frame in the next period
-    /// # Ok::<(), smr_core::Error>(())
-    /// ```
+    /// work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000 units. Without an
+    /// answer, go on with the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

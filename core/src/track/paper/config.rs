@@ -7,12 +7,6 @@ use crate::track::ConfigError;
 use crate::track::settings::{Kind, Numbers, Setting, Settings, Shape, names};
 
 /// A ratio of two integers, `numerator / denominator`; the denominator is at least 1.
-///
-/// ```
-/// use smr_core::paper::Fraction;
-/// let k = Fraction { numerator: 1, denominator: 4 };
-/// assert_eq!(k.ceil_of(50), 13); // 12.5, rounded up
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fraction {
@@ -200,13 +194,7 @@ impl Config {
     }
 
     /// [`Config::camera`] with windows of at most `radius` pixels to each side, also while the target is lost. It fits
-    /// a tracker with a `SPAN` of `2 * radius + 1`.
-    ///
-    /// ```
-    /// use smr_core::{Paper, Tracker, paper::Config};
-    /// let tracker = Tracker::<Paper<1024, 33>>::with(Config::camera_within(16))?;
-    /// # Ok::<(), smr_core::ConfigError>(())
-    /// ```
+    /// a tracker with a `SPAN` of `2 * radius + 1`: `Tracker::<Paper<1024, 33>>::with(Config::camera_within(16))`.
     #[must_use]
     pub const fn camera_within(radius: u16) -> Self {
         let camera = Self::camera();
@@ -218,13 +206,6 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`] or [`ConfigError::LimitBelowWindow`].
-    ///
-    /// ```
-    /// use smr_core::paper::Config;
-    /// let mut config = Config::camera();
-    /// config.first_threshold = 0;
-    /// assert_eq!(config.check().unwrap_err().to_string(), "first_threshold is 1 to 255, not 0");
-    /// ```
     #[cfg_attr(smr_small, inline(never))] // so that a configuration is copied by words
     pub const fn check(&self) -> Result<(), ConfigError> {
         if self.window_limit.x < self.window.x || self.window_limit.y < self.window.y {

@@ -21,20 +21,7 @@ use core::fmt;
 /// A target of the paper's tracker.
 ///
 /// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS`
-/// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant.
-///
-/// ```
-/// use smr_core::{Frame, Image, Paper, Rect, Target, paper};
-/// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-/// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-/// let mut workspace = paper::Workspace::<64, 161>::new();
-/// let mut target = Paper::new();
-/// target.lock(&mut workspace, &frame, Rect::new(20, 10, 8, 8))?;
-/// assert_eq!((target.alpha(), target.template().map(|template| template.width())), (13, Some(8)));
-/// let answer = target.update(&mut workspace, &frame)?;
-/// assert_eq!(answer.runner_up_ratio, None); // not needed for the decision: see `Config::runner_up_always`
-/// # Ok::<(), smr_core::Error>(())
-/// ```
+/// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant. [`Target`] has an example.
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Slot<Config>,

@@ -15,23 +15,7 @@ const MOST: usize = 32;
 /// The entries of `record`, in their order.
 ///
 /// Bytes before an entry `SMRB` are passed over if they are no entry: firmware that starts again appends to what was
-/// cut off. So are those at the end. See [`Entries::cut_off`].
-///
-/// ```
-/// use smr_core::record::{Entry, entries};
-/// # use smr_core::{Robust, Tracker, record::Recorder};
-/// # let mut record = Vec::new();
-/// # let tracker = Box::new(Tracker::<Robust>::new());
-/// # let mut recorder = Recorder::begin(tracker.target(), |bytes| std::io::Write::write_all(&mut record, bytes))?;
-/// # recorder.moved(256, -128)?;
-/// for found in entries(&record) {
-///     let found = found?; // bytes that are no entry, or an entry that is missing
-///     if let Entry::Moved { right, down } = found.entry {
-///         assert_eq!((found.number, right, down), (1, 256, -128));
-///     }
-/// }
-/// # Ok::<(), Box<dyn core::error::Error>>(())
-/// ```
+/// cut off. So are those at the end. See [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }

@@ -76,24 +76,7 @@ impl core::error::Error for Stop {}
 ///
 /// `update` does each update: by [`Tracker::update`], in steps, or restored from a saved target before it. Each
 /// beginning in the record gives the tracker the recorded configuration (see [`Begin::config`](super::Begin::config)).
-///
-/// ```
-/// use smr_core::record::{Recorder, replay};
-/// # use smr_core::{Frame, Image, Paper, Rect, Tracker, paper};
-/// # let pixels: Vec<u8> = (0..64 * 48).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-/// # let frame = Frame::whole(Image::new(&pixels, 64, 48)?);
-/// # let mut record = Vec::new();
-/// # let mut tracker = Tracker::<Paper<256, 161>>::new();
-/// # let mut recorder = Recorder::begin(tracker.target(), |bytes| std::io::Write::write_all(&mut record, bytes))?;
-/// # tracker.lock(&frame, Rect::new(20, 10, 16, 16))?;
-/// # recorder.lock(tracker.target(), &frame, Rect::new(20, 10, 16, 16))?;
-/// # recorder.window(tracker.target(), &frame)?;
-/// # recorder.answer(&tracker.update(&frame)?)?;
-/// let mut tracker = Tracker::<Paper<256, 161>>::new();
-/// let replayed = replay(&record, &mut tracker, |tracker, frame| tracker.update(frame))?;
-/// assert_eq!((replayed.locks, replayed.answers), (1, 1));
-/// # Ok::<(), Box<dyn core::error::Error>>(())
-/// ```
+/// The [module](super) has an example.
 ///
 /// # Errors
 /// The first difference, or the damage. The tracker is then where the record was left.
