@@ -74,18 +74,6 @@ fn memory_is_twice_the_template_five_words_an_offset_and_a_table() {
 }
 
 #[test]
-fn a_target_is_followed_exactly() {
-    let mut tracker = locked_at(20, 20);
-    for (seed, (x, y)) in (2..).zip([(22, 21), (30, 15), (30, 15), (21, 24)]) {
-        let answer = tracker.update(&scene(seed, x, y).frame()).unwrap();
-        assert_eq!((answer.bbox, answer.state), (Rect::new(x, y, 12, 12), State::Tracking));
-        assert_eq!(answer.ratio, 65535);
-        assert_eq!(answer.runner_up_ratio, None, "inside the frame nothing depends on it");
-        assert_eq!(answer.alpha, Some(13), "the template never changed, so alpha stays");
-    }
-}
-
-#[test]
 fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     let mut tracker = locked_with(Config { runner_up_always: true, ..small_config() }, 20, 20);
     let answer = tracker.update(&scene(2, 22, 21).frame()).unwrap();

@@ -1,11 +1,8 @@
 //! Tests of the whole tracker: its work, and targets that change, are covered and come back.
 
-use super::constants::PIXEL;
-use super::features::{Lattice, Sampling};
 use super::{Config, Robust};
 use crate::track::tests::{cut, drawn, locked, most_parts, of_size};
 use crate::{Answer, FineRect, Rect, State, Tracker};
-use heapless::Vec as Fixed;
 use std::{vec, vec::Vec};
 
 fn noise(pixels: usize) -> Vec<u8> {
@@ -98,20 +95,6 @@ fn the_most_work_is_nearly_done() {
         for (done, most) in both.zip([most.update, most.lock, most.beyond_a_step.into()]) {
             assert!(done <= most && 100 * done >= 85 * most, "{config:?}: {done} of {most}");
         }
-    }
-}
-
-/// A template of 1600 pixels has a step of at most 65535 / 40 pixels, 8192 at the largest scale: blocks of 4096x4096.
-#[test]
-fn the_largest_blocks_of_means() {
-    let side = 4096u16;
-    let white = vec![255; usize::from(side) * usize::from(side)];
-    for step in [8191, 65535] {
-        let mut sample = Fixed::<u8, 4>::new();
-        let ([x, y], [step, step_down]) = ([2047 * PIXEL; 2], [step * PIXEL; 2]);
-        let lattice = Lattice { x, y, step, step_down, columns: 2, rows: 2 };
-        assert!(lattice.sample(&of_size(&white, (side, side)), &mut Sampling::new(), &mut sample));
-        assert_eq!(sample, [255; 4], "{step}");
     }
 }
 

@@ -1,6 +1,5 @@
 //! Tests the search against a map of all scores: the result must be the same with any pruning, backend and step size.
 
-use super::floor::Leaders;
 use super::*;
 use crate::similarity::{Backend, CutTable, Scorer, Table, score_at};
 use crate::{Frame, Image, Rect};
@@ -202,22 +201,4 @@ proptest! {
             prop_assert!(is_cheap, "{} of {}, {:?}", work, case.most_work(), &case);
         }
     }
-}
-
-#[test]
-fn among_equals_the_closest_wins_then_the_upper_then_the_left_one() {
-    let window = Window::new(Rect::new(10, 10, 4, 4), Radius { x: 5, y: 5 }, Rect::new(0, 0, 24, 24), 2);
-    let best_of = |equals: &[(i32, i32)]| {
-        let mut leaders = Leaders::<11>::new();
-        leaders.reset(&window, Wanted::Peak);
-        for (x, y) in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
-            leaders.note(&window, Peak { x, y, score: u32::from(equals.contains(&(x, y))) });
-        }
-        let peak = leaders.peaks(&window).unwrap().peak;
-        (peak.x, peak.y)
-    };
-    assert_eq!(best_of(&[(8, 10), (10, 11), (15, 15)]), (10, 11));
-    assert_eq!(best_of(&[(10, 11), (11, 10), (9, 10), (10, 9)]), (10, 9));
-    assert_eq!(best_of(&[(11, 10), (9, 10)]), (9, 10));
-    assert_eq!(best_of(&[]), (10, 10));
 }

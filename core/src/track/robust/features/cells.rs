@@ -159,7 +159,7 @@ impl Extractor {
         row >= down
     }
 
-    #[cfg(any(test, feature = "unstable"))]
+    #[cfg(feature = "unstable")]
     /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
     pub(crate) fn features<const N: usize>(
         &mut self,
@@ -185,61 +185,4 @@ fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, ou
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
     norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR)); // factors of the sums, times 2^16
     features(sums, above, out);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::super::constants::PIXEL;
-    use super::*;
-    use crate::image::Image;
-
-    /// FNV-1a of all bytes.
-    fn hash(bytes: impl Iterator<Item = u8>) -> u64 {
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
-    }
-
-    fn noise(count: usize, spread: u32) -> std::vec::Vec<u8> {
-        let mut state = 7u32;
-        let next = || {
-            state ^= state << 13;
-            state ^= state >> 17;
-            state ^= state << 5;
-            u8::try_from((state >> 16) % spread).unwrap()
-        };
-        core::iter::repeat_with(next).take(count).collect()
-    }
-
-    fn features(pixels: &[u8], step: i64, cells: (u16, u16)) -> std::vec::Vec<i8> {
-        let frame = Frame::whole(Image::new(pixels, 120, 90).unwrap());
-        let lattice = Lattice {
-            x: 57 * PIXEL,
-            y: 40 * PIXEL + 1234,
-            step,
-            step_down: step,
-            columns: cells.0 * CELL + 2,
-            rows: cells.1 * CELL + 2,
-        };
-        let mut out = Vec::<i8, 20_000>::new();
-        assert!(Extractor::new().features(&frame, &lattice, &mut out));
-        assert_eq!(out.len(), usize::from(cells.0) * usize::from(cells.1) * CHANNELS);
-        out.to_vec()
-    }
-
-    #[test]
-    fn features_of_noise_stay_what_they_are() {
-        let of = |spread, step, cells| {
-            hash(features(&noise(120 * 90, spread), step, cells).into_iter().map(i8::cast_unsigned))
-        };
-        let hashes = [
-            of(256, PIXEL, (30, 30)),
-            of(256, 5 * PIXEL / 2, (9, 20)),
-            of(3, PIXEL / 2, (48, 22)),
-            of(30, 17 * PIXEL / 3, (4, 5)),
-        ];
-        assert_eq!(
-            hashes,
-            [15221837852940579712, 17370692753796015947, 14906704353035935153, 16938273136145777493],
-            "as the plainest code gave"
-        );
-    }
 }

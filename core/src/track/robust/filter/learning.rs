@@ -436,39 +436,4 @@ mod tests {
         };
         assert_eq!(length(0), length(1 << 30));
     }
-
-    #[test]
-    fn the_filter_answers_where_it_learned() {
-        let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
-        let cells: Many<i8> = (0..30 * 30 * CHANNELS as u32)
-            .map(|at| ((at ^ at >> 9).wrapping_mul(2_654_435_761) >> 24) as u8 as i8)
-            .collect();
-        let (mut filter, mut sums, mut coded) = (Filter::new(), Sums::new(), Coded::new());
-        filter.start(grid.weights());
-        let (products, mut packed, mut budget) = (Products::new(Backend::Scalar), Packed::new(), Budget::NOTHING);
-        let window = FeatureWindow { cells: &cells, layout: layout(&grid, SPAN) };
-        let mut responses = Responses { span: SPAN, ..Responses::new() };
-        for _ in 0..25 {
-            let training = Training { filter: &filter, grid: &grid, window, responses: &responses, products };
-            let mut learning = Learning::begin((512, -256), 160);
-            let mut length = None;
-            while length.is_none() {
-                length = learning.next_piece(&training, &mut coded, &mut sums, &mut packed, &mut budget);
-            }
-            filter.descend(length.unwrap(), &coded);
-            filter.code(&mut coded);
-            let mut pieces = 0..;
-            while !responses.compute(
-                &coded,
-                products,
-                &mut packed,
-                &mut sums.per_weight,
-                window,
-                pieces.next().unwrap(),
-                &mut budget,
-            ) {}
-        }
-        let peak = responses.peak(false);
-        assert!((peak.x - 512).abs() < 40 && (peak.y + 256).abs() < 40 && peak.response > 13_000, "{peak:?}");
-    }
 }
