@@ -11,7 +11,7 @@
 use rayon::prelude::*;
 
 /// One unit of a score: 1.0 is this many.
-const UNITS: f64 = 65535.0;
+pub(super) const UNITS: f64 = 65535.0;
 
 #[derive(Clone, Debug)]
 pub struct Numbers {
@@ -386,9 +386,9 @@ fn whole(difference: f64) -> usize {
     difference as usize
 }
 
-/// A position that is known not to be negative as an index.
-fn index(position: i64) -> usize {
-    usize::try_from(position).expect("positions within a picture are not negative")
+/// A number of something, or its place.
+pub(super) fn index(value: i64) -> usize {
+    usize::try_from(value).expect("places and numbers of things are not negative")
 }
 
 #[cfg(test)]

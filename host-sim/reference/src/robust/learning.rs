@@ -64,10 +64,9 @@ impl Filter {
             let step = self.learn(numbers, shape, &sample, (1.0, numbers.reach), before.as_ref());
             let changes = Coded::new(&step.responses, 32_767.0);
             let units = step.length * step.direction.divisor * changes.divisor / 2.0_f64.powi(60);
-            responses
-                .iter_mut()
-                .zip(&changes.numbers)
-                .for_each(|(response, change)| *response -= nearest(change * units, 1.0));
+            for (response, change) in responses.iter_mut().zip(&changes.numbers) {
+                *response -= nearest(change * units, 1.0);
+            }
             before = Some(step);
         }
     }

@@ -209,7 +209,9 @@ impl Reference {
         if learned {
             let seen = lighting::light(candidate.gain, candidate.window);
             self.light = lighting::followed(&self.numbers, self.light, seen);
-            blend(&mut self.early, &candidate.aligned.seen, self.numbers.early_rate);
+            for (mean, new) in self.early.pixels.iter_mut().zip(&candidate.aligned.seen.pixels) {
+                *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
+            }
         }
         // In cells, on a grid of 1/256.
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
@@ -247,13 +249,8 @@ impl Reference {
         self.place = candidate.place;
         if learned {
             let sample = Sample { cells: &cells, responses: &responses, target };
-            self.filter.learn(
-                &self.numbers,
-                &self.shape,
-                &sample,
-                (self.numbers.step, 5 * self.numbers.reach / 8),
-                None,
-            );
+            let length = (self.numbers.step, 5 * self.numbers.reach / 8);
+            self.filter.learn(&self.numbers, &self.shape, &sample, length, None);
         }
         if decision(&self.numbers, self.mean_evidence) == Decision::Tracking {
             self.tracked_scale = self.place.scale;
@@ -267,24 +264,21 @@ impl Reference {
             }
             fine = refiner.correct(fine);
         }
-        let (response, ratio, confidence) = (candidate.response, candidate.agreement, confidence(self.mean_evidence));
-        let bbox = whole_box(fine);
         let decision = self.decision();
-        let (found, found_again) = (is_found, was_lost && decision != Decision::Lost);
         Step {
             cells,
             responses,
-            response,
-            ratio,
+            response: candidate.response,
+            ratio: candidate.agreement,
             decision,
-            confidence,
+            confidence: confidence(self.mean_evidence),
             scale,
             fine,
-            bbox,
+            bbox: whole_box(fine),
             learned,
             swept,
-            found,
-            found_again,
+            found: is_found,
+            found_again: was_lost && decision != Decision::Lost,
         }
     }
 
@@ -379,11 +373,4 @@ fn without_margin(numbers: &Numbers, view: &Patch) -> Patch {
     let margin = numbers.margin;
     let middle = view.cut(margin, margin, view.columns - 2 * margin, view.rows - 2 * margin);
     middle.expect("a view has a margin")
-}
-
-/// Moves a running mean one part in `rate` of the way to `patch`.
-fn blend(mean: &mut Patch, patch: &Patch, rate: f64) {
-    for (mean, new) in mean.pixels.iter_mut().zip(&patch.pixels) {
-        *mean += nearest((new - *mean) * rate, FINE);
-    }
 }

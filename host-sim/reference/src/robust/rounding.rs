@@ -3,6 +3,8 @@
 //! A grid is given by its parts of 1; all are powers of two. Numbers on them are exact in f64, and so are their sums and
 //! products here, which stay below 2^53.
 
+pub(super) use crate::paper::index;
+
 /// Positions and steps, in pixels.
 pub const POSITION: f64 = 4096.0;
 pub const SCALE: f64 = 65536.0;
@@ -56,9 +58,4 @@ pub fn whole(value: f64) -> i64 {
 #[allow(clippy::cast_precision_loss)] // they are far below 2^53
 pub fn real(value: i64) -> f64 {
     value as f64
-}
-
-/// A number of something, or its place.
-pub fn index(value: i64) -> usize {
-    usize::try_from(value).expect("places and numbers of things are not negative")
 }

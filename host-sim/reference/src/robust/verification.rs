@@ -4,10 +4,7 @@ use super::Numbers;
 use super::lighting::{relit, threshold};
 use super::rounding::{index, real, whole};
 use super::sampling::Patch;
-use crate::paper::similarity;
-
-/// One unit of a score: 1.0 is this many.
-const UNITS: f64 = 65535.0;
+use crate::paper::{UNITS, similarity};
 
 /// p by difference, for each of the 256 that bytes can have.
 pub struct Similarity(Vec<f64>);
