@@ -41,6 +41,16 @@ pub(crate) trait Rows {
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 
+/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
+#[derive(Clone, Copy)]
+pub(crate) struct Slide<T> {
+    pub(crate) factors: *const T,
+    pub(crate) count: usize,
+    pub(crate) numbers: *const T,
+    pub(crate) width: usize,
+    pub(crate) rows: usize,
+}
+
 impl Pairs {
     /// Pairs of `down` rows of a filter at `span` offsets downwards.
     pub(crate) fn new(down: usize, span: usize) -> Self {

@@ -10,7 +10,7 @@
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS};
+use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS, Slide};
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 use crate::kernels::unrolling::in_order;
 use crate::kernels::unrolling::rolled;
@@ -219,17 +219,7 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
-#[derive(Clone, Copy)]
-struct Slide {
-    factors: *const i16,
-    count: usize,
-    numbers: *const i16,
-    width: usize,
-    rows: usize,
-}
-
-impl Slide {
+impl Slide<i16> {
     /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
     /// move on by one number. `total` is the sum of all factors.
     ///
@@ -263,7 +253,7 @@ impl Slide {
 #[cfg(all(smr_swar, target_arch = "arm"))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
-        impl Slide {
+        impl Slide<i16> {
             /// Adds to n sums, and returns n.
             ///
             /// # Safety
@@ -324,7 +314,7 @@ macro_rules! slide {
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
-        impl Slide {
+        impl Slide<i16> {
             /// Adds to n sums, and returns n.
             ///
             /// # Safety

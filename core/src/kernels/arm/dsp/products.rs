@@ -13,7 +13,7 @@
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
-use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS};
+use crate::kernels::three_sums::{BOTH, Pairs, Rows, SUMS, Slide};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 use core::ops::Range;
@@ -310,17 +310,7 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
-#[derive(Clone, Copy)]
-struct Slide {
-    factors: *const i32,
-    count: usize,
-    numbers: *const i32,
-    width: usize,
-    rows: usize,
-}
-
-impl Slide {
+impl Slide<i32> {
     /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
     /// move on by one number.
     ///
@@ -359,7 +349,7 @@ macro_rules! add {
 /// loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
-        impl Slide {
+        impl Slide<i32> {
             /// Adds to n sums, and returns n.
             ///
             /// # Safety

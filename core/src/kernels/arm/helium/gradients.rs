@@ -46,8 +46,6 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
         [distance(true, three), distance(false, five)],
     ]
 };
-/// The offsets of the features of eight cells.
-static FEATURES: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
 /// Memory of the assembly, which knows the offsets of the fields.
 #[repr(C, align(4))]
@@ -280,7 +278,7 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
             inout("r0") sums.as_ptr() => _,
             inout("r1") inverses.as_ptr() => _,
             inout("r2") out.as_mut_ptr() => _,
-            in("r3") &raw const FEATURES,
+            in("r3") &raw const super::CELLS,
             inout("r4") out.len() => _,
             out("r5") _, out("r8") _,
             in("r9") 128,

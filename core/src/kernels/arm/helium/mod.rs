@@ -19,6 +19,9 @@ pub(crate) const fn is_available() -> bool {
 /// Pixels in a vector.
 const LANES: usize = 16;
 
+/// The offsets of a channel in eight neighbouring cells.
+static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
+
 /// Bytes from the end of the last vector of a row to the next row, in the patch and in the template. A vector has
 /// `lanes` pixels.
 #[inline(always)]

@@ -292,8 +292,6 @@ impl Rows {
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
 /// The pieces of [`gather`] are the channels.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
-/// The offsets of a channel in eight neighbouring cells.
-static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
 /// See [`plain::gather`]. A piece is a channel. `spare` holds its sums.
 pub(crate) fn gather<const N: usize>(
@@ -367,7 +365,7 @@ unsafe fn side_by_side(cells: *const i8, to: *mut i8, count: usize) {
             "vstrb.16 q1, [r0], #8",
             "add {cells}, {cells}, #80",
             "letp lr, 2b",
-            places = in(reg) &raw const CELLS,
+            places = in(reg) &raw const super::CELLS,
             count = in(reg) count,
             cells = inout(reg) cells => _,
             // A store that narrows takes only r0 to r7.
