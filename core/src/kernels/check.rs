@@ -48,7 +48,6 @@ pub struct Areas<'a> {
 #[cfg(feature = "unstable")]
 pub fn all(backend: Backend, areas: &mut Areas<'_>) {
     scores(backend, areas);
-    scores_between(backend, areas);
     candidates(backend, areas);
     ranges(backend, areas);
     groups(backend, areas);
@@ -244,45 +243,6 @@ fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>
         for threshold in [1, 128, 256] {
             pair(backend, white, white, threshold);
             pair(backend, white, black, threshold);
-        }
-        let table = cut(2, 256);
-        let scorer = Scorer::new(backend, &table);
-        let least = score(white, black, &table);
-        let most = u32::from(size.0) * u32::from(size.1) * 65_535;
-        let same = scorer.score_between_at_least(white, white, white, 0) == Some(most);
-        let other = scorer.score_between_at_least(black, black, white, 0) >= Some(least);
-        check(same && other, "the largest bounds", backend, size);
-    }
-}
-
-/// Compares bounds of patches between two pictures. They are at least the score of the nearest patch, and at most that
-/// of equal pictures.
-#[inline(never)]
-pub(super) fn scores_between(backend: Backend, areas: &mut Areas<'_>) {
-    fill(areas);
-    let Areas { end, other_end, start } = areas;
-    for (low, high) in end.iter_mut().zip(&mut **start) {
-        (*low, *high) = ((*low).min(*high), (*low).max(*high));
-    }
-    let sizes = (1..=150).flat_map(|width| [1, 2, 5].map(|height| (width, height))).step_by(STEP);
-    for ((width, height), gap) in sizes.flat_map(|size| [0, 1, 2].map(|gap| (size, gap))) {
-        let (threshold, last) = ((width * 7 + height * 13) % 257, (width + height) % 3 > 0);
-        let view = |memory, stride| picture(memory, last, (width, height), usize::from(width) + stride);
-        let (low, high, template) = (view(end, gap), view(start, gap), view(other_end, 2 * gap));
-        let table = cut(height + threshold, threshold);
-        let scorer = Scorer::new(backend, &table);
-        let most = plain::scores::most(low, template);
-        for (low, high) in [(low, high), (high, high)] {
-            let rows = (0..height).map(|y| low.row(y).iter().zip(high.row(y)).zip(template.row(y)));
-            let p = |low, high, g: u8| u32::from(table.similarity(g.abs_diff(g.clamp(low, high))));
-            let exact = rows.flatten().map(|((&low, &high), &g)| p(low, high, g)).sum::<u32>();
-            for floor in [0, 1, exact / 2, exact, exact + 1, exact.midpoint(most), most] {
-                let right = match scorer.score_between_at_least(low, high, template, floor) {
-                    Some(answer) => answer >= exact.max(floor) && answer <= most,
-                    None => exact < floor,
-                };
-                check(right, "score between", backend, (width, height, threshold, floor));
-            }
         }
     }
 }

@@ -23,7 +23,6 @@
 //! |---|---|---|
 //! | [`inside_at_least`] | a group, by ranges that the threshold has widened | 4 |
 //! | [`candidates`] | each of four offsets | 4, of them 1 to prepare the template |
-//! | [`count_at_least`] | all patches between two pictures | 9 |
 //!
 //! Why the loops are written like this:
 //!
@@ -86,8 +85,6 @@ pub(crate) trait Vector: Copy {
     fn beyond(a: Self, b: Self) -> Self;
     /// a - b, wrapping.
     fn minus(a: Self, b: Self) -> Self;
-    /// 255 where a <= b, else 0.
-    fn at_most(a: Self, b: Self) -> Self;
     /// 255 where a > b as signed numbers, else 0.
     fn is_above(a: Self, b: Self) -> Self;
     /// Zeroes the lanes that do not hold the end.
@@ -95,7 +92,7 @@ pub(crate) trait Vector: Copy {
     /// |f - g|.
     #[inline(always)]
     fn difference(f: Self, g: Self) -> Self {
-        outside(f, f, g)
+        Self::or(Self::beyond(f, g), Self::beyond(g, f))
     }
 
     /// Adds all bytes to the sum.
@@ -241,14 +238,6 @@ macro_rules! scores {
             }
 
             #[inline(always)]
-            fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-                let rows = Rows::between(low, high, template);
-                let Some(last) = self.last else { return Some(0).filter(|_| floor == 0) };
-                // SAFETY: as above.
-                unsafe { by_width!(rows.width, $vector, count_at_least::<WHOLE, END>(&rows, last, floor)) }
-            }
-
-            #[inline(always)]
             fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
                 // SAFETY: as above.
                 unsafe { ranges(rows, self.last.unwrap_or(0), low, high) }
@@ -309,7 +298,6 @@ macro_rules! scores {
         }
 
         compiled! { $features, $vector:
-            fn count_at_least(rows: &Rows, last: u8, floor: u32) -> Option<u32>;
             fn inside_at_least(rows: &Rows, floor: u32) -> Option<u32>;
             fn candidates(rows: &Rows, last: u8, floor: u32) -> u8;
             fn distance(rows: &Rows, enough: u32) -> u32;
@@ -354,12 +342,6 @@ pub(crate) use {by_width, compiled, intrinsics, scores};
 #[inline(always)]
 fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
     if WHOLE == ANY { width / V::LANES * V::LANES } else { WHOLE * V::LANES }
-}
-
-/// How far each pixel of `g` lies outside its range from `low` to `high`: |f - g| if both are f.
-#[inline(always)]
-fn outside<V: Vector>(low: V, high: V, g: V) -> V {
-    V::or(V::beyond(low, g), V::beyond(g, high))
 }
 
 /// The totals of the low and of the high bytes of similarities.
@@ -437,55 +419,8 @@ fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
     V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high))))
 }
 
-/// An upper bound of a score: the number of pixels that count (differ by at most `last`), each taken as fully similar.
-/// It reads three pictures at about the cost of a score of two.
-#[inline(always)]
-pub(crate) unsafe fn count_at_least<V: Vector, const WHOLE: usize, const END: bool>(
-    rows: &Rows,
-    last: u8,
-    floor: u32,
-) -> Option<u32> {
-    // SAFETY: y is below the height, no vector ends beyond the width, and `end` is made for it.
-    unsafe {
-        let (end, last) = (V::end::<WHOLE>(rows.width), V::splat(last));
-        let (mut count, needed) = (Count { bytes: V::splat(0), flushed: 0 }, Rows::pixels_of(floor));
-        let mut y = 0;
-        while y < rows.height {
-            let until = rows.height.min(y + ROWS_A_LOOK);
-            while y < until {
-                let ((f, g), h) = (rows.row(y), rows.high_row(y));
-                let mut at = 0;
-                while at < whole::<V, WHOLE>(rows.width) {
-                    let (f, h) = (V::load(f.wrapping_add(at)), V::load(h.wrapping_add(at)));
-                    let g = V::load(g.wrapping_add(at));
-                    count.add(V::at_most(outside(f, h, g), last));
-                    at += V::LANES;
-                    if WHOLE == ANY && at.is_multiple_of(Count::<V>::MOST * V::LANES) {
-                        count.flush();
-                    }
-                }
-                if END {
-                    let f = V::load_end::<WHOLE>(f, rows.width);
-                    let h = V::load_end::<WHOLE>(h, rows.width);
-                    let g = V::load_end::<WHOLE>(g, rows.width);
-                    count.add(V::keep(V::at_most(outside(f, h, g), last), end));
-                }
-                if WHOLE == ANY {
-                    count.flush();
-                }
-                y += 1;
-            }
-            count.flush();
-            if count.flushed + rows.pixels_after(y) < needed {
-                return None;
-            }
-        }
-        Some(count.flushed * u32::from(ONE))
-    }
-}
-
-/// The bound of [`count_at_least`] by ranges in the form of [`widen`]. It counts the pixels outside their ranges, and
-/// stops once there are too many.
+/// An upper bound of a score: the number of pixels inside their ranges, which are in the form of [`widen`], each taken
+/// as fully similar. It counts those outside, and stops once there are too many.
 #[inline(always)]
 pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,

@@ -19,7 +19,7 @@
 //!
 //! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
-//! | scores, distances (SAD), and upper bounds of scores, also for groups of offsets and for four offsets at a time | `scorer.rs` | `scores.rs` | `scores.rs` | `neon.rs` | `simd128.rs` | `scores.rs`, `bounds.rs` | `scores.rs` |
+//! | scores, distances (SAD), and upper bounds of scores for groups of offsets and for four offsets at a time | `scorer.rs` | `scores.rs` | `scores.rs` | `neon.rs` | `simd128.rs` | `scores.rs`, `bounds.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `avx2.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `products.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |

@@ -33,7 +33,6 @@ impl Vector for uint8x16_t {
         fn or(a: Self, b: Self) -> Self { vorrq_u8(a, b) }
         fn beyond(a: Self, b: Self) -> Self { vqsubq_u8(a, b) }
         fn minus(a: Self, b: Self) -> Self { vsubq_u8(a, b) }
-        fn at_most(a: Self, b: Self) -> Self { vcleq_u8(a, b) }
         fn is_above(a: Self, b: Self) -> Self { vcgtq_s8(vreinterpretq_s8_u8(a), vreinterpretq_s8_u8(b)) }
         fn add(total: uint32x4_t, bytes: Self) -> uint32x4_t { vpadalq_u16(total, vpaddlq_u8(bytes)) }
         fn add_distance(total: uint32x4_t, f: Self, g: Self) -> uint32x4_t { Self::add(total, vabdq_u8(f, g)) }

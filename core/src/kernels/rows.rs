@@ -28,21 +28,16 @@ pub(crate) struct Rows {
 impl Rows {
     #[inline]
     pub(crate) fn of(patch: Image<'_>, template: Image<'_>) -> Self {
-        Self::between(patch, patch, template)
-    }
-
-    #[inline]
-    pub(crate) fn between(low: Image<'_>, high: Image<'_>, template: Image<'_>) -> Self {
-        let ((l, patch_stride), (h, high_stride), (g, template_stride)) = (low.parts(), high.parts(), template.parts());
+        let ((f, patch_stride), (g, template_stride)) = (patch.parts(), template.parts());
         Self {
-            patch: l.as_ptr(),
-            high: h.as_ptr(),
+            patch: f.as_ptr(),
+            high: f.as_ptr(),
             template: g.as_ptr(),
             patch_stride,
-            high_stride,
+            high_stride: patch_stride,
             template_stride,
-            width: usize::from(low.width().min(high.width()).min(template.width())),
-            height: usize::from(low.height().min(high.height()).min(template.height())),
+            width: usize::from(patch.width().min(template.width())),
+            height: usize::from(patch.height().min(template.height())),
         }
     }
 

@@ -110,23 +110,6 @@ impl<'a> Scorer<'a> {
         Some(by_backend!(&self.ready, Ready(kernels) => kernels.distance(patch, template, enough)))
     }
 
-    /// An upper bound of the score of every patch between two pictures: each of its pixels is at least that of `low`
-    /// and at most that of `high`. No pixel of `low` is above that of `high`. `None` if the bound is less than `floor`,
-    /// or as for [`Scorer::score`].
-    #[cfg(any(test, feature = "unstable"))]
-    #[must_use]
-    #[inline(always)]
-    pub fn score_between_at_least(
-        &self,
-        low: Image<'_>,
-        high: Image<'_>,
-        template: Image<'_>,
-        floor: u32,
-    ) -> Option<u32> {
-        checked(low, template)?;
-        by_backend!(&self.ready, Ready(kernels) => kernels.score_between_at_least(low, high, template, floor))
-    }
-
     /// True if a backend of this target bounds four offsets at a time, and faster than it scores them.
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;

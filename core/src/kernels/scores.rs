@@ -47,9 +47,6 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// The bound may be more than that of the plain loop, but never less.
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
-
     /// The offsets among the `wanted` of four that may score at least `floor`. Bit i is cleared only if the offset i
     /// columns to the right cannot. The patch has three more columns than the template. Backends without a fast way
     /// return all of them.

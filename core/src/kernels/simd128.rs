@@ -35,7 +35,6 @@ impl Vector for v128 {
         fn or(a: Self, b: Self) -> Self { v128_or(a, b) }
         fn beyond(a: Self, b: Self) -> Self { u8x16_sub_sat(a, b) }
         fn minus(a: Self, b: Self) -> Self { u8x16_sub(a, b) }
-        fn at_most(a: Self, b: Self) -> Self { u8x16_le(a, b) }
         fn is_above(a: Self, b: Self) -> Self { i8x16_gt(a, b) }
         fn add(total: Self, bytes: Self) -> Self {
             u32x4_add(total, u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(bytes)))

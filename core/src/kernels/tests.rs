@@ -74,7 +74,6 @@ fn too_large(backend: Backend) {
         assert_eq!(scorer.score(large, large), None);
         assert_eq!(scorer.score_at_least(large, large, 1), None);
         assert_eq!(scorer.distance(large, large, u32::MAX), None);
-        assert_eq!(scorer.score_between_at_least(large, large, large, 0), None);
     }
 }
 
@@ -135,7 +134,6 @@ for_each_backend! {
     scalar_loop: Scalar, ssse3: Ssse3, avx2: Avx2, neon: Neon, simd128: Simd128, swar: Swar;
     {
         scores: |backend| check::scores(backend, &mut Guarded::new().areas()),
-        scores_between: |backend| check::scores_between(backend, &mut Guarded::new().areas()),
         candidates: |backend| check::candidates(backend, &mut Guarded::new().areas()),
         ranges: |backend| check::ranges(backend, &mut Guarded::new().areas()),
         groups: |backend| check::groups(backend, &mut Guarded::new().areas()),

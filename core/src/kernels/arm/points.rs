@@ -17,10 +17,9 @@ pub(crate) struct Points {
     rate: u32,
     /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
     ///
-    /// If N pixels count and their differences sum to S, the score is at most N * 65535 - c * S: a bound that needs no
-    /// table. The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from
-    /// p(0) to it is the flattest. It is stored, because every step needs it, and processors divide slowly.
-    pub(super) chord: u32,
+    /// The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from p(0) to
+    /// it is the flattest. It is stored, because every step needs it, and processors divide slowly.
+    chord: u32,
 }
 
 impl Points {

@@ -1,14 +1,10 @@
 //! The scores of Arm's microcontrollers, and the bounds that exclude offsets: one code for both instruction sets, each
 //! of which defines its loops over pixels ([`Loops`]).
 //!
-//! These instruction sets sum bytes fast, but look up a table pixel by pixel. So three bounds only sum bytes:
+//! These instruction sets sum bytes fast, but look up a table pixel by pixel. So two bounds only sum bytes:
 //!
 //! - [`Loops::MISSES`] counts the pixels that cannot count at any offset of a group.
 //! - [`Loops::SPARE`] sums the points of four offsets (`points.rs`).
-//! - [`Loops::LOSS`] bounds the score of every patch between two pictures: a full score less the least loss of its
-//!   pixels. A pixel that counts and differs by d loses at least c * d of its 65535 (c: [`Points::chord`]). A pixel
-//!   that does not count loses all. So the bound needs two sums of bytes: the number of pixels that do not count, and
-//!   the differences of the others.
 
 use super::points::{OFFSETS, Points};
 use crate::image::Image;
@@ -27,8 +23,6 @@ pub(crate) trait Loops {
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
     /// The distance. It may stop once that is more than enough.
     const DISTANCE: unsafe fn(&Rows, u32) -> u32;
-    /// The least loss. It may stop once that is more than allowed. The upper bound has the same stride as the patch.
-    const LOSS: unsafe fn(&Rows, &Limit) -> u32;
     /// The number of template pixels outside their ranges. It may stop once that exceeds what is allowed. The lower
     /// ends are the patch, the lengths its upper bound; both have the same stride.
     const MISSES: unsafe fn(&Rows, u32) -> u32;
@@ -38,15 +32,6 @@ pub(crate) trait Loops {
     /// Computes the ranges of 4x4 blocks, widened by a margin on both sides: their lower ends, and their lengths. Does
     /// nothing if there are fewer blocks than `NARROWEST`.
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
-}
-
-/// The limits of a loss. A patch is excluded once its pixels have lost more than `allowed`.
-pub(crate) struct Limit {
-    /// A pixel counts if its difference is less than this: 1..=255.
-    pub(crate) threshold: u8,
-    /// The loss of a pixel that counts, for each gray level of difference. A pixel that does not count loses 65535.
-    pub(crate) chord: u32,
-    pub(crate) allowed: u32,
 }
 
 /// A table, and the loops that use it.
@@ -80,22 +65,6 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         // SAFETY: there are enough columns.
         let reachable = unsafe { (L::REACHABLE)(&pair, table.entries().as_ptr(), floor) };
         Some(reachable).filter(|&score| score >= floor)
-    }
-
-    #[inline(never)]
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        let rows = Rows::between(low, high, template);
-        let full = rows.full_after(0);
-        let allowed = full.checked_sub(floor)?;
-        let threshold = u8::try_from(self.plain.table.threshold()).unwrap_or(0);
-        // No bound is computed for rows too narrow for the loop, or if all pixels count or none does.
-        if threshold == 0 || !Self::can_take(rows.width) || rows.patch_stride != rows.high_stride {
-            return Some(full);
-        }
-        let limit = Limit { threshold, chord: self.plain.table.points().chord, allowed };
-        // SAFETY: there are enough columns, and both bounds have the same stride.
-        let loss = unsafe { (L::LOSS)(&rows, &limit) };
-        full.checked_sub(loss).filter(|&most| most >= floor)
     }
 
     #[inline(never)]

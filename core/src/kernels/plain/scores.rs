@@ -24,11 +24,6 @@ impl Scores for Plain<'_> {
     }
 
     #[inline]
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        score_between_at_least(low, high, template, self.table, floor)
-    }
-
-    #[inline]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         distance(patch, template, enough)
     }
@@ -41,7 +36,7 @@ impl Scores for Plain<'_> {
     #[inline(always)]
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         let Some((low, high)) = blocks.pictures(template) else { return Some(most(template, template)) };
-        self.score_between_at_least(low, high, template, floor)
+        score_between_at_least(low, high, template, self.table, floor)
     }
 }
 

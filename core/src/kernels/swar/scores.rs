@@ -100,11 +100,6 @@ impl Scores for Swar<'_> {
         candidates
     }
 
-    #[inline(always)]
-    fn score_between_at_least(&self, low: Image<'_>, high: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
-        self.plain.score_between_at_least(low, high, template, floor)
-    }
-
     #[inline(never)]
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
         let rows = Rows::of(patch, template);

@@ -36,7 +36,6 @@ impl Vector for __m256i {
         fn or(a: Self, b: Self) -> Self { _mm256_or_si256(a, b) }
         fn beyond(a: Self, b: Self) -> Self { _mm256_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm256_sub_epi8(a, b) }
-        fn at_most(a: Self, b: Self) -> Self { _mm256_cmpeq_epi8(_mm256_min_epu8(a, b), a) }
         fn is_above(a: Self, b: Self) -> Self { _mm256_cmpgt_epi8(a, b) }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm256_setzero_si256()) }
         fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm256_add_epi64(total, _mm256_sad_epu8(f, g)) }

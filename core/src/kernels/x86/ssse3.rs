@@ -40,7 +40,6 @@ impl Vector for __m128i {
         fn or(a: Self, b: Self) -> Self { _mm_or_si128(a, b) }
         fn beyond(a: Self, b: Self) -> Self { _mm_subs_epu8(a, b) }
         fn minus(a: Self, b: Self) -> Self { _mm_sub_epi8(a, b) }
-        fn at_most(a: Self, b: Self) -> Self { _mm_cmpeq_epi8(_mm_min_epu8(a, b), a) }
         fn is_above(a: Self, b: Self) -> Self { _mm_cmpgt_epi8(a, b) }
         fn add(total: Self, bytes: Self) -> Self { Self::add_distance(total, bytes, _mm_setzero_si128()) }
         fn add_distance(total: Self, f: Self, g: Self) -> Self { _mm_add_epi64(total, _mm_sad_epu8(f, g)) }

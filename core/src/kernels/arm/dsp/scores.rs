@@ -10,19 +10,15 @@
 //! until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
 
 use super::super::points::{OFFSETS, Points};
-use super::super::scores::{Limit, Loops, blocks};
+use super::super::scores::{Loops, blocks};
 use super::bounds;
-use super::words::{LANES, Row, entry, in_lanes, words};
-use crate::kernels::cut_table::ONE;
+use super::words::{LANES, Row, in_lanes, words};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
 /// Columns that `distance` takes at a time. Its loop is unrolled for this many.
 const STRIP: usize = 16 * LANES;
-
-/// Bytes of code that `loss` has for one word.
-const LOSS_WORD: usize = 40;
 
 /// The loops of the DSP extension.
 pub(crate) struct Dsp;
@@ -31,7 +27,6 @@ impl Loops for Dsp {
     const NARROWEST: usize = LANES;
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
     const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
-    const LOSS: unsafe fn(&Rows, &Limit) -> u32 = loss;
     const MISSES: unsafe fn(&Rows, u32) -> u32 = bounds::misses;
     const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = bounds::spare;
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
@@ -77,7 +72,7 @@ macro_rules! similarities {
 /// The score if it is at least `floor`, else any number below `floor`.
 ///
 /// # Safety
-/// The pictures have at least four columns; there are 256 entries, the first of which is [`ONE`].
+/// The pictures have at least four columns; there are 256 entries, the first of which is that of equal pixels.
 #[inline(always)]
 unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     let mut reachable = pair.full_after(0);
@@ -330,139 +325,5 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             again = inout(reg) if from.last == 0 { 8 } else { 0 } => _,
             options(nostack),
         );
-    }
-}
-
-/// Adds the differences in `r2` to both sums.
-macro_rules! clipped {
-    () => {
-        concat!(
-            "uqsub8 {d}, {threshold}, r2\n",
-            "uqsub8 r2, {one_less}, r2\n",
-            "usada8 {sum}, {threshold}, {d}, {sum}\n",
-            "usada8 {less}, {one_less}, r2, {less}\n",
-        )
-    };
-}
-
-/// Adds the differences of the next word of a row to both sums.
-macro_rules! clipped_word {
-    () => {
-        concat!(
-            "ldr.w r2, [{f}], #4\n",
-            "ldr.w r3, [{g}], #4\n",
-            "uqsub8 {d}, r2, r3\n",
-            "ldr.w r2, [{h}], #4\n",
-            "uqsub8 r2, r3, r2\n",
-            "orr.w r2, r2, {d}\n",
-            clipped!(),
-        )
-    };
-}
-
-/// The least loss of the pictures, which have at least four columns. Stops once it is more than allowed.
-///
-/// `uqsub8` gives max(threshold - d, 0). Its distance to the threshold, which `usada8` adds, is min(d, threshold). So
-/// there are two sums: of min(d, threshold) and of min(d, threshold - 1). They differ by the number of pixels that do
-/// not count.
-#[inline(never)]
-fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let mut round = Round {
-        row: Row::of(pair),
-        allowed: limit.allowed,
-        words: words(pair),
-        of_threshold: limit.of_threshold(),
-        of_one_less: limit.chord.wrapping_sub(limit.of_threshold()),
-        entry: entry(pair, LOSS_WORD),
-    };
-    let lost: u32;
-    // SAFETY: only words within a row are read. The upper bound has the same stride as the patch. Nothing but `round`
-    // is written.
-    unsafe {
-        asm!(
-            "adr.w r2, 4f",
-            "ldr r3, [{round}, #36]",
-            "add r2, r2, r3",
-            "orr r2, r2, #1", // Thumb
-            "str r2, [{round}, #36]",
-            "2:",
-            "ldr r5, [{round}, #8]",
-            "cbz r5, 3f",
-            "ldr r2, [{f}, r5]",
-            "ldr r3, [{g}, r5]",
-            "uqsub8 {d}, r2, r3",
-            "ldr r2, [{h}, r5]",
-            "uqsub8 r2, r3, r2",
-            "orr r2, r2, {d}",
-            "ldr {d}, [{round}, #12]",
-            "lsr r2, r2, {d}",
-            clipped!(),
-            "3:",
-            "ldr r5, [{round}, #24]",
-            "add r5, r5, {g}",
-            "ldr.w pc, [{round}, #36]",
-            ".p2align 2", // adr can point to 4 only if it is aligned
-            "4:",
-            clipped_word!(),
-            clipped_word!(),
-            clipped_word!(),
-            clipped_word!(),
-            "cmp {g}, r5",
-            "bne 4b",
-            "ldrd r2, r3, [{round}]",
-            "add {f}, {f}, r2",
-            "add {h}, {h}, r2",
-            "add {g}, {g}, r3",
-            "ldrd r2, r3, [{round}, #28]",
-            "mul r2, r2, {sum}",
-            "mla r2, r3, {less}, r2",
-            "ldrd {d}, r3, [{round}, #16]",
-            "cmp r2, r3",
-            "bhi 5f",
-            "cmp {g}, {d}",
-            "bne 2b",
-            "5:",
-            f = inout(reg) pair.patch => _,
-            g = inout(reg) pair.template => _,
-            h = inout(reg) pair.high => _,
-            out("r2") lost,
-            out("r3") _, out("r5") _,
-            d = out(reg) _,
-            threshold = in(reg) in_lanes(limit.threshold),
-            one_less = in(reg) in_lanes(limit.threshold - 1),
-            sum = inout(reg) 0 => _,
-            less = inout(reg) 0 => _,
-            round = in(reg) &raw mut round,
-            options(nostack),
-        );
-    }
-    lost
-}
-
-/// The numbers that [`loss`] reads from memory. The assembly knows their offsets.
-#[repr(C)]
-struct Round {
-    row: Row,
-    allowed: u32,
-    /// Bytes in the whole words of a row.
-    words: usize,
-    /// The loss for each unit of the first and of the second sum.
-    of_threshold: u32,
-    of_one_less: u32,
-    /// See [`entry`].
-    entry: usize,
-}
-
-impl Limit {
-    /// The loss for each unit of the first sum.
-    ///
-    /// Let M and M' be the two sums, t the threshold and c the chord. M - M' pixels do not count, and the differences
-    /// of the others sum to M - (M - M') t. So
-    ///
-    /// ```text
-    /// loss = 65535 (M - M') + c (M - (M - M') t) = (65535 - c t + c) M + (c - (65535 - c t + c)) M'
-    /// ```
-    fn of_threshold(&self) -> u32 {
-        u32::from(ONE).wrapping_sub(self.chord.wrapping_mul(u32::from(self.threshold))).wrapping_add(self.chord)
     }
 }

@@ -10,7 +10,7 @@
 //! There are no intrinsics, so these are `asm!`.
 
 use super::super::points::{OFFSETS, Points};
-use super::super::scores::{Limit, Loops, blocks};
+use super::super::scores::{Loops, blocks};
 use super::{LANES, bounds, strides};
 use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
@@ -23,7 +23,6 @@ impl Loops for Helium {
     const NARROWEST: usize = 1;
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32 = reachable;
     const DISTANCE: unsafe fn(&Rows, u32) -> u32 = distance;
-    const LOSS: unsafe fn(&Rows, &Limit) -> u32 = loss;
     const MISSES: unsafe fn(&Rows, u32) -> u32 = bounds::misses;
     const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS] = bounds::spare;
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
@@ -184,56 +183,4 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
             options(nostack),
         );
     }
-}
-
-/// The least loss of the pictures. Stops once it is more than allowed.
-#[inline(never)]
-fn loss(pair: &Rows, limit: &Limit) -> u32 {
-    let [f_stride, g_stride] = strides(pair, LANES);
-    let lost: u32;
-    // SAFETY: as in `distance`. The upper bound has the same stride as the patch.
-    unsafe {
-        asm!(
-            "vdup.8 q2, lr",
-            "vmov.i8 q3, #1",
-            "2:",
-            "dlstp.8 lr, {width}",
-            "3:",
-            "vldrb.u8 q0, [{f}], #16",
-            "vldrb.u8 q1, [{g}], #16",
-            "vqsub.u8 q0, q0, q1",
-            "vldrb.u8 q4, [{high}], #16",
-            "vqsub.u8 q1, q1, q4",
-            "vorr q0, q0, q1",
-            "vpte.u8 cs, q0, q2",
-            "vaddvat.u8 r2, q3", // counts pixels that reach the threshold
-            "vaddvae.u8 r4, q0", // adds the differences of the others
-            "letp lr, 3b",
-            "rsb lr, r2, r2, lsl #16", // * 65535
-            "mla lr, r4, {chord}, lr",
-            "cmp lr, {allowed}",
-            "bhi 4f",
-            "add {f}, {f}, {f_stride}",
-            "add {high}, {high}, {f_stride}",
-            "add {g}, {g}, {g_stride}",
-            "subs {rows}, {rows}, #1",
-            "bne 2b",
-            "4:",
-            f = inout(reg) pair.patch => _,
-            high = inout(reg) pair.high => _,
-            g = inout(reg) pair.template => _,
-            f_stride = in(reg) f_stride,
-            g_stride = in(reg) g_stride,
-            rows = inout(reg) pair.height => _,
-            width = in(reg) pair.width,
-            chord = in(reg) limit.chord,
-            allowed = in(reg) limit.allowed,
-            inout("r2") 0 => _,
-            inout("r4") 0 => _,
-            inout("lr") u32::from(limit.threshold) => lost,
-            out("q0") _, out("q1") _, out("q2") _, out("q3") _, out("q4") _,
-            options(readonly, nostack),
-        );
-    }
-    lost
 }
