@@ -102,26 +102,3 @@ fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;
     sums.gradient.iter().map(byte).chain([gray]).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_gradient_between_two_directions_is_shared() {
-        let of = |gradient| {
-            let mut sums = [0.0; DIRECTIONS];
-            split(&mut sums, gradient);
-            sums
-        };
-        let only = |parts: &[(usize, f64)]| {
-            let mut sums = [0.0; DIRECTIONS];
-            parts.iter().for_each(|&(at, part)| sums[at] = part);
-            sums
-        };
-        assert_eq!(of((10.0, 0.0)), only(&[(0, 10.0)]));
-        // Half of 10 / cos 10 degrees each.
-        assert_eq!(of((0.0, 10.0)), only(&[(4, 1300.0 / 256.0), (5, 1300.0 / 256.0)]));
-        assert_eq!(of((-9.0, 1.0)), only(&[(8, 748.0 / 256.0), (0, 1601.0 / 256.0)]));
-    }
-}

@@ -188,16 +188,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_a_step_mixes_two_pixels_and_a_step_of_two_takes_means() {
-        let frame = Picture { pixels: &[10, 20, 40, 60], width: 4, height: 1 };
-        let row = |x: f64, step: f64, columns: i64| Lattice { x, y: 0.0, step, step_down: step, columns, rows: 1 };
-        let row = |x: f64, step: f64, columns: i64| row(x, step, columns).sample(&Numbers::refined(), &frame).pixels;
-        assert_eq!(row(0.5, 0.5, 3), [10.0, 15.0, 20.0]);
-        assert_eq!(row(1.5, 2.0, 2), [15.0, 50.0]);
-        assert_eq!(row(9.0, 1.0, 2), [60.0, 60.0]);
-    }
-
-    #[test]
     fn of_larger_blocks_four_pixels_are_read() {
         let read = |side| (Block::new(side, 2).read, Block::new(side, 2).middle());
         assert_eq!(read(1), (vec![0, 0], 0.0));
