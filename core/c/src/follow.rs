@@ -194,9 +194,8 @@ pub unsafe extern "C" fn smr_lock_step(
 ///
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
 /// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
-/// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: about
-/// the same in every frame, at most 894 products for each of at most 2000 weights. #smr_update_step
-/// does the same in steps.
+/// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: at
+/// most 726 products for each of at most 2000 weights. #smr_update_step does the same in steps.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_windows.

@@ -665,7 +665,7 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula: of random energies, and where a root is just a whole number or not yet.
+/// Compares norms with the formula: of random energies, of the least energy that reaches a root, and of one less.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {

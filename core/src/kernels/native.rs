@@ -4,7 +4,7 @@
 use super::backend::native;
 use super::cut_table::MAX_PIXELS;
 use super::layout::{CELL, CHANNELS, SIDE};
-use super::plain::levels::{MixedRow, PLACES};
+use super::plain::levels::{MixedRow, PLACES, Parts};
 use heapless::Vec;
 
 /// The places of up to `N` columns in a row.
@@ -12,7 +12,7 @@ pub(crate) struct Interpolation<const N: usize> {
     /// The byte in the row where a column's first number begins.
     from: Vec<u16, N>,
     /// The weights of the first and of the second number, 256 together.
-    parts: Vec<[u16; 2], N>,
+    parts: Vec<Parts, N>,
 }
 
 impl<const N: usize> Interpolation<N> {
@@ -37,7 +37,7 @@ impl<const N: usize> Interpolation<N> {
     /// Adds a column at `place + part / 256`. Does nothing if there is no room.
     pub(crate) fn push(&mut self, place: u16, part: u8) {
         let _ = self.from.push(2 * (place % PLACES));
-        let _ = self.parts.push([256 - u16::from(part), part.into()]);
+        let _ = self.parts.push(Parts([256 - u16::from(part), part.into()]));
     }
 
     /// Computes the rounded gray levels of the columns in `row`, up to the length of `out`.

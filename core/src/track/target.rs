@@ -168,8 +168,7 @@ pub trait Target: Steps {
     ///
     /// Reads only the pixels in [`Target::window`] and [`Target::sweep_window`]. Cost: [`Paper`](crate::Paper) takes up
     /// to [`Target::most_work`] if nothing matches, and far less if the target is clearly visible.
-    /// [`Robust`](crate::Robust) takes about the same in every frame, at most 894 products for each of at most 2000
-    /// weights.
+    /// [`Robust`](crate::Robust) takes at most 726 products for each of at most 2000 weights.
     ///
     /// # Errors
     /// [`UpdateError`]. The target is then unchanged.

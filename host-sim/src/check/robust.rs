@@ -269,7 +269,6 @@ mod tests {
         assert!(unnoticed.is_empty(), "other numbers go unnoticed: {unnoticed:?}");
     }
 
-    /// A picture of tiles that moves by a pixel.
     fn moved_once(numbers: Numbers, target: Rect) -> Report {
         let frame = |step: usize| GrayFrame { width: 240, height: 160, pixels: tiles(240, 160, |x, y| (x + step, y)) };
         through(lock("bounds", numbers, Config::refined(), &frame(0), target), std::iter::once(frame(1)))

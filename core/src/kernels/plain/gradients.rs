@@ -53,10 +53,12 @@ impl Sectors {
         }
     }
 
-    /// The votes of all gradients, and the sum of gray levels. `distance` is [`distance`] or its equal.
+    /// The votes of all gradients, and the sum of gray levels.
     #[inline(always)]
-    pub(crate) fn sums(&self, gray: u16, distance: impl Fn(u32, (i32, i32)) -> i32) -> Sums {
-        // The distance of the gradients beyond a direction is their vote for the next one, and the other way round.
+    pub(crate) fn sums(&self, gray: u16) -> Sums {
+        // A gradient votes for the direction after it by its distance beyond the one before, and for the one before by
+        // its distance short of the one after. Here a and c are whole sectors, b and d mirrored ones; a and b distances
+        // beyond, c and d distances short, which are negative. The number is that of the direction with the vote.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -65,7 +67,7 @@ impl Sectors {
             (beyond(0, zero), beyond(1, one), beyond(2, two), beyond(3, three), beyond(4, four));
         let ([c0, d0], [c1, d8], [c2, d7], [c3, d6], [c4, d5]) =
             (beyond(0, one), beyond(1, two), beyond(2, three), beyond(3, four), beyond(4, five));
-        // In units of 1/4. No sum reaches 2^16.
+        // Sums are in units of 1/4 gray level, below 2^16.
         let quarters = |sum: i32| low(sum.cast_unsigned() >> 6);
         Sums([
             quarters(-c0 - d0),
@@ -83,14 +85,14 @@ impl Sectors {
 }
 
 /// Returns how far the gradient in `sum` is beyond a direction: cos * |y| - sin * |x|.
-pub(crate) fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
+fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
 
 /// The sums of a cell. They depend on its pixels and their neighbours.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
-    sectors(lines, at).sums(gray(lines, at), distance)
+    sectors(lines, at).sums(gray(lines, at))
 }
 
 /// Computes the sums and the energy of each cell of a row.
@@ -180,9 +182,10 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
 }
 
 /// Replaces the energies of columns of three cells by `of` the norm of the cells around: the root of 64 times their mean
-/// energy. `rows` of the three lie in the lattice, and at least two columns.
+/// energy. `rows` of the three cells of a column lie in the lattice. There are at least two columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
+    debug_assert!(columns.len() != 1);
     let (mut left, mut here) = (0, 0);
     for at in rolled(0..columns.len()) {
         // Cells beyond the edge do not count.

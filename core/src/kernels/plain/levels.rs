@@ -37,18 +37,23 @@ pub(crate) const PLACES: u16 = 512;
 /// place.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
+/// The weights of a column's first and second number, 256 in sum. The assembly loads them as aligned words.
+#[derive(Clone, Copy)]
+#[repr(align(4))]
+pub(crate) struct Parts(pub(crate) [u16; 2]);
+
 /// The number that is subtracted from each number of a [`MixedRow`]: the DSP extension and Helium multiply signed
 /// numbers.
 pub(crate) const BIAS: u16 = if cfg!(any(smr_dsp, smr_helium)) { 1 << 15 } else { 0 };
 
 /// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
-/// begins. `parts` are the weights of the first and of the second number, 256 in sum.
+/// begins.
 #[inline(always)]
-fn mixed(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item = u8> {
+fn mixed(from: &[u16], parts: &[Parts], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
         let pair = row.get(usize::from(from / 2)..).and_then(|row| row.first_chunk()).copied().unwrap_or([0; 2]);
         let [first, second] = pair.map(|number| u32::from(number.wrapping_add(BIAS)));
-        let [rest, part] = parts.map(u32::from);
+        let [rest, part] = parts.0.map(u32::from);
         let [_, _, level, _] = (first * rest + second * part + (1 << 15)).to_le_bytes();
         level
     })
@@ -56,6 +61,6 @@ fn mixed(from: &[u16], parts: &[[u16; 2]], row: &MixedRow) -> impl Iterator<Item
 
 /// Writes the [`mixed`] gray levels of columns, up to the length of `out`.
 #[inline(always)]
-pub(crate) fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
+pub(crate) fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
     out.iter_mut().zip(mixed(from, parts, row)).for_each(|(out, level)| *out = level);
 }

@@ -6,6 +6,7 @@ use core::arch::asm;
 
 pub(crate) use plain::features;
 
+// The assembly below relies on these factors.
 const _: () = {
     let [_, one, two, three, four, _] = DIRECTIONS;
     assert!(one.1 == 256 && three.0 == 2 * 187 && three.1 == 8 * 81 && four.0 == 130 && two.0 > two.1);
@@ -19,9 +20,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     energies: &mut [u32; ROW],
     across: usize,
 ) {
-    plain::by_cells(lines, sums, energies, across, |lines, at| {
-        sectors(lines, at).sums(plain::gray(lines, at), plain::distance)
-    });
+    plain::by_cells(lines, sums, energies, across, |lines, at| sectors(lines, at).sums(plain::gray(lines, at)));
 }
 
 /// Adds the gradient of the pixel `at`. r0 points to the left neighbour of the row's first pixel, r1 and r2 to the pixels
@@ -82,7 +81,7 @@ macro_rules! beyond {
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
     const { assert!(COLUMNS < 256) };
     let [_, one, two, _, four, _] = DIRECTIONS;
-    // Each mirrored sector, and the sector.
+    // Pairs of a mirrored sector and the sector itself.
     let mut sectors = [[0; 2]; 5];
     if at + SIDE <= COLUMNS {
         let above = lines.as_ptr().cast::<u8>().wrapping_add(at);

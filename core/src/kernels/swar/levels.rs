@@ -1,6 +1,6 @@
 //! Gray levels of a row, sampled with one product for each column. The other loops are the plain ones.
 
-use crate::kernels::plain::levels::MixedRow;
+use crate::kernels::plain::levels::{MixedRow, Parts};
 use crate::kernels::unrolling::rolled;
 
 pub(crate) use crate::kernels::plain::levels::{deviation, replace};
@@ -10,8 +10,8 @@ pub(crate) use crate::kernels::plain::levels::{deviation, replace};
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
 #[inline(never)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
-    for (out, (&from, &[_, part])) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
+    for (out, (&from, &Parts([_, part]))) in rolled(out.iter_mut().zip(from.iter().zip(parts))) {
         let pair = row.as_ptr().wrapping_byte_add(from.into());
         // SAFETY: the row has a number at each place, and one after the last.
         let [first, second] = [pair, pair.wrapping_add(1)].map(|number| u32::from(unsafe { *number }));

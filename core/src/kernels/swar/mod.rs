@@ -10,9 +10,9 @@ pub(crate) mod scores;
 
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
-// A page with WebAssembly must be small, and nearly all browsers have its vectors.
 #[cfg(all(smr_swar, not(target_arch = "arm")))]
 pub(crate) use crate::kernels::plain::gradients;
+// A page with WebAssembly must be small, and nearly all browsers have its vectors.
 #[cfg(target_arch = "wasm32")]
 pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]

@@ -84,7 +84,7 @@ impl Robust {
 
     #[cfg(feature = "unstable")]
     pub(crate) fn followed(&self) -> Option<FineRect> {
-        self.memory.track.map(|track| track.followed())
+        self.memory.track.map(|track| track.at(track.motion.place))
     }
 
     #[cfg(feature = "unstable")]

@@ -25,10 +25,10 @@ pub fn running_mean(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
     mean.min(evidence + numbers.most_lead)
 }
 
-/// The mean after the target was found again: as large as its evidence, but not of a tracked target.
+/// The mean after the target was found again: its evidence, but too small for *tracking*.
 pub fn found_mean(numbers: &Numbers, evidence: f64) -> f64 {
     let least = |confidence: f64| (confidence * 1.5).ceil();
-    evidence.min((least(numbers.uncertain_below) - 1.0).max(least(numbers.lost_below)))
+    evidence.min(least(numbers.uncertain_below) - 1.0).max(least(numbers.lost_below))
 }
 
 pub fn decision(numbers: &Numbers, mean: f64) -> Decision {

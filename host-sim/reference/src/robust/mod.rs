@@ -179,7 +179,7 @@ impl Reference {
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { parts, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
-        (parts.sweep && (lost_next || self.given_up()))
+        (parts.sweep && lost_next || self.given_up())
             .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
     }
 
@@ -200,7 +200,7 @@ impl Reference {
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
         self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
-        let given_up = parts.sweep && self.given_up();
+        let given_up = self.given_up();
         if given_up {
             self.mean_evidence = 0.0;
         }
@@ -283,7 +283,8 @@ impl Reference {
     }
 
     fn given_up(&self) -> bool {
-        self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
+        let Numbers { parts, lost_below, .. } = self.numbers;
+        parts.sweep && lost_below > 0.0 && self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
     }
 
     /// That of the mean evidence, or of the network's opinion if that is worse.
@@ -361,7 +362,7 @@ impl Reference {
         best
     }
 
-    /// The candidate in the sweep's next window, if its evidence is enough and clearly more than that of `followed`.
+    /// The candidate in the sweep's next window, if its evidence is enough and clearly more than `followed`, the evidence at the followed place.
     fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         let candidate = self.candidate(frame, coded, self.sweep());

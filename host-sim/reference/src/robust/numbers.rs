@@ -98,7 +98,8 @@ pub struct Numbers {
     pub opinion_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// The frames in a row with an opinion below the last bound after which the target is given up, and the opinion of one that is found.
+    /// The target is given up after so many frames in a row with an opinion below `opinion_uncertain_below`. Then the opinion of a target that is
+    /// found.
     pub opinion_patience: i64,
     pub opinion_found: f64,
     /// The evidence from which a frame is learned.

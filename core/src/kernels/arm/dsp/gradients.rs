@@ -12,8 +12,8 @@ const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// The first direction, the second to the sixth negated, and the second to the fifth. A gradient that is beyond n of
-/// the last four lies in sector n. The assembly knows the order.
+/// Directions as the assembly reads them. Word 0: the first. Words 1 to 5: the second to the sixth, negated. Words 6 to
+/// 9: the second to the fifth. A gradient that is beyond n of these four lies in sector n.
 static TABLE: [u32; 10] = {
     let [first, (a, b), (c, d), (e, f), (g, h), (i, j)] = DIRECTIONS;
     let [k, l, m] = [pair(first.0, first.1), pair(-a, -b), pair(-c, -d)];
@@ -90,8 +90,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Stores a sum of votes, goes on to the next channel, and adds to the energy. A vote is the distance of a sector from
-/// the direction at a place in the table.
+/// Computes a channel of a cell from two or three sectors. Stores it, moves r3 to the next channel, and adds its square
+/// to r10. Each sector comes with the word of `TABLE` that gives its vote.
 macro_rules! sum {
     ($first:literal $at:literal, $second:literal $to:literal $(, $third:literal $by:literal)?) => {
         concat!(
@@ -113,15 +113,15 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     across: usize,
 ) {
     const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
-    // Five sectors, the address where the pixels end, and from word 32 the mirrored sectors. 32 words are 128 bytes, the
-    // top bit of a byte.
+    // Words 0 to 4: the sectors. Word 5: the address where the pixels end. Words 32 to 36: the mirrored sectors. They
+    // are 128 bytes further on, and 128 is the top bit of a byte.
     let mut memory = MaybeUninit::<[u32; 37]>::uninit();
     let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
     let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);
     for energy in energies.iter_mut().take(if sums.len() < CHANNELS { 0 } else { across }) {
-        // SAFETY: six pixels of each of six lines are read, which `ROW` cells have, and a sum of each of ten channels is
-        // written. Words need not be aligned. What is read of `memory` has been written. r6 and r7, which `asm!` may not
-        // name, are saved on the stack.
+        // SAFETY: six pixels of each of six lines are read, and a sum of each of ten channels is written. Each line has
+        // room for `ROW` cells and their neighbours, and `energies` has no more entries. Words need not be aligned. What
+        // is read of `memory` has been written. r6 and r7, which `asm!` may not name, are saved on the stack.
         unsafe {
             asm!(
                 "push {{r2, r3, r6, r7}}",

@@ -1,7 +1,7 @@
 //! Gray levels of a row by the DSP extension: summed and replaced four pixels at a time, sampled column by column.
 
 use super::words::{LANES, in_lanes};
-use crate::kernels::plain::levels::MixedRow;
+use crate::kernels::plain::levels::{MixedRow, Parts};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
@@ -87,10 +87,10 @@ macro_rules! columns {
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
 #[inline(always)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair in the row, which need not
-    // be aligned.
+    // be aligned. Parts are aligned words.
     unsafe {
         asm!(
             "subs r5, #4",

@@ -8,8 +8,8 @@
 //! - Gradient: the errors of two rows of offsets. The features of a channel are unpacked as pairs of two rows of cells,
 //!   or of differences of rows.
 //!
-//! Both take three sums of products instead of four, as in `three_sums.rs`. In the gradient the rows of errors take the
-//! place of the rows of the filter, and the rows of the filter that of the offsets.
+//! Both take three sums of products instead of four (`three_sums.rs`). The gradient exchanges two roles: rows of errors
+//! are used as rows of the filter, and rows of the filter as rows of offsets.
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
@@ -198,8 +198,8 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks a channel of `width` cells from the rows `first` as pairs, less that from the rows `second` unless they are
-/// `whole`.
+/// Unpacks one channel of `width` cells: pairs of two rows, `first`. Unless `whole`, the two rows `second` are
+/// subtracted.
 ///
 /// # Safety
 /// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
@@ -265,7 +265,7 @@ pub(crate) fn gather<const N: usize>(
         let (sum_of, channel) = (piece / STEP, piece % STEP);
         let (rows, offsets) = (by_two.rows_of(sum_of), by_two.offsets_of(sum_of));
         // At odd offsets the first row of a pair of rows of cells lies under no errors.
-        let odd = rows.div_ceil(2);
+        let odd_rows = rows.div_ceil(2);
         if channel == 0 {
             factors.fill(0);
             for (y, errors) in errors.iter().enumerate().take(span) {
@@ -275,7 +275,7 @@ pub(crate) fn gather<const N: usize>(
                 let mut half = |row: usize, first: usize| {
                     factors.as_mut_ptr().wrapping_add((first + row / 2) * span).cast::<i16>().wrapping_add(row % 2)
                 };
-                let (mut even, mut odd) = (half(y / 2, 0), half(y / 2 + 1, odd));
+                let (mut even, mut odd) = (half(y / 2, 0), half(y / 2 + 1, odd_rows));
                 for error in rolled(errors.iter().take(span)) {
                     // SAFETY: there is room for the rows of factors at even and at odd offsets.
                     unsafe { (*even, *odd) = (*even + error, *odd + error) };
@@ -283,7 +283,7 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // Below the last row may be any row: it counts in two sums and is subtracted again.
+        // A row below the last is replaced by the last. It does not matter: `both` adds it, another sum subtracts it.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -292,7 +292,7 @@ pub(crate) fn gather<const N: usize>(
             unsafe { pairs_of_rows(numbers.wrapping_add(number * width), width, first, second, sum_of == BOTH) };
         }
         for at in 0..offsets {
-            let factors = factors.as_ptr().wrapping_add(at % 2 * odd * span);
+            let factors = factors.as_ptr().wrapping_add(at % 2 * odd_rows * span);
             let numbers = numbers.wrapping_add(at / 2 * width);
             of_row.fill(0);
             // SAFETY: the rows of factors lie on as many rows of numbers.

@@ -15,19 +15,20 @@ struct Tables([u8; 256], [[u8; 16]; 6]);
 static TABLES: Tables = Tables(
     largest_beyond(DIRECTIONS[2]),
     [
-        // For each pixel in a row of four cells, the index of its cell in `Memory::sectors`.
+        // For each pixel in a row of four cells, the index of sector 0 of its cell in `Memory::sectors`.
         [20, 20, 20, 20, 21, 21, 21, 21, 22, 22, 22, 22, 23, 23, 23, 23],
         // Factors of |y| for the directions 1, 3 and 4.
         [191; 16],
         [79; 16],
         [105; 16],
-        // The index and that in the mirrored sector together, then the offset in `Memory::pixels`.
+        // The index of a sector plus that of its mirrored sector: this less the one gives the other. Then the offset of
+        // each pixel in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
 );
-/// For each direction, 5 to 8 and 0 to 4: the factors of the sector before it, of |y| + 65,536 |x| and of |x|, then those
-/// of the sector behind it.
+/// Factors for the sum of each direction, in the order 5 to 8, then 0 to 4. A sum takes two neighbouring entries of
+/// `Memory::sectors`. Each entry has two factors: of the packed number |y| + 65,536 |x|, and of |x|.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     /// Of the distance beyond a direction, or short of it.
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
@@ -35,7 +36,7 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     }
     let [zero, one, two, three, four, five] = DIRECTIONS;
     [
-        [distance(true, four), distance(true, three)], // the sector before it holds |x| less the mirrored |x|
+        [distance(true, four), distance(true, three)], // the first entry is sector 4 with the mirrored one
         [distance(false, four), distance(true, two)],
         [distance(false, three), distance(true, one)],
         [distance(false, two), distance(true, zero)],
@@ -55,7 +56,7 @@ struct Memory {
     /// sector; then those of the next pixels.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
     /// The sums of |y| and |x| of each cell: those of the mirrored sectors 4 to 0, then of the sectors 0 to 4. So two
-    /// sectors that stand together share a direction.
+    /// neighbouring sectors share a direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 
@@ -71,7 +72,7 @@ const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
     largest
 }
 
-/// Goes on to the next sector where |x| (q0) is at most a number.
+/// Adds 4 to the index (q1), which is one sector, where |x| (q0) is at most `$most`.
 macro_rules! beyond {
     ($most:literal) => {
         concat!("vpt.u8 cs, ", $most, ", q0\nvaddt.i8 q1, q1, r8\n")
@@ -92,8 +93,8 @@ macro_rules! add {
     };
 }
 
-/// Computes the sums of a row of cells and their energies, as the plain loop does. Leaves out cells that are not on the
-/// lines or have no room in the rows: both have room for a multiple of four.
+/// Computes sums and energies as the plain loop does, four cells at a time. It may write up to three cells beyond
+/// `across`. Cells beyond the lines or the rows are left out: both have room for a multiple of four.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -182,7 +183,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vadd.i16 q6, q6, q1",
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
-                // Sector 4 and the mirrored one lie between the directions 4 and 5: |y| count alike, |x| do not.
+                // Sector 4 and its mirror image lie between the directions 4 and 5. In both sums their |y| are added and
+                // their |x| subtracted. So both entries become (|y| + mirrored |y|, |x| - mirrored |x|).
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",
@@ -292,8 +294,9 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
 /// Replaces the energies of columns by `of` the norms of cells, as the plain loop does.
 ///
 /// For n cells and an energy below 2^29, the product with 2^32 / n, rounded up, gives the exact mean. For x = number *
-/// 4^h / 2^32, from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 4 %. Two Newton steps, y (x y^2 - 3) / 2,
-/// turn its sign twice and leave it a little too small. So the root is right or too small by 1.
+/// 4^h / 2^32, from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 4 %. Each Newton step computes
+/// y (x y^2 - 3) / 2, the better y with the opposite sign, so two steps restore the sign. y ends a little too small, and
+/// the root is right or too small by 1.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     let per = |cells: u32| u32::MAX / cells.max(1) + 1;

@@ -1,6 +1,6 @@
 //! Gray levels of a row by Helium: summed and replaced 16 pixels at a time, sampled four columns at a time.
 
-use crate::kernels::plain::levels::MixedRow;
+use crate::kernels::plain::levels::{MixedRow, Parts};
 use core::arch::asm;
 
 /// See `plain::deviation`.
@@ -68,7 +68,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
 #[inline(always)]
-pub(crate) unsafe fn mix(from: &[u16], parts: &[[u16; 2]], row: &MixedRow, out: &mut [u8]) {
+pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
     if count == 0 {
         return;

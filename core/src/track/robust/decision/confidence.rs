@@ -56,10 +56,10 @@ impl Confidence {
     /// The confidence in a target that is given up.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after the target was found again: at most *uncertain*, but not *lost*.
+    /// The confidence after the target was found again: not *lost*, and below *tracking* if the bounds differ.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
-        let [lost, uncertain] = [config.lost_below, config.uncertain_below].map(|below| (3 * i32::from(below) + 1) / 2);
-        Self(evidence.0.min((uncertain - 1).max(lost)))
+        let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
+        Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))
     }
 
     /// The mean, as it is saved.
@@ -135,14 +135,15 @@ mod tests {
     }
 
     #[test]
-    fn a_target_that_was_found_is_uncertain() {
-        for (evidence, wanted) in [(FOUND_FROM, State::Uncertain), (MOST_EVIDENCE, State::Uncertain), (0, State::Lost)]
-        {
-            assert_eq!(Confidence::found(Evidence(evidence), &Config::robust()).state(&Config::robust()), wanted);
+    fn a_target_that_was_found_is_not_lost_and_not_yet_tracked() {
+        for evidence in [0, FOUND_FROM, MOST_EVIDENCE] {
+            let found = Confidence::found(Evidence(evidence), &Config::robust());
+            assert_eq!(found.state(&Config::robust()), State::Uncertain, "{evidence}");
         }
+        // No confidence is between equal bounds.
         for below in [0, 1, 2, 30_000] {
             let config = Config { lost_below: below, uncertain_below: below, ..Config::robust() };
-            assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking);
+            assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking, "{below}");
         }
     }
 

@@ -50,15 +50,26 @@ impl Track {
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
+    /// True if the refiner's opinion gives the target up. Redetection alone can bring it back, so without that, or if no
+    /// target is ever *lost*, it goes on.
+    pub(crate) fn is_given_up(&self, config: &Config) -> bool {
+        config.refines() && config.sweep && config.lost_below > 0 && self.review.gives_up()
+    }
+
     /// The box of the answer: the followed box, corrected by the refiner.
     #[inline(never)]
     pub(crate) fn bbox(&self) -> FineRect {
-        self.review.correct(self.followed())
+        self.corrected(self.motion.place)
     }
 
-    /// The box of the followed place and scale, without the refiner's correction.
-    pub(crate) fn followed(&self) -> FineRect {
-        let Place { x, y, scale } = self.motion.place;
+    /// The box of the target at a place, corrected by the refiner.
+    #[cfg_attr(feature = "refiner", inline(never))] // else its one caller is `bbox`
+    pub(crate) fn corrected(&self, place: Place) -> FineRect {
+        self.review.correct(self.at(place))
+    }
+
+    /// The box of the target at a place.
+    pub(crate) fn at(&self, Place { x, y, scale }: Place) -> FineRect {
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
         let [width, height] = self.size.map(size);
         let corner = |middle: i64, size: u32| {

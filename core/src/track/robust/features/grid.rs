@@ -4,7 +4,7 @@
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
 //! ```
 //!
-//! A target of any size has about 1600 pixels on its grid, so every frame costs about the same.
+//! A target of any size has about 1600 pixels on its grid, so its size hardly changes the cost.
 
 use super::super::constants::{
     CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS,

@@ -14,8 +14,8 @@
 //! ATOM; Danelljan et al., 2019), or of conjugate gradients (Hestenes and Stiefel, 1952) with the preconditioner `m`.
 //! Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
 //! filter's cells: cells far from the target's middle show the target less often, so they learn less. In an update a
-//! whole step would follow each frame too closely; `rate` shortens it. An update measures `rp` at the offsets up to 5/8 of
-//! the reach, and takes their mean square as that of all offsets.
+//! whole step would follow each frame too closely; `rate` shortens it. An update computes `rp` only at
+//! offsets of up to 5/8 of the reach, and takes their mean square for that of all offsets.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -162,8 +162,8 @@ impl Sums {
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
-        // A response is below 2^31. Shifted right by 9 bits and squared, 289 of them sum to less than 2^53, and in units
-        // of 256 times that, times 289, to less than 2^54.
+        // A response is below 2^31: shifted by 9 bits and squared, below 2^44. 289 of these are below 2^53. Shifted right
+        // by 8 bits and times 289 they stay below 2^54.
         let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let responses = quotient((responses.sum::<i64>() >> 8) * offsets, measured) << 8;
         let curvature = ((REGULARISATION * squared) >> 18) + responses;

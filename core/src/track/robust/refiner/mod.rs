@@ -73,12 +73,12 @@ impl Review {
         self.correction.correct(target)
     }
 
-    /// True if the opinion has been bad for so long that the target is lost.
+    /// True if the opinion has been bad for so long that the tracker gives the target up.
     pub(super) fn gives_up(&self) -> bool {
         self.opinion.gives_up()
     }
 
-    /// Begins the opinion of a target that was found again.
+    /// Starts *uncertain* and with new patience, for a target that was found again.
     pub(super) fn begin_again(&mut self) {
         self.opinion.begin_again();
     }

@@ -212,7 +212,7 @@ impl Pipeline {
         self.stage = Stage::Done;
         let evidence = Evidence::of(candidate);
         track.confidence = track.confidence.after(evidence, inputs.config.patience);
-        if inputs.config.sweep && track.review.gives_up() {
+        if track.is_given_up(inputs.config) {
             track.confidence = Confidence::NONE;
         }
         track.motion.follow(candidate.visible.then_some(candidate.place));
@@ -238,8 +238,8 @@ impl Pipeline {
         let Self { track, .. } = self;
         track.sweep.move_on();
         let evidence = Evidence::of(&candidate);
-        // A place that is given up needs no lead over it.
-        let there = if track.review.gives_up() { Evidence::NONE } else { Evidence::of(&self.candidate) };
+        // If the target is given up, a find need not beat the evidence at the old place.
+        let there = if track.is_given_up(config) { Evidence::NONE } else { Evidence::of(&self.candidate) };
         if evidence.finds(there) {
             track.motion = Motion::at(candidate.place);
             track.confidence = Confidence::found(evidence, config);

@@ -3,7 +3,7 @@
 use super::super::config::Config;
 use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
 use super::super::decision::Track;
-use super::super::features::{Grid, Lattice, Motion, Place};
+use super::super::features::{Grid, Lattice, Place};
 use super::super::filter::other_scales;
 use super::super::refiner::reachable;
 use crate::image::Rect;
@@ -42,7 +42,7 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
 /// whenever it may be.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
-    let may_be_lost = config.sweep && (track.confidence.may_be_lost_next(config) || track.review.gives_up());
+    let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config) || track.is_given_up(config);
     may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
 pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
     if config.refines() {
-        return union(window, reachable(Track::new(bounds, target).followed(), 0, bounds));
+        return union(window, reachable(Track::new(bounds, target).at(Place::of(target)), 0, bounds));
     }
     window
 }
@@ -68,8 +68,7 @@ fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;
     let by = i64::from(pixels) * track.grid.step_at(larger);
-    let target = Track { motion: Motion::at(Place { scale: larger, ..centre }), ..*track };
-    reachable(target.bbox(), by, track.bounds)
+    reachable(track.corrected(Place { scale: larger, ..centre }), by, track.bounds)
 }
 
 /// The smallest rectangle that holds both.
