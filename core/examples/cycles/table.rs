@@ -5,7 +5,7 @@ use crate::scene;
 use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
 /// Two windows of the robust tracker: where the target is expected, and one of the sweep.
-const PIXELS: usize = 48 * 1024;
+const PIXELS: usize = 56 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
 
 const TOO_LARGE: &str = "a window is too large";
