@@ -30,7 +30,7 @@ FRAMES = 100
 
 
 def as_printed(number):
-    return None if number is None else round(number, 6)
+    return None if number is None else int(number * 1e6 + 0.5) / 1e6  # `round` takes a half to even
 
 
 def as_json(answer):
