@@ -30,7 +30,7 @@ static TABLES: Tables = Tables(
 /// Factors for the sum of each direction, in the order 5 to 8, then 0 to 4. A sum takes two neighbouring entries of
 /// `Memory::sectors`. Each entry has two factors: of the packed number |y| + 65,536 |x|, and of |x|.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
-    /// Of the distance beyond a direction, or short of it.
+    /// The factors of a distance beyond a direction, or short of it.
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
         if beyond { [cos, -sin - (cos << 16)] } else { [-cos, sin + (cos << 16)] }
     }
