@@ -14,16 +14,13 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;
 const SIDE: u16 = 64;
 
-fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
-    (0..LENGTH).map(|index| {
+pub(super) fn sequence() -> Sequence {
+    let frame = |index| {
         let mut random = Random(0x4015_E000 + index as u64);
         let bytes = std::iter::repeat_with(|| random.next().to_le_bytes()).flatten();
         let pixels = bytes.take(usize::from(WIDTH) * usize::from(HEIGHT)).collect();
         GrayFrame { width: WIDTH, height: HEIGHT, pixels }
-    })
-}
-
-pub(super) fn sequence() -> Sequence {
+    };
     let target = BoundingBox::from([(WIDTH - SIDE) / 2, (HEIGHT - SIDE) / 2, SIDE, SIDE].map(i32::from));
-    Sequence::made(NAME, frames(), vec![Some(target); LENGTH])
+    Sequence::made(NAME, (0..LENGTH).map(frame), vec![Some(target); LENGTH])
 }

@@ -1,9 +1,8 @@
 //! A built-in recording of patterns without noise, where many offsets score exactly the same.
 //!
-//! A natural recording hardly ever has a tie, so it cannot show whether ties are decided as stated. Here a checkerboard
-//! moves by half of its period, where the offsets to the left and to the right, above and below are equally close. Some
-//! frames show nothing at all; in others a cone stands alone, whose score falls with every pixel, so that the runner-up
-//! tells where exactly the neighbourhood of the peak ends.
+//! A natural recording hardly ever has a tie, so it cannot show whether ties are decided as stated. Here a checkerboard moves by half of its period,
+//! where the offsets to the left and to the right, above and below are equally close. Some frames show nothing at all; in others a cone stands alone,
+//! whose score falls with every pixel, so that the runner-up tells where exactly the neighbourhood of the peak ends.
 
 use super::{GrayFrame, Sequence};
 
@@ -13,54 +12,30 @@ const WIDTH: u16 = 64;
 const HEIGHT: u16 = 48;
 const CELL: i32 = 4;
 
-#[derive(Clone, Copy)]
-enum Pattern {
-    /// A checkerboard, moved this far to the right and down.
-    Board(i32, i32),
-    Flat,
-    /// A cone with its top this far to the right and down, in the dark.
-    Cone(i32, i32),
-}
+const FLAT: i32 = 0;
+/// A checkerboard.
+const BOARD: i32 = 1;
+/// A cone in the dark.
+const CONE: i32 = 2;
 
-use Pattern::{Board, Cone, Flat};
-
-const SCRIPT: [Pattern; 19] = [
-    Board(0, 0),
-    Board(4, 0),
-    Board(4, 4),
-    Board(6, 4),
-    Board(6, 6),
-    Board(2, 6),
-    Flat,
-    Flat,
-    Board(2, 2),
-    Board(6, 2),
-    Board(5, 1),
-    Board(5, 5),
-    Flat,
-    Board(1, 5),
-    Cone(32, 24),
-    Cone(32, 24),
-    Cone(35, 22),
-    Cone(30, 26),
-    Cone(2, 26),
+/// The pattern of each frame, and how far it, or the top of the cone, is moved to the right and down.
+const SCRIPT: [i32; 57] = [
+    BOARD, 0, 0, BOARD, 4, 0, BOARD, 4, 4, BOARD, 6, 4, BOARD, 6, 6, BOARD, 2, 6, FLAT, 0, 0, FLAT, 0, 0, BOARD, 2, 2,
+    BOARD, 6, 2, BOARD, 5, 1, BOARD, 5, 5, FLAT, 0, 0, BOARD, 1, 5, CONE, 32, 24, CONE, 32, 24, CONE, 35, 22, CONE, 30,
+    26, CONE, 2, 26,
 ];
 
 pub fn frames() -> impl ExactSizeIterator<Item = GrayFrame> + Send + 'static {
-    SCRIPT.into_iter().map(|pattern| GrayFrame::drawn(WIDTH, HEIGHT, |x, y| pattern.level(x, y)))
+    SCRIPT.as_chunks().0.iter().map(|&pattern| GrayFrame::drawn(WIDTH, HEIGHT, |x, y| level(pattern, x, y)))
 }
 
-impl Pattern {
-    fn level(self, x: i32, y: i32) -> u8 {
-        match self {
-            Board(right, down) if ((x + right) / CELL + (y + down) / CELL) % 2 == 0 => 8,
-            Board(..) => 190,
-            Flat => 128,
-            Cone(right, down) => {
-                let distance = x.abs_diff(right) + y.abs_diff(down);
-                u8::try_from(200_u32.saturating_sub(4 * distance)).unwrap_or(u8::MAX)
-            }
-        }
+fn level([pattern, right, down]: [i32; 3], x: i32, y: i32) -> u8 {
+    let distance = x.abs_diff(right) + y.abs_diff(down);
+    match pattern {
+        BOARD if ((x + right) / CELL + (y + down) / CELL) % 2 == 0 => 8,
+        BOARD => 190,
+        CONE => u8::try_from(200_u32.saturating_sub(4 * distance)).unwrap_or(u8::MAX),
+        _ => 128,
     }
 }
 
