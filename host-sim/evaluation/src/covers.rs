@@ -8,8 +8,10 @@ use super::robustness::whole;
 use super::table::{Column, Table, TableName, Tables};
 use super::{Origin, Run, Variant};
 use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
 use smr_core::State;
 use smr_recordings::cover::Cover;
+use smr_recordings::messages::choice_name;
 use smr_recordings::{GrayFrame, OpenOptions, Resize, Sequence, slow, synthetic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +27,7 @@ const AGAIN: usize = 10;
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Counts {
     tracker: String,
-    cover: &'static str,
+    cover: Cover,
     sequence: String,
     /// True if the box was right in the frame before the cover.
     right_before: bool,
@@ -47,7 +49,7 @@ const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_a
 struct Row {
     tracker: String,
     origin: Origin,
-    cover: &'static str,
+    cover: Cover,
     recordings: Vec<Counts>,
 }
 
@@ -101,7 +103,7 @@ impl Protocol for Covers<'_> {
             let intervention = Intervention::Cover(middle, FRAMES, cover, Arc::clone(&other));
             Case { name: String::new(), frame: 0, target, end: count.min(middle + AGAIN), intervention }
         };
-        Ok(Cover::ALL.map(case).to_vec())
+        Ok(Cover::value_variants().iter().copied().map(case).collect())
     }
 
     fn figures(&self, variant: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Counts> {
@@ -111,7 +113,7 @@ impl Protocol for Covers<'_> {
         let covered: Vec<State> = judged.by_ref().take(*count).map(|(state, _)| state).collect();
         Ok(Counts {
             tracker: variant.name.clone(),
-            cover: cover.name(),
+            cover: *cover,
             sequence: recording.name.clone(),
             right_before,
             tracking: covered.iter().filter(|&&state| state == State::Tracking).count(),
@@ -123,7 +125,7 @@ impl Protocol for Covers<'_> {
 
 const MEASURED: &[Column<Counts>] = &[
     ("tracker", "", 0, |of| of.tracker.as_str().into()),
-    ("cover", "", 0, |of| of.cover.into()),
+    ("cover", "", 0, |of| choice_name(&of.cover).into()),
     ("sequence", "", 0, |of| of.sequence.as_str().into()),
     ("right_before", "", 0, |of| of.right_before.into()),
     ("tracking", "", 0, |of| of.tracking.into()),
@@ -134,7 +136,7 @@ const MEASURED: &[Column<Counts>] = &[
 /// Columns of a cover. The median is the larger of two middle values.
 const COVERS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
-    ("cover", "cover", 0, |row| row.cover.into()),
+    ("cover", "cover", 0, |row| choice_name(&row.cover).into()),
     ("recordings", "recordings", 0, |row| row.recordings.len().into()),
     ("right_before", "right before", 0, |row| row.right_before().into()),
     ("tracking_median", "", 0, |row| row.tracking().0.into()),
@@ -178,16 +180,15 @@ impl Row {
     fn missed(&self) -> Vec<String> {
         let missed = [NOT_TRACKING, LOST, RIGHT_AGAIN].map(|goal| (goal.0, self.missing(goal)));
         let missed = missed.iter().filter(|(_, which)| !which.is_empty());
-        missed
-            .map(|(what, which)| format!("- {}, {}, {what}: {}\n", self.tracker, self.cover, which.join(", ")))
-            .collect()
+        let start = format!("- {}, {}", self.tracker, choice_name(&self.cover));
+        missed.map(|(what, which)| format!("{start}, {what}: {}\n", which.join(", "))).collect()
     }
 }
 
 /// Makes the tables of counts and of rows over recordings, and a line for each missed goal.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
-    let cases = variants.iter().flat_map(|variant| Cover::ALL.map(|cover| (variant, cover.name())));
-    let row = |(variant, cover): (&Variant, &'static str)| {
+    let cases = variants.iter().flat_map(|variant| Cover::value_variants().iter().map(move |&cover| (variant, cover)));
+    let row = |(variant, cover): (&Variant, Cover)| {
         let of_case = |of: &&Counts| of.tracker == variant.name && of.cover == cover;
         let recordings = counts.iter().filter(of_case).cloned().collect();
         Row { tracker: variant.name.clone(), origin: variant.origin(), cover, recordings }
@@ -216,7 +217,7 @@ mod tests {
     fn run(name: &str, right_before: bool, (tracking, lost_at): (usize, Option<usize>), right_again: bool) -> Counts {
         let (tracker, sequence) = ("robust".to_owned(), name.to_owned());
         let right_again = right_again.then_some(10);
-        Counts { tracker, cover: "gray", sequence, right_before, tracking, lost_at, right_again }
+        Counts { tracker, cover: Cover::Gray, sequence, right_before, tracking, lost_at, right_again }
     }
 
     #[test]
@@ -234,7 +235,7 @@ mod tests {
                       - robust, gray, not right again: long\n";
         assert!(text.ends_with(&format!("\n\n{missed}")), "{text}");
         let csv = results.csv(TableName::Means).unwrap();
-        assert_eq!(csv.lines().count(), 1 + Cover::ALL.len());
+        assert_eq!(csv.lines().count(), 1 + Cover::value_variants().len());
         assert!(csv.contains("\nrobust,gray,4,2,3,300,2,2,1,robust,"), "{csv}");
         let csv = results.csv(TableName::Measured).unwrap();
         assert!(csv.contains("\nrobust,gray,never,false,300,,10\n"), "{csv}");
@@ -248,12 +249,12 @@ mod tests {
             let (records, failures) = matrix::measure(&Covers { paths: &[] }, count, open, variants, &|_| ());
             assert_eq!((records.len(), failures.len()), (count, 0));
             let runs: Vec<_> = records.into_iter().flat_map(|record| record.runs).collect();
-            assert_eq!(runs.len(), count * Cover::ALL.len());
+            assert_eq!(runs.len(), count * Cover::value_variants().len());
             for (_, run) in runs {
                 let is_in = |frame: Option<usize>, last| frame.is_none_or(|frame| (1..=last).contains(&frame));
                 let holds = run.right_before && run.tracking <= FRAMES;
                 assert!(holds && is_in(run.lost_at, FRAMES) && is_in(run.right_again, AGAIN), "{run:?}");
-                if run.tracker == "robust" && run.cover == "black" {
+                if run.tracker == "robust" && run.cover == Cover::Black {
                     assert!(run.tracking == 0 && run.lost_at.is_some_and(|frame| frame <= LOST_BY), "{run:?}");
                 }
             }

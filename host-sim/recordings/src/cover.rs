@@ -1,9 +1,10 @@
 //! Covers of a camera's lens: frames that show nothing of the target.
 
 use super::GrayFrame;
+use clap::ValueEnum;
 use smr_scene::random::Random;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Cover {
     Black,
     White,
@@ -19,18 +20,6 @@ pub enum Cover {
 const SEED: u64 = 0xC0FE_0000;
 
 impl Cover {
-    pub const ALL: [Self; 5] = [Self::Black, Self::White, Self::Gray, Self::Noise, Self::Frozen];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Black => "black",
-            Self::White => "white",
-            Self::Gray => "gray",
-            Self::Noise => "noise",
-            Self::Frozen => "frozen",
-        }
-    }
-
     /// Returns covered frame `index`, counted from 0. `other` is a frame of another scene, of the same size.
     pub fn frame(self, index: usize, other: &GrayFrame) -> GrayFrame {
         let mut made = other.clone();
@@ -59,7 +48,7 @@ mod tests {
         let other = GrayFrame { width: 21, height: 3, pixels: (1..64).collect() };
         let shown = |cover: Cover, index| cover.frame(index, &other);
         for (cover, level) in [(Cover::Black, 0), (Cover::White, 255), (Cover::Gray, 128)] {
-            assert_eq!(shown(cover, 7).pixels, [level; 63], "{}", cover.name());
+            assert_eq!(shown(cover, 7).pixels, [level; 63], "{cover:?}");
         }
         assert_eq!(shown(Cover::Frozen, 9), other);
         assert_eq!(shown(Cover::Noise, 5), shown(Cover::Noise, 5), "always the same");
