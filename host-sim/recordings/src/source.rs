@@ -211,8 +211,7 @@ pub fn is_seekable(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{missing, synthetic};
-    use std::process::Command;
+    use crate::{missing, synthetic, tests::ffmpeg};
 
     fn gray(recording: &Seekable, number: usize) -> GrayFrame {
         recording.gray_from(number).unwrap().next().unwrap().unwrap().gray
@@ -257,11 +256,10 @@ mod tests {
     /// Makes a file of this name with 30 frames by these options, twice in a row if the name begins with `joined`.
     /// `None` if this ffmpeg cannot write it.
     fn made(folder: &Path, name: &str, options: &str) -> Option<PathBuf> {
-        let (file, mut ffmpeg) = (folder.join(name), Command::new("ffmpeg"));
-        ffmpeg.args(["-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=64x48:rate=10:duration=3"]);
-        ffmpeg.args(["-f", "lavfi", "-i", "testsrc=size=96x64:rate=5:duration=3"]);
-        ffmpeg.args(if options.contains("-map") { &[][..] } else { &["-map", "0:v"] });
-        missing::runs(ffmpeg.args(options.split_whitespace()).arg(&file)).then_some(())?;
+        let (file, map) = (folder.join(name), if options.contains("-map") { "" } else { "-map 0:v" });
+        let inputs =
+            "-f lavfi -i testsrc2=size=64x48:rate=10:duration=3 -f lavfi -i testsrc=size=96x64:rate=5:duration=3";
+        ffmpeg(&format!("{inputs} {map} {options}"), &file).then_some(())?;
         if name.starts_with("joined") {
             std::fs::write(&file, std::fs::read(&file).unwrap().repeat(2)).unwrap();
         }
@@ -332,9 +330,7 @@ mod tests {
             return missing::skipped("what_an_edit_list_cuts_is_no_frame", "no ffmpeg with libx264");
         };
         let cut = folder.path().join("cut.mp4");
-        let mut ffmpeg = Command::new("ffmpeg");
-        ffmpeg.args(["-nostdin", "-v", "error", "-ss", "0.7", "-i"]).arg(whole).args(["-c", "copy"]).arg(&cut);
-        assert!(missing::runs(&mut ffmpeg));
+        assert!(ffmpeg(&format!("-ss 0.7 -i {} -c copy", whole.display()), &cut));
         let (recording, sequence) = Seekable::open(&cut, &OpenOptions::default()).unwrap();
         assert_eq!((recording.index.sought(23).is_some(), sequence.frames.count()), (true, 30 - 7));
         assert_eq!(recording.known().0, Some(23));

@@ -414,12 +414,8 @@ mod pictures {
             fs::write(&file, &all).unwrap();
             let (recording, sequence) = Seekable::open(&file, &OpenOptions::default()).unwrap();
             assert_eq!((sequence.length, sequence.source.picture_names()), (Some(3), vec![]), "{name}");
-            assert_eq!(
-                sequence.frames.map(|frame| frame.unwrap().gray.pixels[0]).collect::<Vec<_>>(),
-                [7, 8, 9],
-                "{name}"
-            );
-            assert_eq!(recording.gray_from(3).unwrap().map(|frame| frame.unwrap().gray.pixels[0]).next(), Some(9));
+            let levels = |frames: Frames| frames.map(|frame| frame.unwrap().gray.pixels[0]).collect::<Vec<_>>();
+            assert_eq!((levels(sequence.frames), levels(recording.gray_from(3).unwrap())), (vec![7, 8, 9], vec![9]));
             assert_eq!(recording.color_from(2, 9).unwrap().next().unwrap().pixels[0], [8; 3]);
             assert!(message(decode_picture(&all)).starts_with("it holds several pictures"), "{name}");
             reads(name, None, &all[..all.len() - pictures[2].len() / 2], &[7, 8], "...(frame 3)...");
@@ -517,16 +513,15 @@ mod y4m_files {
     }
 }
 
+/// False if this ffmpeg cannot write such a file.
+pub fn ffmpeg(arguments: &str, out: &Path) -> bool {
+    let mut ffmpeg = std::process::Command::new("ffmpeg");
+    missing::runs(ffmpeg.args("-nostdin -v error".split(' ')).args(arguments.split_whitespace()).arg(ffmpeg_input(out)))
+}
+
 mod videos {
     use super::*;
     use crate::missing::has_ffmpeg;
-    use std::process::Command;
-
-    fn ffmpeg(arguments: &str, out: &Path) {
-        let mut ffmpeg = Command::new("ffmpeg");
-        ffmpeg.args("-nostdin -v error".split(' ')).args(arguments.split(' ')).arg(format!("file:{}", out.display()));
-        assert!(ffmpeg.status().unwrap().success(), "{arguments}");
-    }
 
     /// Gray in limited range would lose levels.
     #[test]
@@ -538,7 +533,7 @@ mod videos {
         let (raw, video) = (folder.path().join("pixels"), folder.path().join("a: colon.mkv"));
         fs::write(&raw, synthetic::frames().take(30).flat_map(|frame| frame.pixels).collect::<Vec<_>>()).unwrap();
         let size = format!("{}x{}", synthetic::WIDTH, synthetic::HEIGHT);
-        ffmpeg(&format!("-f rawvideo -pix_fmt gray -s {size} -i {} -c:v ffv1", raw.display()), &video);
+        assert!(ffmpeg(&format!("-f rawvideo -pix_fmt gray -s {size} -i {} -c:v ffv1", raw.display()), &video));
         for path in [&video, folder.path()] {
             let (frames, error) = read(path, &OpenOptions::default());
             assert_eq!(error, "");
@@ -570,7 +565,8 @@ mod videos {
         let folder = folder("");
         let parts = ["160x120", "96x64"].map(|size| {
             let part = folder.path().join(size);
-            ffmpeg(&format!("-f lavfi -i testsrc=size={size}:duration=1:rate=25 -c:v mpeg1video -f mpegts"), &part);
+            let options = format!("-f lavfi -i testsrc=size={size}:duration=1:rate=25 -c:v mpeg1video -f mpegts");
+            assert!(ffmpeg(&options, &part));
             fs::read(part).unwrap()
         });
         let file = folder.path().join("a.ts");

@@ -222,7 +222,6 @@ impl Continued {
 mod tests {
     use super::*;
     use crate::FFMPEG_PATIENCE as PATIENCE;
-    use std::process::Command;
 
     #[test]
     fn a_missing_ffmpeg_is_asked_for() {
@@ -273,11 +272,10 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         for (transfer, shown) in [("bt709", 128), ("smpte2084", 153), ("arib-std-b67", 124)] {
-            let (file, mut ffmpeg) = (folder.path().join(format!("{transfer}.mkv")), Command::new("ffmpeg"));
-            ffmpeg.args(["-nostdin", "-v", "error", "-f", "lavfi", "-i", "color=gray:size=32x16:duration=0.1"]);
-            ffmpeg.args(["-c:v", "ffv1", "-pix_fmt", "yuv420p10le", "-color_trc", transfer]);
-            ffmpeg.args(["-color_primaries", "bt2020", "-colorspace", "bt2020nc"]);
-            assert!(crate::missing::runs(ffmpeg.arg(&file)));
+            let file = folder.path().join(format!("{transfer}.mkv"));
+            let colors = format!("-color_trc {transfer} -color_primaries bt2020 -colorspace bt2020nc");
+            let input = "-f lavfi -i color=gray:size=32x16:duration=0.1 -c:v ffv1 -pix_fmt yuv420p10le";
+            assert!(crate::tests::ffmpeg(&format!("{input} {colors}"), &file));
             let (frame, _) = good(&file, Use::Color(16), PATIENCE).next().unwrap().color();
             let apart = frame.pixels[70].map(|level| level.abs_diff(shown)).into_iter().max();
             assert!((frame.width, frame.height) == (16, 8) && apart <= Some(4), "{transfer}: {:?}", frame.pixels[70]);
