@@ -7,8 +7,7 @@
 //! - precision at a distance: the fraction of frames in which the centres of answer and truth are at most so far apart; it
 //!   is quoted at 20 pixels
 //!
-//! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as
-//! with the benchmark's own code.
+//! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the benchmark's own code.
 
 use super::Trajectory;
 use super::means::means;

@@ -119,8 +119,7 @@ impl Score {
         Self::with_confidence(&answers, &confidences, truth)
     }
 
-    /// Scores `answers` by `truth`, with VOT's figures from the confidence in each frame; `None` where none was
-    /// reported.
+    /// Scores `answers` by `truth`, with VOT's figures from the confidence in each frame; `None` where none was reported.
     /// Errors: The three are not of the same length.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
@@ -179,8 +178,7 @@ impl Score {
     }
 }
 
-/// Returns the intersection over union in each frame, with normalised answers: 0 without an answer, `None` where the
-/// target is not visible.
+/// Returns the intersection over union in each frame, with normalised answers: 0 without an answer, `None` where the target is not visible.
 /// Errors: The two are not of the same length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
@@ -192,9 +190,8 @@ pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f
 
 /// The answers, shifted and scaled so that the first one equals the first box of the truth.
 ///
-/// A tracker may have been started on a tighter or a looser box than the annotator drew. The shift of the centre and
-/// the factors on width and height that make the first boxes equal are applied to all answers. If one of the first
-/// boxes is missing or has no size, the answers stay as they are.
+/// A tracker may have been started on a tighter or a looser box than the annotator drew. The shift of the centre and the factors on width and height
+/// that make the first boxes equal are applied to all answers. If one of the first boxes is missing or has no size, the answers stay as they are.
 fn normalised(answers: &Trajectory, truth: &Trajectory) -> impl Iterator<Item = Option<BoundingBox>> {
     let first = first_box(answers).zip(first_box(truth));
     answers.iter().map(move |answer| match first {

@@ -7,9 +7,8 @@
 //! - recall: sum of their IoU over the number of frames in which the target is visible
 //! - F: 2 precision recall / (precision + recall)
 //!
-//! F is taken at the threshold at which it is largest, for each recording on its own. Thresholds are the confidences
-//! that were reported. An answer without a confidence has confidence 1, so it counts at every threshold; so does the
-//! box that the tracker was given.
+//! F is taken at the threshold at which it is largest, for each recording on its own. Thresholds are the confidences that were reported. An answer
+//! without a confidence has confidence 1, so it counts at every threshold; so does the box that the tracker was given.
 
 use super::Trajectory;
 
@@ -88,9 +87,8 @@ mod tests {
         let truth = [at(0.0), at(0.0), at(0.0), None];
         let answers = [at(0.0), at(5.0), at(0.0), at(0.0)];
         let confidences = [None, Some(0.5), Some(0.5), Some(0.25)];
-        // At 1: sum 1 of 1 answer, F = 2 / (1 + 3) = 0.5.
-        // At 0.5, equal ones together: sum 1 + 1/3 + 1 of 3 answers, F = (14/3) / 6 = 7/9.
-        // At 0.25: hidden, so the same sum of 4 answers, F = (14/3) / 7 = 2/3.
+        // At 1: sum 1 of 1 answer, F = 2 / (1 + 3) = 0.5. At 0.5, equal ones together: sum 1 + 1/3 + 1 of 3 answers, F = (14/3) / 6 = 7/9. At 0.25:
+        // hidden, so the same sum of 4 answers, F = (14/3) / 7 = 2/3.
         let vot = Vot::new(&answers, &confidences, &truth);
         assert_eq!(vot.vot_threshold, Some(0.5));
         for figure in [vot.vot_f, vot.vot_precision, vot.vot_recall] {

@@ -1,9 +1,8 @@
 //! A built-in recording for the rules at the picture's border: where the template is updated, and how targets leave.
 //!
-//! The target has no noise, but one pixel that tells whether the template was updated. It stands at both sides of each
-//! end of the zone of updates, leaves the picture and returns. A twin, of which some pixels differ, then stands in the
-//! picture. With many such pixels the target leads by more than a hundred pixels, but not by the ratio asked of a
-//! returning target; with fewer it is lost, and later found again.
+//! The target has no noise, but one pixel that tells whether the template was updated. It stands at both sides of each end of the zone of updates,
+//! leaves the picture and returns. A twin, of which some pixels differ, then stands in the picture. With many such pixels the target leads by more
+//! than a hundred pixels, but not by the ratio asked of a returning target; with fewer it is lost, and later found again.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 

@@ -95,17 +95,15 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    /// Takes the standard input, if it is piped and was not taken before.
+    /// Takes the standard input, as the two below take output and error, if it is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
     }
 
-    /// Takes the standard output, if it is piped and was not taken before.
     pub fn output(&self) -> Option<ChildStdout> {
         locked(&self.child).stdout.take()
     }
 
-    /// Takes the standard error, if it is piped and was not taken before.
     pub fn complaints(&self) -> Option<ChildStderr> {
         locked(&self.child).stderr.take()
     }

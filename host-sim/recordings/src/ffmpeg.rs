@@ -1,7 +1,6 @@
 //! An `ffmpeg` on the PATH (5.1 or later): its process, what it writes, and what it says on standard error.
 //!
-//! Every reader of videos starts ffmpeg by [`command`], so that it reads one stream: the one with the most pixels,
-//! which ffmpeg takes by default.
+//! Every reader of videos starts ffmpeg by [`command`], so that it reads one stream: the one with the most pixels, which ffmpeg takes by default.
 
 use super::damage::damaged;
 use super::hdr::Transfer;
@@ -125,11 +124,9 @@ impl Ffmpeg {
     pub fn no_frame(&mut self) -> Result<()> {
         let ((status, said), name) = (self.end()?, &self.file);
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
-        ensure!(
-            said.last.is_empty() && status.success(),
-            "ffmpeg cannot decode {name}: {}: expected a whole video, or else pictures, Y4M or a raw dump (--size)",
-            said.or(status)
-        );
+        let (words, is_silent) = (said.or(status), said.last.is_empty() && status.success());
+        let expected = "expected a whole video, or else pictures, Y4M or a raw dump (--size)";
+        ensure!(is_silent, "ffmpeg cannot decode {name}: {words}: {expected}");
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
@@ -140,11 +137,8 @@ impl Ffmpeg {
         if has_gap && said.last.is_empty() {
             said.last = std::mem::take(&mut said.packet);
         }
-        let file = &self.file;
-        ensure!(
-            !said.changed,
-            "{file}: the size of its frames or the format of their pixels changes on the way: expected one"
-        );
+        let (file, changed) = (&self.file, "the size of its frames or the format of their pixels changes on the way");
+        ensure!(!said.changed, "{file}: {changed}: expected one");
         if said.last.is_empty() && status.success() {
             return Ok(());
         }

@@ -121,16 +121,15 @@ pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{OpenOptions, open, synthetic};
+    use super::super::synthetic;
     use super::*;
-    use std::path::Path;
 
     fn range(text: &str) -> FrameRange {
         text.parse().unwrap()
     }
 
     fn synthetic_part(text: &str) -> Sequence {
-        open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap().part(range(text), "--frames")
+        synthetic::sequence().part(range(text), "--frames")
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Pictures as a recording: PNG, JPEG, PGM, PPM and PAM, one in a file of a folder, or several in one file.
 //!
-//! Gray pictures pass unchanged. Of 16-bit values the high byte is taken, unless [`Levels`] map them. Alpha is ignored.
-//! Colour becomes gray by BT.601 in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`.
-//! Pictures are turned as their Exif data say.
+//! Gray pictures pass unchanged. Of 16-bit values the high byte is taken, unless [`Levels`] map them. Alpha is ignored. Colour becomes gray by BT.601
+//! in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Pictures are turned as their Exif data say.
 
 use super::damage::damaged;
 use super::samples::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
@@ -251,10 +250,8 @@ impl Chunks {
 fn png(bytes: &[u8]) -> Result<Samples> {
     let chunks = Chunks::of(bytes);
     let count = chunks.count;
-    ensure!(
-        count <= 1,
-        "it is an animated PNG of {count} pictures: expected one; make a film of it with ffmpeg -f apng -i"
-    );
+    let mend = "make a film of it with ffmpeg -f apng -i";
+    ensure!(count <= 1, "it is an animated PNG of {count} pictures: expected one; {mend}");
     ensure!(!chunks.is_of_apple, unread("a PNG in Apple's own form"));
     ensure!(chunks.next(bytes).is_none(), several());
     // The limit is for chunks besides pixels. The number of pixels is checked below.

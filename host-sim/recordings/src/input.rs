@@ -63,8 +63,7 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A stream whose reads fail after a silence longer than `patience`. Opening a pipe waits for its writer, so a thread
-/// opens and reads the stream.
+/// A stream whose reads fail after a silence longer than `patience`. Opening a pipe waits for its writer, so a thread opens and reads the stream.
 pub struct Patient {
     /// Chunks of the stream; an empty chunk is the end.
     chunks: Receiver<io::Result<Vec<u8>>>,

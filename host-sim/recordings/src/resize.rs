@@ -64,10 +64,8 @@ impl Sequence {
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
         let (old_width, old_height) = (first.gray.width, first.gray.height);
         let (width, height) = resize.size(old_width, old_height)?;
-        ensure!(
-            u64::from(width) * u64::from(height) <= MOST_PIXELS,
-            "--resize to {width}x{height}: expected at most {MOST_PIXELS} pixels"
-        );
+        let pixels = u64::from(width) * u64::from(height);
+        ensure!(pixels <= MOST_PIXELS, "--resize to {width}x{height}: expected at most {MOST_PIXELS} pixels");
         let scale = (f64::from(width) / f64::from(old_width), f64::from(height) / f64::from(old_height));
         let frames = std::iter::once(Ok(first)).chain(frames).map(move |frame: Result<Frame>| {
             let frame = frame?;
@@ -121,13 +119,11 @@ fn scale<F: resize::PixelFormat>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{BoundingBox, GrayFrame, OpenOptions, open, synthetic};
+    use super::super::{BoundingBox, GrayFrame, synthetic};
     use super::*;
-    use std::path::Path;
 
     fn synthetic_as(text: &str) -> Sequence {
-        let sequence = open(Path::new(synthetic::NAME), &OpenOptions::default()).unwrap();
-        sequence.resized(text.parse().unwrap()).unwrap().0
+        synthetic::sequence().resized(text.parse().unwrap()).unwrap().0
     }
 
     #[test]

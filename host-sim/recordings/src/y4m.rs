@@ -64,10 +64,8 @@ impl<R: BufRead> Frames<R> {
         let mut pixels = Vec::new();
         if line.ends_with(b"\n") || line.len() as u64 == LINE_BYTES {
             let is_frame = line.starts_with(b"FRAME\n") || line.starts_with(b"FRAME ") && line.ends_with(b"\n");
-            ensure!(
-                is_frame,
-                "it does not begin as a frame of YUV4MPEG2 does: expected a line FRAME before its pixels"
-            );
+            let expected = "expected a line FRAME before its pixels";
+            ensure!(is_frame, "it does not begin as a frame of YUV4MPEG2 does: {expected}");
             self.stream.by_ref().take(frame_bytes).read_to_end(&mut pixels)?;
         }
         let read = pixels.len() as u64;
@@ -170,10 +168,9 @@ struct Header {
 
 impl Header {
     fn parse(line: &[u8]) -> Result<Self> {
-        ensure!(
-            !(line.starts_with(b"YUV4MPEG2 ") && line.ends_with(b"\r\n")),
-            "its header ends with CR LF: expected LF alone; it was changed as if it were text, and its pixels too"
-        );
+        let changed = "it was changed as if it were text, and its pixels too";
+        let is_changed = line.starts_with(b"YUV4MPEG2 ") && line.ends_with(b"\r\n");
+        ensure!(!is_changed, "its header ends with CR LF: expected LF alone; {changed}");
         let fields = line.strip_prefix(b"YUV4MPEG2 ").and_then(|rest| rest.strip_suffix(b"\n"));
         let fields =
             String::from_utf8_lossy(fields.context("expected a line that begins with YUV4MPEG2")?).into_owned();
@@ -185,18 +182,14 @@ impl Header {
         let plane =
             |across: usize, down: usize| usize::from(width).div_ceil(across) * usize::from(height).div_ceil(down);
         let frame_bytes = plane(1, 1) as u64 + if across == 0 { 0 } else { 2 * plane(across, down) as u64 };
-        ensure!(
-            frame_bytes <= MOST_PIXELS,
-            "a frame of {width}x{height} has {frame_bytes} bytes: expected at most {MOST_PIXELS}"
-        );
+        let has = format!("a frame of {width}x{height} has {frame_bytes} bytes");
+        ensure!(frame_bytes <= MOST_PIXELS, "{has}: expected at most {MOST_PIXELS}");
         // The ratios tell such a header from other text.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
-        let ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
-        ensure!(
-            ratios.into_iter().all(is_ratio),
-            "its header is not understood: expected that of YUV4MPEG2, as ffmpeg writes it"
-        );
+        let mut ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
+        let expected = "expected that of YUV4MPEG2, as ffmpeg writes it";
+        ensure!(ratios.all(is_ratio), "its header is not understood: {expected}");
         let rate = field('F').and_then(|rate| rate.split_once(':'));
         let rate = rate.and_then(|(frames, seconds)| Some((frames.parse().ok()?, seconds.parse().ok()?)));
         let rate = rate.filter(|&(frames, seconds): &(f64, f64)| frames > 0.0 && seconds > 0.0);

@@ -1,9 +1,8 @@
 //! The built-in recording that is generated, for checks on a machine without recordings.
 //!
-//! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A
-//! textured target of 24x28 pixels moves, in whole pixels, over a textured background that pans in sixteenths of a
-//! pixel. All the time the sensor adds noise (standard deviation 2.3); the light drifts from 100 % to 78 % to 113 % to
-//! 98 %.
+//! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A textured target of 24x28 pixels moves,
+//! in whole pixels, over a textured background that pans in sixteenths of a pixel. All the time the sensor adds noise (standard deviation 2.3); the
+//! light drifts from 100 % to 78 % to 113 % to 98 %.
 //!
 //! | frames (from 0) | what happens |
 //! |---|---|

@@ -307,10 +307,8 @@ impl Wish for Desk {
 
     fn made(&self, window: &Window, ending: &str) -> Result<Job> {
         let Window { name, source, followed, .. } = window;
-        ensure!(
-            source.live().is_none(),
-            "the frames of a camera are not kept: record it with ffmpeg, and view the file"
-        );
+        let is_kept = source.live().is_none();
+        ensure!(is_kept, "the frames of a camera are not kept: record it with ffmpeg, and view the file");
         let targets: Vec<Target> = followed.targets().into_iter().filter(|target| !target.locks.is_empty()).collect();
         ensure!(!targets.is_empty(), "there is no target yet: drag a box first");
         let twice = (1..targets.len()).find(|&at| targets[..at].iter().any(|other| other.name == targets[at].name));
