@@ -1,7 +1,6 @@
 //! Text for people: errors in plain words, not in those of the system or of a library, without control characters, and the names of choices.
 
 use clap::ValueEnum;
-use std::error::Error;
 use std::io::{self, ErrorKind};
 
 /// Returns a choice as it is typed on the command line.
@@ -11,11 +10,8 @@ pub fn choice_name<T: ValueEnum>(choice: &T) -> String {
 
 /// Returns the error and its causes in one line.
 pub fn of(error: &anyhow::Error) -> String {
-    error.chain().map(of_cause).collect::<Vec<_>>().join(": ")
-}
-
-fn of_cause(cause: &(dyn Error + 'static)) -> String {
-    cause.downcast_ref().map_or_else(|| cause.to_string(), of_io)
+    let words = error.chain().map(|cause| cause.downcast_ref().map_or_else(|| cause.to_string(), of_io));
+    words.collect::<Vec<_>>().join(": ")
 }
 
 /// Returns the system's error in plain words, without its number.

@@ -102,12 +102,7 @@ impl Samples {
     }
 
     pub fn gray(self, levels: Option<Levels>) -> Result<GrayFrame> {
-        let narrow = self.narrow(levels)?;
-        if narrow.channels == 1 {
-            let Self { width, height, samples: pixels, orientation, .. } = narrow;
-            return Ok(Raster { width, height, pixels }.turned(orientation));
-        }
-        Ok(narrow.pixels(luma))
+        Ok(self.narrow(levels)?.pixels(luma))
     }
 
     pub fn colors(self, levels: Option<Levels>) -> Result<ColorFrame> {
@@ -126,8 +121,7 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// Returns the picture upright, by its Exif orientation: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also
-    /// have rows and columns swapped.
+    /// Returns the picture upright, by its Exif orientation: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also have rows and columns swapped.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {
             return self;
