@@ -50,12 +50,10 @@ pub(crate) mod tests {
 
     /// Four frames of a target that moves by two pixels a frame, and nothing beside them.
     pub fn sequence() -> Sequence {
-        let frame = |left: usize| {
-            let texture = |x: usize, y: usize| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
-            let inside = |x: usize, y: usize| (left..left + 5).contains(&x) && (6..10).contains(&y);
-            let pixel = |x: usize, y: usize| if inside(x, y) { texture(x - left, y) } else { 10 };
-            let pixels = (0..20).flat_map(|y| (0..24).map(move |x| pixel(x, y))).collect();
-            GrayFrame { width: 24, height: 20, pixels }
+        let frame = |left: i32| {
+            let texture = |x: i32, y: i32| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();
+            let inside = |x: i32, y: i32| (left..left + 5).contains(&x) && (6..10).contains(&y);
+            GrayFrame::drawn(24, 20, |x, y| if inside(x, y) { texture(x - left, y) } else { 10 })
         };
         let at = |x: f64| BoundingBox { x, y: 6.0, width: 5.0, height: 4.0 };
         let truth = [4.0, 6.0, 8.0, 10.0].map(|x| Some(at(x))).to_vec();

@@ -110,9 +110,8 @@ struct Held {
 
 /// Runs every variant through the cases of each of `count` recordings; `open` opens a recording by its place.
 ///
-/// Recordings, variants and cases are spread over all threads. A recording is decoded once and kept in memory. Records
-/// come recording by recording, in the order of `variants`. A case that fails leaves no record of its variant and
-/// recording. After a signal only complete records are returned.
+/// Recordings, variants and cases are spread over all threads. A recording is decoded once and kept in memory. Records come recording by recording,
+/// in the order of `variants`. A case that fails leaves no record of its variant and recording. After a signal only complete records are returned.
 pub(super) fn measure<'a, P: Protocol>(
     protocol: &P,
     count: usize,
@@ -203,14 +202,9 @@ impl Recording {
             let frame = frame?.gray;
             if count == 0 {
                 let bytes = boxes as u64 * frame.pixels.len() as u64;
-                ensure!(
-                    bytes <= most_bytes,
-                    "{name}: its frames ({boxes} of {}x{}) need {} MiB of memory: at most {} MiB are used for a recording",
-                    frame.width,
-                    frame.height,
-                    bytes.div_ceil(MIB),
-                    most_bytes / MIB
-                );
+                let (width, height, need, most) = (frame.width, frame.height, bytes.div_ceil(MIB), most_bytes / MIB);
+                let need = format!("its frames ({boxes} of {width}x{height}) need {need} MiB of memory");
+                ensure!(bytes <= most_bytes, "{name}: {need}: at most {most} MiB are used for a recording");
             }
             count += 1;
             // Frames beyond the truth are only counted: they are an error, and may be many.

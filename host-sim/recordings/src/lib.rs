@@ -102,7 +102,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 
 impl GrayFrame {
     /// Draws a frame row after row; `level` gives the gray level of each pixel.
-    fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {
+    pub fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {
         let places = (0..i32::from(height)).flat_map(|y| (0..i32::from(width)).map(move |x| (x, y)));
         Self { width, height, pixels: places.map(|(x, y)| level(x, y)).collect() }
     }
@@ -231,11 +231,8 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
         Sequence::streamed(name, frames, Source::Once)
     } else if is_live(path) {
         ensure!(options.size.is_none(), "--size is for raw dumps: a live source says its size");
-        ensure!(
-            options.takes_live,
-            "{} is a live source, for `track` and `view` alone: expected a recording",
-            live::without_secrets(path).0
-        );
+        let (name, _) = live::without_secrets(path);
+        ensure!(options.takes_live, "{name} is a live source, for `track` and `view` alone: expected a recording");
         let live = Live::open(path, options.patience())?;
         let (name, source) = (live.name.clone(), Source::Live(Arc::clone(&live.arrivals)));
         Sequence::streamed(name, live.map(Ok), source)
@@ -288,8 +285,7 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if [`open`] can take `path`, as far as names tell. A folder that only holds recordings in folders of their own
-/// is none.
+/// True if [`open`] can take `path`, as far as names tell. A folder that only holds recordings in folders of their own is none.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
@@ -344,10 +340,7 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
     let files = files_in(folder)?;
     let pictures = pictures_in(folder, &files)?;
     if pictures.is_empty() {
-        let recording = only_recording(folder, &files)?;
-        let name = recording.display();
-        ensure!(options.size.is_none() || raw::is_raw(recording), "--size is for raw dumps: {name} is none");
-        return source_of(recording, options);
+        return source_of(only_recording(folder, &files)?, options);
     }
     let (count, at) = (pictures.len(), folder.display());
     ensure!(options.size.is_none(), "--size is for raw dumps: {at} holds pictures");

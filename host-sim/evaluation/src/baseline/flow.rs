@@ -166,9 +166,7 @@ mod tests {
             let waves = (x / 5.0).sin() + (y / 6.0).sin() + ((x + 2.0 * y) / 17.0).sin() + ((2.0 * x - y) / 23.0).cos();
             byte(128.0 + (28.0 - height) * waves + 2.0 * height * ((1.2 * x).sin() + (1.1 * y).sin()))
         };
-        let pixels = (0..90_u8).flat_map(|y| (0..120_u8).map(move |x| (x, y)));
-        let pixels = pixels.map(|(x, y)| level(f64::from(x) - dx, f64::from(y) - dy)).collect();
-        GrayFrame { width: 120, height: 90, pixels }
+        GrayFrame::drawn(120, 90, |x, y| level(f64::from(x) - dx, f64::from(y) - dy))
     }
 
     fn locked(frame: &GrayFrame, target: Rect) -> Baseline {

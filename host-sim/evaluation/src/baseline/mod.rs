@@ -174,8 +174,7 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box that has these sums of pixels and of squares: exact sums, divided in
-    /// f64.
+    /// Returns the correlation coefficient with a box that has these sums of pixels and of squares: exact sums, divided in f64.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();
@@ -222,12 +221,11 @@ mod tests {
 
     /// A plain picture with a 6x5 target, no two rows or columns of which are alike, at (`left`, `top`).
     fn picture(left: i32, top: i32) -> GrayFrame {
-        let pixel = |x: i32, y: i32| {
+        GrayFrame::drawn(40, 30, |x, y| {
             let (i, j) = (x - left, y - top);
-            if (0..6).contains(&i) && (0..5).contains(&j) { 60 + (i * i * 7 + j * 13) % 120 } else { 20 }
-        };
-        let pixels = (0..30).flat_map(|y| (0..40).map(move |x| pixel(x, y).try_into().unwrap())).collect();
-        GrayFrame { width: 40, height: 30, pixels }
+            let inside = (0..6).contains(&i) && (0..5).contains(&j);
+            if inside { (60 + (i * i * 7 + j * 13) % 120).try_into().unwrap() } else { 20 }
+        })
     }
 
     fn config(radius: u16, padding: u16) -> Config {
@@ -313,12 +311,8 @@ mod tests {
 
     /// Computes the cost of `target` anew, pixel by pixel.
     fn plain_cost(kind: MethodKind, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
-        let pixel = |x: i32, y: i32| {
-            let inside = (0..i32::from(frame.width)).contains(&x) && (0..i32::from(frame.height)).contains(&y);
-            if inside { f64::from(frame.pixels[index(y * i32::from(frame.width) + x)]) } else { 0.0 }
-        };
-        let places = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| (x, y)));
-        let pairs: Vec<(f64, f64)> = places.map(|(x, y)| pixel(x, y)).zip(template.iter().map(|&g| g.into())).collect();
+        let rows = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| frame.level(x, y)));
+        let pairs: Vec<(f64, f64)> = rows.zip(template).map(|(f, &g)| (f.into(), g.into())).collect();
         let sum = |of: &dyn Fn(f64, f64) -> f64| pairs.iter().map(|&(f, g)| of(f, g)).sum::<f64>();
         match kind {
             MethodKind::Sad => sum(&|f, g| (f - g).abs()),
