@@ -255,7 +255,8 @@ mod tests {
 
     /// Runs every fault. Overflow checks are on in tests, so a panic is found, too.
     fn every_fault_on(name: &str) {
-        let (all, variants) = (Fault::all(), variants());
+        let (list, variants) = ("all".parse().unwrap(), variants());
+        let smr_recordings::fault::Faults::List(all) = list else { panic!("all are a list") };
         let faults = Faults::new(&all);
         let (records, failures) = matrix::measure(&faults, 1, |_| open(Path::new(name)), &variants, &|_| ());
         let rows = faults.rows(&records, &variants);

@@ -50,18 +50,6 @@ const DUSK: i64 = 100;
 const SEED: u64 = 0xFA17_0000;
 
 impl Fault {
-    /// Returns the faults that the word `all` stands for.
-    pub fn all() -> Vec<Self> {
-        listed(
-            "dropped:5 repeated:5 torn:3 black:3 white:3 columns:8 bits:20 gain:50 gain:150 noise:20 origin:12 gap:10",
-        )
-    }
-
-    /// Returns the faults that the word `light` stands for.
-    pub fn changes_of_light() -> Vec<Self> {
-        listed("light:20 light:200 dusk:20 night:20 fog:20 gamma:50 gamma:200 offset:60")
-    }
-
     /// True if the tracker is locked during the fault.
     pub fn is_there_at_the_lock(&self) -> bool {
         self.kind == Kind::Night
@@ -135,10 +123,6 @@ impl Fault {
     }
 }
 
-fn listed(faults: &str) -> Vec<Fault> {
-    faults.split(' ').map(|fault| fault.parse().expect("it is a fault")).collect()
-}
-
 /// Moves the picture to the right and down; its edges are repeated.
 fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
     let width = usize::from(frame.width);
@@ -207,12 +191,15 @@ impl FromStr for Faults {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        Ok(match text {
-            "all" => Self::List(Fault::all()),
-            "light" => Self::List(Fault::changes_of_light()),
-            "cover" => Self::Cover,
-            one => Self::List(vec![one.parse()?]),
-        })
+        let list = match text {
+            "cover" => return Ok(Self::Cover),
+            "all" => {
+                "dropped:5 repeated:5 torn:3 black:3 white:3 columns:8 bits:20 gain:50 gain:150 noise:20 origin:12 gap:10"
+            }
+            "light" => "light:20 light:200 dusk:20 night:20 fog:20 gamma:50 gamma:200 offset:60",
+            one => one,
+        };
+        Ok(Self::List(list.split(' ').map(str::parse).collect::<Result<_>>()?))
     }
 }
 
@@ -220,10 +207,8 @@ impl FromStr for Faults {
 mod tests {
     use super::*;
 
-    fn frame(seed: usize) -> GrayFrame {
-        let pixels =
-            (0..40 * 30).map(|at: usize| ((at * 7 + at / 40 * 13 + seed * 50) % 251).to_le_bytes()[0]).collect();
-        GrayFrame { width: 40, height: 30, pixels }
+    fn frame(seed: i32) -> GrayFrame {
+        GrayFrame::drawn(40, 30, |x, y| ((x * 7 + y * 293 + seed * 50) % 251).to_le_bytes()[0])
     }
 
     fn made(fault: &str, index: usize) -> Option<GrayFrame> {
@@ -284,12 +269,12 @@ mod tests {
 
     #[test]
     fn what_is_typed_is_what_is_printed() {
-        for fault in Fault::all().into_iter().chain(Fault::changes_of_light()) {
-            assert_eq!(fault.to_string().parse::<Fault>().unwrap(), fault);
-            assert!(fault.frames() > 0);
-        }
-        for (list, length) in [("all", 12), ("light", 8)] {
-            assert!(matches!(list.parse().unwrap(), Faults::List(faults) if faults.len() == length), "{list}");
+        for (list, length, first) in [("all", 12, "dropped:5"), ("light", 8, "light:20")] {
+            let Faults::List(faults) = list.parse().unwrap() else { panic!("{list}") };
+            assert_eq!((faults.len(), &faults[0].to_string()[..]), (length, first));
+            assert!(
+                faults.iter().all(|fault| fault.frames() > 0 && fault.to_string().parse::<Fault>().unwrap() == *fault)
+            );
         }
         for refused in ["", "torn", "torn:0", "torn:x", "melted:3", "bits:1001", "gap:10000", "gain:-1"] {
             assert!(refused.parse::<Faults>().is_err(), "{refused}");
