@@ -11,6 +11,7 @@ use anyhow::Result;
 use serde_json::Value;
 use smr_core::{Rect, State};
 use smr_recordings::Sequence;
+use smr_recordings::away::Away;
 use smr_recordings::fault::Fault;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -111,19 +112,25 @@ impl Protocol for Faults<'_> {
         let cases = self.cases.iter().flat_map(|&fault| {
             places.iter().map(move |&(place, target)| {
                 let (frame, end) = (place - LEAD, self.end(place, fault));
+                let last = (end + WATCHED).min(recording.frames.len());
                 let intervention = fault.map_or(Intervention::None, |&fault| {
-                    Intervention::Fault(if fault.is_there_at_the_lock() { frame } else { place }, end, fault)
+                    let start = if fault.is_there_at_the_lock() { frame } else { place };
+                    let away = Away::new(&recording.truth, place..end, recording.bounds());
+                    Intervention::Fault(start, if fault.is_away() { last } else { end }, fault, away)
                 });
-                let end = (end + WATCHED).min(recording.frames.len());
-                Case { name: String::new(), frame, target, end, intervention }
+                Case { name: String::new(), frame, target, end: last, intervention }
             })
         });
         Ok(cases.collect())
     }
 
     fn figures(&self, _: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Option<Counts>> {
+        let truth = match &case.intervention {
+            Intervention::Fault(.., fault, away) if fault.is_away() => &away.truth(&recording.truth),
+            _ => &recording.truth,
+        };
         let place = case.frame + LEAD;
-        Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), &recording.truth))
+        Ok(Counts::of(run, place..self.end(place, case.intervention.fault().as_ref()), truth))
     }
 }
 
@@ -143,6 +150,11 @@ fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
 }
 
 impl Counts {
+    /// Returns the frames that came during the fault and have an answer: those that are not *lost*.
+    fn answered(&self) -> usize {
+        self.states.iter().sum::<usize>() - self.states[State::Lost as usize]
+    }
+
     fn of(run: &Run, fault: Range<usize>, truth: &Trajectory) -> Option<Self> {
         let mut counts = Self::default();
         for (frame, state, right) in run.judged(truth) {
@@ -182,6 +194,8 @@ const COLUMNS: &[Column<Row>] = &[
     ("leaving", "", 0, |row| row.sum(|run| run.states[1]).into()),
     ("uncertain", "", 0, |row| row.sum(|run| run.states[2]).into()),
     ("lost", "", 0, |row| row.sum(|run| run.states[3]).into()),
+    ("answered", "", 0, |row| row.sum(Counts::answered).into()),
+    ("", "answered", 0, |row| percent(row.sum(Counts::answered), row.sum(|run| run.states.iter().sum())).into()),
     ("right", "", 0, |row| row.sum(|run| run.right).into()),
     ("visible", "", 0, |row| row.sum(|run| run.visible).into()),
     ("", "right during it", 0, |row| percent(row.sum(|run| run.right), row.sum(|run| run.visible)).into()),
@@ -256,11 +270,12 @@ mod tests {
     /// Runs every fault. Overflow checks are on in tests, so a panic is found, too.
     fn every_fault_on(name: &str) {
         let (list, variants) = ("all".parse().unwrap(), variants());
-        let smr_recordings::fault::Faults::List(all) = list else { panic!("all are a list") };
+        let smr_recordings::fault::Faults::List(mut all) = list else { panic!("all are a list") };
+        all.push("away:40".parse().unwrap());
         let faults = Faults::new(&all);
         let (records, failures) = matrix::measure(&faults, 1, |_| open(Path::new(name)), &variants, &|_| ());
         let rows = faults.rows(&records, &variants);
-        assert_eq!((rows.len(), failures.len()), (2 * 13, 0));
+        assert_eq!((rows.len(), failures.len()), (2 * 14, 0));
         for row in &rows {
             assert!(name != "synthetic" || !row.runs.is_empty());
             for run in &row.runs {
@@ -269,6 +284,7 @@ mod tests {
                 let Some(fault) = row.fault else { continue };
                 assert!(came <= fault.frames(), "{name}: {row:?}");
                 assert!(!fault.to_string().starts_with("gap") || came == 0, "{name}: {row:?}");
+                assert!(!fault.is_away() || came == 40 && run.visible + run.right == 0, "{name}: {row:?}");
             }
         }
     }
@@ -295,7 +311,7 @@ mod tests {
             let columns = tables.columns(TableName::Measured).filter(|(key, _)| wanted(key));
             columns.map(|(_, values)| values.into_iter().cloned().collect()).collect()
         };
-        assert_eq!(columns(&one, |_| true).len(), 19);
+        assert_eq!(columns(&one, |_| true).len(), 20);
         for column in columns(&one, |key| !key.starts_with("fault")) {
             let [none, _, gain, robust_none, _, robust_gain] = &column[..] else { panic!("{column:?}") };
             assert_eq!((none, robust_none), (gain, robust_gain), "a gain of 1 changes nothing");

@@ -5,6 +5,7 @@ use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use rayon::prelude::*;
 use smr_core::Rect;
+use smr_recordings::away::Away;
 use smr_recordings::cover::Cover;
 use smr_recordings::fault::Fault;
 use smr_recordings::{BoundingBox, GrayFrame, Sequence, cleanup, misfit};
@@ -67,23 +68,23 @@ pub(super) struct Case {
 pub(super) enum Intervention {
     None,
     /// The camera has a fault from the first of these frames to before the second.
-    Fault(usize, usize, Fault),
+    Fault(usize, usize, Fault, Away),
     /// Frames of the cover, or of another scene, come before a frame: its number, and how many frames come.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
 }
 
 impl Intervention {
     pub const fn fault(&self) -> Option<Fault> {
-        if let Self::Fault(.., fault) = *self { Some(fault) } else { None }
+        if let Self::Fault(.., fault, _) = *self { Some(fault) } else { None }
     }
 
     /// Returns the frames that the tracker gets for the one at `place`.
     fn shown<'a>(&'a self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
         let own = std::iter::once(Cow::Borrowed(&frames[place]));
         match *self {
-            Self::Fault(at, end, fault) if (at..end).contains(&place) => {
+            Self::Fault(at, end, fault, ref away) if (at..end).contains(&place) => {
                 let before = (&frames[at.saturating_sub(1)], &frames[place.saturating_sub(1)]);
-                Box::new(fault.of(place - at, &frames[place], before, at as u64).map(Cow::Owned).into_iter())
+                Box::new(fault.of(place - at, &frames[place], before, at as u64, away).map(Cow::Owned).into_iter())
             }
             Self::Cover(at, count, cover, ref other) if at == place => {
                 Box::new((0..count).map(move |index| Cow::Owned(cover.frame(index, other))).chain(own))
@@ -273,8 +274,9 @@ mod tests {
         let white = Arc::new(GrayFrame { pixels: vec![255], ..frames[0].clone() });
         let (gap, repeated): (Fault, Fault) = ("gap:2".parse().unwrap(), "repeated:2".parse().unwrap());
         assert_eq!(shown(Intervention::None), [(1, 1), (2, 2), (3, 3), (4, 4), (5, 5)]);
-        assert_eq!(shown(Intervention::Fault(2, 4, gap)), [(1, 1), (4, 4), (5, 5)]);
-        assert_eq!(shown(Intervention::Fault(2, 4, repeated)), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
+        let away = || Away::new(&[None; 6], 2..4, Rect::new(0, 0, 1, 1));
+        assert_eq!(shown(Intervention::Fault(2, 4, gap, away())), [(1, 1), (4, 4), (5, 5)]);
+        assert_eq!(shown(Intervention::Fault(2, 4, repeated, away())), [(1, 1), (2, 1), (3, 1), (4, 4), (5, 5)]);
         let covered = shown(Intervention::Cover(4, 2, Cover::Black, white));
         assert_eq!(covered, [(1, 1), (2, 2), (3, 3), (4, 0), (4, 0), (4, 4), (5, 5)]);
     }

@@ -58,7 +58,7 @@ impl BoundingBox {
     }
 
     /// Returns the smallest box that holds all points; `None` without points.
-    fn around(points: &[[f64; 2]]) -> Option<Self> {
+    pub(super) fn around(points: &[[f64; 2]]) -> Option<Self> {
         let bound = |axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|point| point[axis]).reduce(of);
         let (x1, y1, x2, y2) = (bound(0, f64::min)?, bound(1, f64::min)?, bound(0, f64::max)?, bound(1, f64::max)?);
         Some(Self::from_corners([x1, y1, x2, y2]))

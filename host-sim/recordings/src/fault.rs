@@ -1,6 +1,7 @@
 //! Faults of cameras, put into undamaged frames: the same seed always gives the same frames.
 
 use super::GrayFrame;
+use crate::away::Away;
 use crate::messages::choice_name;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
@@ -30,6 +31,7 @@ enum Kind {
     Noise,
     Origin,
     Gap,
+    Away,
     Light,
     Dusk,
     Night,
@@ -55,12 +57,17 @@ impl Fault {
         self.kind == Kind::Night
     }
 
+    /// True if the target is elsewhere from the fault on.
+    pub fn is_away(&self) -> bool {
+        self.kind == Kind::Away
+    }
+
     /// Returns the number of frames of the recording that the fault lasts.
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
         match self.kind {
             Kind::Dropped => 2 * amount,
-            Kind::Repeated | Kind::Torn | Kind::Black | Kind::White | Kind::Gap => amount,
+            Kind::Repeated | Kind::Torn | Kind::Black | Kind::White | Kind::Gap | Kind::Away => amount,
             Kind::Columns | Kind::Bits | Kind::Gain | Kind::Noise | Kind::Origin => FRAMES,
             Kind::Light | Kind::Dusk | Kind::Night | Kind::Fog | Kind::Gamma | Kind::Offset => LIT,
         }
@@ -74,6 +81,7 @@ impl Fault {
         frame: &GrayFrame,
         (before, former): (&GrayFrame, &GrayFrame),
         seed: u64,
+        away: &Away,
     ) -> Option<GrayFrame> {
         let amount = self.amount;
         let mut random = Random(SEED ^ seed << 24 ^ (index as u64 + 1) << 8);
@@ -84,6 +92,7 @@ impl Fault {
         match self.kind {
             Kind::Dropped if index.is_multiple_of(2) => return None,
             Kind::Gap => return None,
+            Kind::Away => return Some(away.view(index, frame)),
             Kind::Dropped => {}
             Kind::Repeated => pixels.clone_from(&before.pixels),
             Kind::Torn => {
@@ -117,20 +126,14 @@ impl Fault {
             Kind::Fog => relight(pixels, |level| FOG + (level - FOG) * i64::from(amount) / 100),
             Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
-            Kind::Origin => shift(frame, pixels, usize::from(amount), usize::from(amount / 2)),
+            Kind::Origin => {
+                // The picture's edges are repeated.
+                let (right, down) = (i32::from(amount), i32::from(amount / 2));
+                let level = |x: i32, y: i32| frame.level((x - right).max(0), (y - down).max(0));
+                return Some(GrayFrame::drawn(frame.width, frame.height, level));
+            }
         }
         Some(made)
-    }
-}
-
-/// Moves the picture to the right and down; its edges are repeated.
-fn shift(frame: &GrayFrame, pixels: &mut [u8], right: usize, down: usize) {
-    let width = usize::from(frame.width);
-    for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
-        let from = &frame.pixels[y.saturating_sub(down) * width..][..width];
-        for (x, pixel) in row.iter_mut().enumerate() {
-            *pixel = from[x.saturating_sub(right)];
-        }
     }
 }
 
@@ -165,7 +168,8 @@ impl FromStr for Fault {
         let names = || Kind::value_variants().iter().map(choice_name).collect::<Vec<_>>().join(", ");
         let (name, amount) = text
             .split_once(':')
-            .ok_or_else(|| anyhow!("expected NAME:N, all, light or cover; names are {}", names()))?;
+            .or((text == "away").then_some(("away", "40")))
+            .ok_or_else(|| anyhow!("expected NAME:N, all, light, away or cover; names are {}", names()))?;
         let Ok(kind) = Kind::from_str(name, false) else { bail!("there is no fault {name}: expected {}", names()) };
         let most = if kind == Kind::Bits { 1000 } else { 9999 };
         let amount = amount.parse().ok().filter(|amount| (1..=most).contains(amount));
@@ -212,7 +216,8 @@ mod tests {
     }
 
     fn made(fault: &str, index: usize) -> Option<GrayFrame> {
-        fault.parse::<Fault>().unwrap().of(index, &frame(3), (&frame(1), &frame(2)), 7)
+        let away = Away::new(&[Some([9, 9, 4, 4].into()); 9], 1..3, frame(3).frame().bounds());
+        fault.parse::<Fault>().unwrap().of(index, &frame(3), (&frame(1), &frame(2)), 7, &away)
     }
 
     fn changed(fault: &str, index: usize) -> usize {
@@ -229,12 +234,10 @@ mod tests {
         let torn = made("torn:1", 0).unwrap();
         let row = |frame: &GrayFrame, y: usize| frame.pixels[y * 40..][..40].to_vec();
         assert_eq!((row(&torn, 0), row(&torn, 29)), (row(&frame(3), 0), row(&frame(2), 29)));
+        assert_ne!(made("away:2", 1), made("away:2", 2), "gone, and back");
         assert_eq!(made("gain:50", 0).unwrap().pixels[9], frame(3).pixels[9] / 2);
         let shifted = made("origin:12", 0).unwrap();
-        assert_eq!(
-            (shifted.pixels[10 * 40 + 20], shifted.pixels[0]),
-            (frame(3).pixels[4 * 40 + 8], frame(3).pixels[0])
-        );
+        assert_eq!((shifted.level(20, 10), shifted.level(0, 0)), (frame(3).level(8, 4), frame(3).level(0, 0)));
         assert!((1..=3 * 30).contains(&changed("columns:3", 0)));
         assert_eq!(made("columns:3", 0), made("columns:3", 5), "stuck ones stay the same");
         assert!((60..240).contains(&changed("bits:100", 0)), "{}", changed("bits:100", 0));
@@ -269,7 +272,7 @@ mod tests {
 
     #[test]
     fn what_is_typed_is_what_is_printed() {
-        for (list, length, first) in [("all", 12, "dropped:5"), ("light", 8, "light:20")] {
+        for (list, length, first) in [("all", 12, "dropped:5"), ("light", 8, "light:20"), ("away", 1, "away:40")] {
             let Faults::List(faults) = list.parse().unwrap() else { panic!("{list}") };
             assert_eq!((faults.len(), &faults[0].to_string()[..]), (length, first));
             assert!(

@@ -4,6 +4,7 @@
 //! [`cover`] change frames on their way to a tracker. Files are read up to a limit ([`input`]), written whole or not at
 //! all ([`output`]) and removed on a signal ([`cleanup`]); [`messages`] words errors for people. No tracker runs here.
 
+pub mod away;
 mod border;
 pub mod boxes;
 pub mod cleanup;

@@ -72,19 +72,21 @@ pub struct Eval {
     /// 100 frames), night:N (the same as light:N, but already at the lock), fog:N (N hundredths of the contrast, around gray 110), gamma:N (a
     /// power of N hundredths), offset:N (N gray levels brighter).
     ///
+    /// away:N: for N frames (`away`: 40) the camera shows what is beside the target, the largest strip of the frame that is clear of its boxes, and
+    /// mirror images of that strip. Then the picture comes shifted by a quarter of its sides at most, so that the target is back elsewhere.
+    ///
     /// Each fault is put in at up to 8 places of a recording, each a run of its own: locked on the ground truth 10 frames before it, watched
     /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, in how many of its frames
-    /// the box was right, how many were right again and after how many frames, how many were right at the end, and in how many of all frames
-    /// from the fault on *tracking* was said and wrong. `none` are the same runs without a fault. What is random is the same each time.
+    /// there was an answer and the box was right, how many were right again and after how many frames, how many were right at the end, and in
+    /// how many of all frames from the fault on *tracking* was said and wrong. `none` are the same runs without a fault. What is random is the same each time.
     ///
     /// `cover` stands alone. From the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of
     /// another scene: the first frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the
     /// recording goes on where it was interrupted. The recordings are those that are given, and five that are generated: a dark, a bright, a
-    /// textured, a smooth and a noisy target. Of each tracker and cover: recordings; those in which the box was right in the frame before;
-    /// how many of the 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in
-    /// how many it was *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one
-    /// of these is named.
-    #[arg(long, value_name = "NAME:N|all|light|cover", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
+    /// textured, a smooth and a noisy target. Of each tracker and cover: recordings; those in which the box was right in the frame before; how many
+    /// of the 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in how many it was
+    /// *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one of these is named.
+    #[arg(long, value_name = "NAME:N|away|all|light|cover", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
     #[command(flatten)]
     tables: TableOptions,
@@ -228,7 +230,7 @@ impl Eval {
         }
         ensure!(
             !self.paths.is_empty(),
-            "<PATH>... is missing: expected host-sim eval --fault <NAME:N|all|light|cover> <PATH>... (`host-sim eval --help` has examples)"
+            "<PATH>... is missing: expected host-sim eval --fault <NAME:N|away|all|light|cover> <PATH>... (`host-sim eval --help` has examples)"
         );
         let first = |(at, fault): (usize, &Fault)| (!all[..at].contains(fault)).then_some(*fault);
         Ok(Protocol::Faults(all.iter().enumerate().filter_map(first).collect()))
