@@ -620,7 +620,9 @@ typedef struct smr_robust_config {
    */
   uint8_t size;
   /**
-   * A lost target is searched in the whole frame, not only around its last place. 0 or 1.
+   * Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to
+   * frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep. 0 to
+   * 255.
    */
   uint8_t sweep;
   /**
@@ -1261,8 +1263,8 @@ smr_status smr_update(struct smr_tracker *tracker,
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
  *   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
- * - The robust one: about an instruction of a Cortex-M4. An update takes at most 6.5 million units. A step may exceed
- *   `work` by at most 128,000.
+ * - The robust one: about an instruction of a Cortex-M4. An update takes at most 14.2 million units, with a
+ *   `sweep` of 1 at most 6.5. A step may exceed `work` by at most 128,000.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    As for #smr_update. Its pixels are the same in every step.

@@ -165,7 +165,7 @@ numbers! { paper::Config, smr_paper_config {
 }}
 
 numbers! { robust::Config, smr_robust_config {
-    reach, patience, lost_below, uncertain_below, learning_rate, early_rate; size, sweep, refiner
+    reach, patience, lost_below, uncertain_below, learning_rate, early_rate, sweep; size, refiner
 }}
 
 #[cfg(test)]
@@ -188,7 +188,7 @@ mod tests {
             );
         }
         let mut other = robust::Config::robust();
-        (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, false, true, 1);
+        (other.reach, other.size, other.sweep, other.refiner, other.patience) = (4, false, 2, true, 1);
         (other.lost_below, other.uncertain_below, other.learning_rate, other.early_rate) = (2, 3, 4, 5);
         for config in [robust::Config::robust(), other] {
             assert_eq!(smr_config { robust: (&config).into(), ..smr_config::EMPTY }.robust(), config);

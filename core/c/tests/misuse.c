@@ -198,7 +198,7 @@ static void configurations(void)
     REFUSED(config.method = NULL, SMR_ERROR_NOT_INITIALISED);
     REFUSED(memset(&config, 0, sizeof config), SMR_ERROR_NOT_INITIALISED);
     if (robust) {
-        HOLD(good_config().robust.size == 1 && good_config().robust.sweep == 1);
+        HOLD(good_config().robust.size == 1 && good_config().robust.sweep == 4);
         REFUSED(config.robust.reach = 3, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.reach = 9, SMR_ERROR_CONFIG_OUT_OF_RANGE);
         REFUSED(config.robust.lost_below = 65535, SMR_ERROR_UNCERTAIN_BELOW_LOST);

@@ -98,7 +98,7 @@ raises(
     lambda: tracker.lock(large, 400, 300, (0, 0, 400, 300)),
 )
 del large
-smr.Robust(reach=4, size=False, sweep=False, plain_loop=True)
+smr.Robust(reach=4, size=False, sweep=2, plain_loop=True)
 raises(ValueError, "first_threshold must be 1 to 255", lambda: smr.Paper(first_threshold=0))
 raises(ValueError, "gate_lost must be 1 to 65535", lambda: smr.Paper(gate_lost=(5, 0)))
 raises(ValueError, "window_limit is smaller than window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))

@@ -15,7 +15,7 @@ from conftest import recorded
 # The trackers and what host-sim calls them.
 TRACKERS = {
     "robust": (smr.Robust, []),
-    "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=False), ["--set=reach=5", "--set=patience=200", "--set=sweep=off"]),
+    "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=0), ["--set=reach=5", "--set=patience=200", "--set=sweep=0"]),
     "robust without the refiner": (lambda: smr.Robust(refiner=False), ["--set=refiner=off"]),
     "the preset robust": (lambda: smr.Robust("robust"), ["--config=robust"]),
     "camera": (smr.Paper, ["--method=smr", "--config=camera"]),

@@ -349,8 +349,8 @@ fn the_preset_robust_answers_the_same_in_every_build() {
         recorder.restored(&saved(tracker.target())).unwrap();
     }
     let most = robust::Config::robust().most_work();
-    assert_eq!((most.update, most.lock, most.beyond_a_step), (6_443_388, 11_012_255, 128_000));
-    assert_eq!((works.iter().sum::<u32>(), sum.finish()), (118_857_403, 1_697_979_593));
+    assert_eq!((most.update, most.lock, most.beyond_a_step), (14_154_900, 11_012_255, 128_000));
+    assert_eq!((works.iter().sum::<u32>(), sum.finish()), (158_717_867, 1_597_886_336));
 }
 
 /// A target holds no scratch memory.

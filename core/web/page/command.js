@@ -2,18 +2,14 @@
 
 import { SETTINGS } from "./methods.js";
 
-const PARTS = ["size", "sweep", "refiner"];
-
 /** The options of `host-sim track` that differ from its defaults, by name. */
 export function optionsOf(method, settings) {
   if (method === "smr") {
     const { config } = settings.smr;
     return config === "paper" ? {} : { config };
   }
-  const { reach } = settings.robust;
-  const set = PARTS.filter((part) => !settings.robust[part]).map((part) => `${part}=off`);
-  const all = reach === SETTINGS.robust.reach ? set : [`reach=${reach}`, ...set];
-  return all.length === 0 ? {} : { set: all };
+  const changed = Object.entries(SETTINGS.robust).map(([name, usual]) => [name, settings.robust[name], usual]).filter(([, is, usual]) => is !== usual);
+  return changed.length === 0 ? {} : { set: changed.map(([name, is]) => `${name}=${is === false ? "off" : is}`) };
 }
 
 /** Options as they are typed. */

@@ -7,7 +7,7 @@ export const SHORT = { robust: "Robust", smr: "Paper" };
 
 /** The settings at the start. */
 export const SETTINGS = {
-  robust: { reach: 8, size: true, sweep: true, refiner: true },
+  robust: { reach: 8, size: true, sweep: 4, refiner: true },
   smr: { config: "camera" },
 };
 
@@ -16,6 +16,6 @@ export function trackerOf(library, { method, options: { set = [], config = "pape
   if (method === "smr") {
     return library.paper({ preset: config });
   }
-  const given = set.map((one) => one.split("=")).map(([name, value]) => [name, name === "reach" ? Number(value) : value !== "off"]);
+  const given = set.map((one) => one.split("=")).map(([name, value]) => [name, ["on", "off"].includes(value) ? value === "on" : Number(value)]);
   return library.robust({ ...SETTINGS.robust, ...Object.fromEntries(given) });
 }

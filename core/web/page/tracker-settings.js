@@ -4,18 +4,21 @@ import { optionsOf } from "./command.js";
 import { byId, htmlNode } from "./dom.js";
 import { SETTINGS, TITLES } from "./methods.js";
 
-const PARTS = ["size", "sweep", "refiner"];
+const NUMBERS = ["reach", "sweep"];
+const SWITCHES = ["size", "refiner"];
 
 /** Shows a method and its options; `methods` are those to choose from. */
 export function showTracker({ methods, method, options: { set = [], config } }) {
   byId("method").replaceChildren(...methods.map((one) => htmlNode("option", { value: one }, TITLES[one])));
   const given = Object.fromEntries(set.map((one) => one.split("=")));
-  const reach = given.reach ?? SETTINGS.robust.reach;
-  if (![...byId("reach").options].some(({ value }) => value === String(reach))) {
-    byId("reach").append(htmlNode("option", {}, reach));
+  for (const name of NUMBERS) {
+    const value = given[name] ?? SETTINGS.robust[name];
+    if (![...byId(name).options].some((option) => option.value === String(value))) {
+      byId(name).append(htmlNode("option", {}, value));
+    }
+    byId(name).value = value;
   }
-  byId("reach").value = reach;
-  PARTS.forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
+  SWITCHES.forEach((part) => (byId(part).checked = !["off", "0"].includes(given[part])));
   byId("refiner").checked &&= config !== "robust" || "refiner" in given;
   byId("config").value = method === "smr" ? (config ?? "paper") : SETTINGS.smr.config;
   byId("method").value = method;
@@ -31,7 +34,8 @@ export function showMethod() {
 export function chosenTracker(before) {
   const method = byId("method").value;
   const { set = [], config, ...others } = method === before.method ? before.options : {};
-  const robust = { reach: Number(byId("reach").value), ...Object.fromEntries(PARTS.map((part) => [part, byId(part).checked])) };
+  const valueOf = (name) => (NUMBERS.includes(name) ? Number(byId(name).value) : byId(name).checked);
+  const robust = Object.fromEntries([...NUMBERS, ...SWITCHES].map((name) => [name, valueOf(name)]));
   const { set: own = [], ...options } = optionsOf(method, { robust, smr: { config: byId("config").value } });
   const all = [...set.filter((one) => !(one.split("=")[0] in robust)), ...own];
   return { method, options: { ...others, ...options, ...(all.length === 0 ? {} : { set: all }) } };

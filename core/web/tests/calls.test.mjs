@@ -188,7 +188,7 @@ test("each option has its place", () => {
       leastRatio: 25, runnerUpAlways: true,
     },
     robust: {
-      plainLoop: true, reach: 5, size: false, sweep: false, refiner: false, patience: 6, lostBelow: 700, uncertainBelow: 800, learningRate: 90, earlyRate: 100,
+      plainLoop: true, reach: 5, size: false, sweep: 2, refiner: false, patience: 6, lostBelow: 700, uncertainBelow: 800, learningRate: 90, earlyRate: 100,
     },
   };
   for (const [method, options] of Object.entries(given)) {

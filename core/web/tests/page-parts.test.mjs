@@ -87,9 +87,9 @@ test("rows are those of host-sim", () => {
 
 test("options and names are those of a shell", () => {
   assert.deepEqual(["a-b/c.mp4", "it's a car.mp4", "-x"].map(quoted), ["a-b/c.mp4", "'it'\\''s a car.mp4'", "'-x'"]);
-  const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: false, refiner: false } };
+  const settings = { smr: { config: "paper" }, robust: { reach: 6, size: false, sweep: 0, refiner: false } };
   assert.deepEqual(optionsOf("smr", settings), {});
-  assert.deepEqual(typed(optionsOf("robust", settings)), ["--set reach=6", "--set size=off", "--set sweep=off", "--set refiner=off"]);
+  assert.deepEqual(typed(optionsOf("robust", settings)), ["--set reach=6", "--set size=off", "--set sweep=0", "--set refiner=off"]);
   const one = { name: "1", locks: [{ number: 1, box: BOX }, { number: 9, box: null }] };
   assert.deepEqual(initsOf([one]), ["--init 1,2,30,40", "--init gone@9"]);
   assert.deepEqual(initsOf([one, { name: "2", locks: [{ number: 3, box: BOX }] }]), ["--init 1=1,2,30,40", "--init 1=gone@9", "--init 2=1,2,30,40@3"]);

@@ -104,11 +104,11 @@ onPage("other settings follow the targets anew, and what is undone is followed a
   await dragBox(page, { x: 100, y: 160, width: 30, height: 30 });
   await page.until(`document.getElementById("track").textContent.includes("100,160,30,30@${next}")`);
   await page.select("reach", "6");
-  await page.click("#sweep");
+  await page.select("sweep", "0");
   await page.click("#refiner");
   await followed(page);
   const command = await page.text("track");
-  assert.match(command, /--init 268,101,39,14 --init 100,160,30,30@\d+ --method robust --set reach=6 --set sweep=off --set refiner=off$/);
+  assert.match(command, /--init 268,101,39,14 --init 100,160,30,30@\d+ --method robust --set reach=6 --set sweep=0 --set refiner=off$/);
   assert.deepEqual(await answers(page), told(...command.split(" ").slice(1)));
   await page.click("#undo");
   await followed(page);

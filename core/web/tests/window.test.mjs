@@ -220,8 +220,8 @@ onWindow("with other settings all is followed again, and the line that is shown 
   await page.click("#plays");
   await dragBox(page, BOX);
   await page.select("reach", "6");
-  await page.click("#sweep");
-  await commands(page, /--method robust --set reach=6 --set size=off --set sweep=off$/);
+  await page.select("sweep", "0");
+  await commands(page, /--method robust --set reach=6 --set size=off --set sweep=0$/);
   await followedAll(page);
   const repeated = host(...(await command(page)).split(" ").slice(1), "--json");
   assert.deepEqual(parsed(await boxes(page, "json")), parsed(repeated.stdout));

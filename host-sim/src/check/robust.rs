@@ -21,7 +21,7 @@ pub struct Counts {
     pub lost: usize,
     /// Frames that were learned from.
     pub learned: usize,
-    /// Windows of the sweep, and in how many the target was found again.
+    /// Frames in which the target was swept for, and in which it was found again.
     pub swept: usize,
     pub found_again: usize,
 }
@@ -190,7 +190,7 @@ mod tests {
     fn other_numbers_of_the_configuration_hold() {
         let others: [Both; 8] = [
             ("size", |config| config.size = false, |numbers| numbers.parts.size = false),
-            ("sweep", |config| config.sweep = false, |numbers| numbers.parts.sweep = false),
+            ("sweep", |config| config.sweep = 2, |numbers| numbers.sweep = 2),
             ("refiner", |config| config.refiner = false, |numbers| numbers.parts.refiner = false),
             ("reach", |config| config.reach = 5, |numbers| numbers.reach = 5),
             ("patience", |config| config.patience = 240, |numbers| numbers.confidence_rate = 16.0),
@@ -247,10 +247,10 @@ mod tests {
             changes! { of;
                 of.least_contrast = 0.0, of.least_deviation = 128.0, of.margin = 5, of.lost_below = 10_000.0, of.uncertain_below = 19_300.0,
                 of.learned_from = 98_304.0, of.found_from = 98_304.0, of.better_by = 98_304.0,
-                of.parts.sweep = false, of.parts.refiner = false,
+                of.sweep = 0, of.sweep = 3, of.parts.refiner = false,
             },
         );
-        noticed(noisy, changes! { of; of.most_trust = 2.0, of.opinion_rate = 0.25 });
+        noticed(noisy, changes! { of; of.most_trust = 2.0, of.opinion_rate = 0.25, of.opinion_rising_rate = 0.125 });
         noticed(noisy, changes! { of; of.opinion_lost_below = 1.3, of.opinion_uncertain_below = 1.0 });
         noticed(noisy, changes! { of; of.opinion_patience = 29, of.opinion_found = 2.0 });
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });

@@ -138,8 +138,8 @@ fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<
         Counts::Paper(counts) => describe_paper(counts, out),
         Counts::Robust(robust::Counts { uncertain, lost, learned, swept, found_again, .. }) => writeln!(
             out,
-            "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; {swept} windows of the sweep, found again \
-             in {found_again}"
+            "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; swept for in {swept}, found again in \
+             {found_again}"
         ),
     }
 }

@@ -290,7 +290,7 @@ impl TrackerOptions {
             let (number, is_on) = (f64::from(values[0]), values[0] != 0);
             match name.as_str() {
                 "size" => numbers.parts.size = is_on,
-                "sweep" => numbers.parts.sweep = is_on,
+                "sweep" => numbers.sweep = values[0].into(),
                 "refiner" => numbers.parts.refiner = is_on,
                 "reach" => numbers.reach = values[0].into(),
                 "patience" => numbers.confidence_rate = 256.0 - number,

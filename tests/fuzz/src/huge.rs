@@ -33,7 +33,7 @@ fn side(u: &mut Unstructured<'_>, most: u16) -> Result<u16> {
 
 fn follow(u: &mut Unstructured<'_>, frame: &Frame<'_>) -> Result<()> {
     let mut config = Config::refined();
-    (config.reach, config.size, config.sweep) = (u.int_in_range(4..=8)?, u.arbitrary()?, u.arbitrary()?);
+    (config.reach, config.size, config.sweep) = (u.int_in_range(4..=8)?, u.arbitrary()?, u.int_in_range(0..=8)?);
     let (most, bounds) = (config.most_work(), frame.bounds());
     let (width, height) = (side(u, bounds.width)?, side(u, bounds.height)?);
     let (x, y) = (u.int_in_range(0..=bounds.width - width)?, u.int_in_range(0..=bounds.height - height)?);

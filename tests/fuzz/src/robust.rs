@@ -19,7 +19,8 @@ impl Fuzzed for Robust {
         config.backend = paper::backend(u)?;
         let what: u8 = u.arbitrary()?;
         let asked = |bit: u8| what & (1 << bit) != 0;
-        (config.size, config.sweep, config.refiner) = (!asked(0), !asked(1), !asked(6));
+        (config.size, config.sweep, config.refiner) =
+            (!asked(0), if asked(1) { u.int_in_range(0..=8)? } else { 4 }, !asked(6));
         if asked(2) {
             config.table = paper::table(u)?;
         }

@@ -127,7 +127,7 @@ class Robust(Tracker):
         preset: Literal["refined", "robust"] = "refined",
         *,
         size: bool = ...,
-        sweep: bool = ...,
+        sweep: int = ...,
         reach: int = ...,
         patience: int = ...,
         lost_below: int = ...,

@@ -26,8 +26,9 @@ settings! {
     }
     /// The box follows the size of the target.
     size: bool, 0..=1;
-    /// A lost target is searched in the whole frame, not only around its last place.
-    sweep: bool, 0..=1;
+    /// Windows in which each frame is searched for a lost target, besides the one around its last place. From frame to
+    /// frame they sweep the whole picture. Each takes about as much work as the search of a frame. 0: no sweep.
+    sweep: u8, 0..=255;
     /// The radius of the search in cells. The side of a cell is a tenth of the root of the target's area. The work of an
     /// update grows with the square of 2 `reach` + 1.
     reach: u8, 4..=8 after 4;
@@ -58,7 +59,7 @@ impl Config {
             backend: None,
             reach: 8,
             size: true,
-            sweep: true,
+            sweep: 4,
             refiner: false,
             patience: 179,
             lost_below: 19_200,

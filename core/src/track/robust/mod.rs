@@ -23,13 +23,13 @@
 //!     |
 //!  confidence    the state: tracking, uncertain, lost
 //!     |      \
-//!     |       redetection   if the target is lost: a second window, searched and verified            2.57
+//!     |       redetection   if the target is lost: up to four windows, searched and verified        10.28
 //!     |
 //!  learning      if there is enough evidence: ridge regression on a Gaussian label (gaussian)        0.97
 //!     |
 //!  refiner       the box by a small learned network (feature `refiner`), and its opinion of it
 //!     |
-//!   answer        its state is the worse of those of confidence and opinion                   6.44 in all
+//!   answer        its state is the worse of those of confidence and opinion                   14.15 in all
 //! ```
 //!
 //! The numbers are the most work of each stage (`run/cost.rs`; a unit is about one instruction of a Cortex-M4), with the

@@ -37,7 +37,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         let target = Rect::new(left, top, across, down);
         work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
         // The scale search and the refiner run only where the early template gives no exact place and size.
-        work_of(Config { refiner: false, size: false, ..Config::robust() }, &pixels, (width, height), target)
+        work_of(Config { refiner: false, size: false, sweep: 1, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
     let holds = |across: u16, down: u16, pixels, of_40: u32| {
@@ -62,9 +62,11 @@ fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
     // The last step is nearly two blocks.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
-        let (across, down) = (3 * width, 3 * height);
-        let (first, other) = (noise(9 * usize::from(width * height)), vec![0; 9 * usize::from(width * height)]);
-        let target = Rect::new(width.into(), height.into(), width, height);
+        // A row of the sweep has at least four windows.
+        let (across, down) = (5 * width, 3 * height);
+        let pixels = 15 * usize::from(width) * usize::from(height);
+        let (first, other) = (noise(pixels), vec![0; pixels]);
+        let target = Rect::new((2 * width).into(), height.into(), width, height);
         let mut tracker = locked::<Robust>(config, &of_size(&first, (across, down)), target);
         most[1] = most[1].max(tracker.work().into());
         for pixels in [&first, &first, &other, &other, &other] {
@@ -88,7 +90,7 @@ fn the_most_work_is_nearly_done() {
         most_parts(),
         Config { reach: 4, ..most_parts() },
         Config { size: false, ..most_parts() },
-        Config { sweep: false, ..most_parts() },
+        Config { sweep: 0, ..most_parts() },
     ] {
         let most = config.most_work();
         let both = most_done(config).into_iter().zip(most_done(lost(config))).map(|(learns, looks)| learns.max(looks));

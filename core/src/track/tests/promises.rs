@@ -228,8 +228,8 @@ impl Filmed for Robust {
 
     fn configs() -> BoxedStrategy<robust::Config> {
         let patience = prop_oneof![Just((179, 19_200)), Just((0, u16::MAX)), (any::<u8>(), 0..=32_500_u16)];
-        (4..=8_u8, patience, prop_oneof![Just(160), 0..=256_u16], any::<[bool; 3]>())
-            .prop_map(|(reach, (patience, lost_below), learning_rate, [size, sweep, refiner])| {
+        (4..=8_u8, patience, prop_oneof![Just(160), 0..=256_u16], (0..=8_u8, any::<[bool; 2]>()))
+            .prop_map(|(reach, (patience, lost_below), learning_rate, (sweep, [size, refiner]))| {
                 let mut config = robust::Config::robust();
                 (config.patience, config.lost_below) = (patience, lost_below);
                 config.uncertain_below = lost_below.max(32_500);

@@ -51,7 +51,7 @@ pub struct Step {
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
     pub learned: bool,
-    /// A window of the sweep was searched.
+    /// Windows of the sweep were searched.
     pub swept: bool,
     pub found: bool,
     /// The target was lost and is not any more: the sweep found it, or it came back where it was followed.
@@ -171,16 +171,18 @@ impl Reference {
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
             all.push(refiner.region(target, by, self.frame_size));
         }
-        let both = |a: [i64; 4], b: [i64; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
         all.into_iter().reduce(both).expect("there is a window")
     }
 
-    /// The frame pixels of the sweep's window, if the target would be lost after a frame without evidence.
+    /// The frame pixels of the sweep's windows, if the target would be lost after a frame without evidence.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
-        let Numbers { parts, reach, .. } = self.numbers;
+        let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
-        (parts.sweep && lost_next || self.given_up())
-            .then(|| self.region_around(self.sweep(), reach + self.margin_cells()))
+        if sweep == 0 || !lost_next && !self.given_up() {
+            return None;
+        }
+        let windows = self.sweep().into_iter().map(|place| self.region_around(place, reach + self.margin_cells()));
+        windows.reduce(both)
     }
 
     /// The margin of a view in whole cells.
@@ -234,10 +236,9 @@ impl Reference {
             followed(candidate.place.y, self.place.y, self.velocity.1),
         );
         let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
-        let swept = lost && parts.sweep;
-        let found =
-            if swept { self.redetect(&frame, &coded, if given_up { 0.0 } else { candidate.evidence() }) } else { None };
-        self.next_window += i64::from(swept);
+        let swept = lost && self.numbers.sweep > 0;
+        let followed = if given_up { 0.0 } else { candidate.evidence() };
+        let found = if swept { self.redetect(&frame, &coded, followed) } else { None };
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
             (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
@@ -283,8 +284,8 @@ impl Reference {
     }
 
     fn given_up(&self) -> bool {
-        let Numbers { parts, lost_below, .. } = self.numbers;
-        parts.sweep && lost_below > 0.0 && self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
+        let Numbers { sweep, lost_below, .. } = self.numbers;
+        sweep > 0 && lost_below > 0.0 && self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
     }
 
     /// That of the mean evidence, or of the network's opinion if that is worse.
@@ -298,7 +299,7 @@ impl Reference {
         self.place.moved(part * self.velocity.0, part * self.velocity.1).inside(self.frame_size)
     }
 
-    fn sweep(&self) -> Place {
+    fn sweep(&self) -> Vec<Place> {
         sweep(&self.numbers, &self.shape, self.frame_size, self.tracked_scale, self.next_window)
     }
 
@@ -362,12 +363,23 @@ impl Reference {
         best
     }
 
-    /// The candidate in the sweep's next window, if its evidence is enough and clearly more than `followed`, the evidence at the followed place.
-    fn redetect(&self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
+    /// The first candidate in the sweep's next windows with enough evidence, clearly more than `followed`, that at the followed place.
+    fn redetect(&mut self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
-        let candidate = self.candidate(frame, coded, self.sweep());
-        (candidate.evidence() >= found_from && candidate.evidence() >= followed + better_by).then_some(candidate)
+        for place in self.sweep() {
+            self.next_window += 1;
+            let candidate = self.candidate(frame, coded, place);
+            if candidate.evidence() >= found_from && candidate.evidence() >= followed + better_by {
+                return Some(candidate);
+            }
+        }
+        None
     }
+}
+
+/// The smallest region that holds both; a region is left, top, right and bottom.
+fn both(a: [i64; 4], b: [i64; 4]) -> [i64; 4] {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }
 
 fn without_margin(numbers: &Numbers, view: &Patch) -> Patch {

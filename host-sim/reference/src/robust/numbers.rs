@@ -4,7 +4,6 @@
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     pub size: bool,
-    pub sweep: bool,
     /// A learned network corrects the box, and can make the decision worse.
     pub refiner: bool,
 }
@@ -93,9 +92,11 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// The network's opinion of the box: the most trust, the weight of a frame's trust, and the bounds of the decisions.
+    /// The network's opinion of the box: the most trust, the weight of a frame's trust, that weight while a bad opinion rises, and the bounds of
+    /// the decisions.
     pub most_trust: f64,
     pub opinion_rate: f64,
+    pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
     /// The target is given up after so many frames in a row with an opinion below `opinion_uncertain_below`. Then the opinion of a target that is
@@ -104,7 +105,8 @@ pub struct Numbers {
     pub opinion_found: f64,
     /// The evidence from which a frame is learned.
     pub learned_from: f64,
-    /// Redetection: the least evidence, and how much more it must be than at the followed place.
+    /// Redetection: the windows in a frame, the least evidence, and how much more it must be than at the followed place.
+    pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,
 }
@@ -113,7 +115,7 @@ impl Numbers {
     /// The preset `refined`: all parts.
     pub fn refined() -> Self {
         Self {
-            parts: Parts { size: true, sweep: true, refiner: true },
+            parts: Parts { size: true, refiner: true },
             pixels: 1600,
             least_step: 0.5,
             read_per_side: 2,
@@ -165,11 +167,13 @@ impl Numbers {
             uncertain_below: 32_500.0,
             most_trust: 3.0,
             opinion_rate: 0.125,
+            opinion_rising_rate: 0.0625,
             opinion_lost_below: 0.8,
             opinion_uncertain_below: 1.1875,
             opinion_patience: 30,
-            opinion_found: 1.0,
+            opinion_found: 0.8125,
             learned_from: 37_500.0,
+            sweep: 4,
             found_from: 52_000.0,
             better_by: 16_000.0,
         }

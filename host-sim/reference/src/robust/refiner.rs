@@ -156,7 +156,9 @@ impl Refiner {
     /// The opinion after a frame with this trust.
     fn follow(&mut self, numbers: &Numbers, trust: f64) {
         let trust = trust.clamp(0.0, numbers.most_trust);
-        self.opinion += down((trust - self.opinion) * numbers.opinion_rate, ESTIMATE);
+        let rises = self.opinion < numbers.opinion_uncertain_below && self.opinion < trust;
+        let rate = if rises { numbers.opinion_rising_rate } else { numbers.opinion_rate };
+        self.opinion += down((trust - self.opinion) * rate, ESTIMATE);
         self.doubted = if self.opinion < numbers.opinion_uncertain_below { self.doubted + 1 } else { 0 };
     }
 

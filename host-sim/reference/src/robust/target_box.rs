@@ -57,15 +57,16 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// The middle of the sweep's window with this number: the frame is divided into equal parts, row by row, no larger than the
-/// offsets of a search of `reach` cells cover.
-pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Place {
+/// The middles of the sweep's windows from `number` on, `sweep` of them, but only to the end of the row. The frame is divided into equal parts, row
+/// by row, no larger than the offsets of a search of `reach` cells cover.
+pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = real(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
     let count = |size: i64| whole((real(size) / covered).ceil());
     let (columns, rows) = (count(frame.0), count(frame.1));
-    let number = number % (columns * rows);
+    let (row, first) = (number / columns % rows, number % columns);
     let middle = |number: i64, count: i64, size: i64| {
         (down((real(number) + 0.5) * real(size) / real(count), POSITION) - 0.5).max(0.0)
     };
-    Place { x: middle(number % columns, columns, frame.0), y: middle(number / columns, rows, frame.1), scale }
+    let place = |column: i64| Place { x: middle(column, columns, frame.0), y: middle(row, rows, frame.1), scale };
+    (first..columns.min(first + numbers.sweep)).map(place).collect()
 }

@@ -6,5 +6,6 @@ pub(super) mod saved;
 mod track;
 
 pub(super) use confidence::{Confidence, Evidence};
+pub(super) use redetection::Sweep;
 pub(super) use saved::Memory;
 pub(super) use track::Track;

@@ -1,14 +1,15 @@
-//! Redetection: while the target is lost, a second window is searched in each frame. One after the other, these windows
-//! sweep the whole frame.
+//! Redetection: while the target is lost, some more windows are searched in each frame. From frame to frame, they sweep
+//! the whole picture.
 //!
-//! The windows cover the frame side by side, row by row. Each is searched and verified like the first window. So a lost
-//! frame costs a second search and verification, of about the same work each time, but no learning.
+//! The windows cover the picture side by side, row by row. A frame takes the next `Config::sweep` windows of a row, or
+//! what is left of it, so that they lie in one rectangle. Each is searched and verified like the first window, until one
+//! shows the target. So a lost frame costs more searches, but no learning.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
 use crate::image::Rect;
 
-/// The sweep of the frame: the number of the next window.
+/// The sweep of the picture: the number of the next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sweep {
     pub(crate) next: u32,
@@ -23,11 +24,13 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window. Neighbouring windows are at most `side` apart, in units of positions.
-    pub(crate) fn middle(self, side: u32, bounds: Rect) -> (i64, i64) {
+    /// The middle of the next window, and true if it is the last of its row. Neighbouring windows are at most `side`
+    /// apart, in units of positions.
+    pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
-        (centre(number % columns, columns, bounds.width), centre(number / columns, rows, bounds.height))
+        let (column, row) = (number % columns, number / columns);
+        ((centre(column, columns, bounds.width), centre(row, rows, bounds.height)), column + 1 == columns)
     }
 }
 

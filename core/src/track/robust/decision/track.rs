@@ -53,7 +53,7 @@ impl Track {
     /// True if the refiner's opinion gives the target up. Redetection alone can bring it back, so without that, or if no
     /// target is ever *lost*, it goes on.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
-        config.refines() && config.sweep && config.lost_below > 0 && self.review.gives_up()
+        config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()
     }
 
     /// The box of the answer: the followed box, corrected by the refiner.

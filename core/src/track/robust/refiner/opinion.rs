@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! trust    = -(log spread of the place + log spread of the size), from 0 to 3; 3 if the early template is exact
-//! opinion' = opinion + (trust - opinion) / 8
+//! opinion' = opinion + (trust - opinion) / 8, while it rises from below 1.19 / 16
 //! given up = opinion < 1.19 in 30 updates in a row
 //! ```
 //!
@@ -27,8 +27,8 @@ const UNCERTAIN_BELOW: i32 = 4864;
 const LOST_BELOW: i32 = 3277;
 /// The target is given up after so many updates in a row with an opinion below `UNCERTAIN_BELOW`.
 const PATIENCE: i32 = 30;
-/// The opinion of a target that was found again: uncertain, until the network trusts it.
-const FOUND: i32 = 4096;
+/// The opinion of a target that was found again, 0.8125: uncertain, until the network has trusted it for some frames.
+const FOUND: i32 = 3328;
 
 /// The opinion. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: how many updates in a row, up to now, left it below
 /// `UNCERTAIN_BELOW`; at most `PATIENCE`.
@@ -51,7 +51,8 @@ impl Opinion {
 
     fn near(&mut self, trust: i32) {
         let (mut mean, doubted) = (self.mean(), self.0 >> 16);
-        mean += (trust - mean) >> 3;
+        // A target that was doubted or found must earn trust for twice as long.
+        mean += (trust - mean) >> if mean < UNCERTAIN_BELOW.min(trust) { 4 } else { 3 };
         self.0 = if mean < UNCERTAIN_BELOW { mean | PATIENCE.min(doubted + 1) << 16 } else { mean };
     }
 
@@ -131,7 +132,10 @@ mod tests {
         assert_eq!((updates, opinion.state()), (36, State::Lost));
         opinion.begin_again();
         assert_eq!((opinion.gives_up(), opinion.state()), (false, State::Uncertain));
-        opinion.agree();
-        assert_eq!((opinion.0 >> 16, opinion.state()), (0, State::Tracking));
+        let states = [(); 3].map(|()| {
+            opinion.agree();
+            opinion.state()
+        });
+        assert_eq!((opinion.0 >> 16, states), (0, [State::Uncertain, State::Uncertain, State::Tracking]));
     }
 }

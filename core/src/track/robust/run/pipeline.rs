@@ -4,7 +4,7 @@
 //! search -> verification -> refinement -> scale -> decision
 //!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
 //!   if there is less:              -> refiner, for its opinion of the box
-//!   if the target is lost:         -> search -> verification, in a second window
+//!   if the target is lost:         -> search -> verification, in each window of the sweep until one shows it
 //! ```
 //!
 //! A search computes features and responses. Each stage holds its inputs and passes on its result. To add a stage, add
@@ -41,6 +41,8 @@ enum Stage {
     Verification(Verification),
     Refinement(Verified),
     Scale(ScaleSearch),
+    /// The next window of the sweep, if some are left.
+    Sweep,
     Learning(Learning),
     Refiner(Refiner),
 }
@@ -51,11 +53,11 @@ pub(crate) struct Pipeline {
     stage: Stage,
     /// The middle of the present window.
     centre: Place,
-    /// True while the target is searched elsewhere.
-    redetects: bool,
+    /// Windows that are left of the frame's, while the target is searched elsewhere.
+    redetects: Option<u8>,
     /// The new track.
     track: Track,
-    /// The candidate of the first window; after redetection, that of the second window if it is the lost target.
+    /// The candidate of the first window; after redetection, that of another window if it is the lost target.
     candidate: Candidate,
     /// The best alignment of the early template.
     alignment: Alignment,
@@ -75,7 +77,7 @@ impl Pipeline {
         Self {
             stage: Stage::Features,
             centre,
-            redetects: false,
+            redetects: None,
             track: *inputs.track,
             candidate: Candidate::NONE,
             alignment: (0, 0),
@@ -129,7 +131,9 @@ impl Pipeline {
                 let verified = verification.next_piece(&early, frame, extractor.sampling(), comparison, budget);
                 match verified {
                     None => {}
-                    Some(Verified { candidate, .. }) if self.redetects => self.redetect(inputs.config, candidate),
+                    Some(Verified { candidate, .. }) if self.redetects.is_some() => {
+                        self.redetect(inputs.config, candidate);
+                    }
                     Some(verified) => self.stage = Stage::Refinement(verified),
                 }
             }
@@ -140,6 +144,7 @@ impl Pipeline {
                     self.scaled(inputs, scale, buffers);
                 }
             }
+            Stage::Sweep => self.search_window(inputs, buffers),
             Stage::Learning(learning) => {
                 let length = inputs.learn(learning, buffers, budget);
                 if length.is_some() {
@@ -217,11 +222,7 @@ impl Pipeline {
         }
         track.motion.follow(candidate.visible.then_some(candidate.place));
         if track.confidence.state(inputs.config) == State::Lost {
-            if inputs.config.sweep {
-                (self.centre, self.redetects) = (swept(inputs.track, inputs.config), true);
-                self.stage = Stage::Features;
-                inputs.begin_features(&self.centre, buffers);
-            }
+            (self.redetects, self.stage) = (Some(inputs.config.sweep), Stage::Sweep);
         } else if evidence.may_be_learned() {
             // Cells and responses are still those of the first window.
             let target = offset(&inputs.track.grid, self.centre, candidate.place);
@@ -231,12 +232,24 @@ impl Pipeline {
         }
     }
 
-    /// Ends redetection: follows its candidate if that is the lost target.
+    /// Begins the search in the next window of the sweep.
+    #[inline(never)] // see `next_piece`
+    fn search_window(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
+        self.stage = Stage::Done;
+        if let Some(left @ 1..) = self.redetects {
+            let (centre, is_last) = swept(inputs.track, inputs.config, self.track.sweep);
+            self.track.sweep.move_on();
+            self.redetects = Some(if is_last { 0 } else { left - 1 });
+            (self.centre, self.stage) = (centre, Stage::Features);
+            inputs.begin_features(&centre, buffers);
+        }
+    }
+
+    /// Follows the candidate of a window of the sweep if it is the lost target. Else it begins the next window.
     #[inline(never)] // see `next_piece`
     fn redetect(&mut self, config: &Config, candidate: Candidate) {
-        self.stage = Stage::Done;
+        self.stage = Stage::Sweep;
         let Self { track, .. } = self;
-        track.sweep.move_on();
         let evidence = Evidence::of(&candidate);
         // If the target is given up, a find need not beat the evidence at the old place.
         let there = if track.is_given_up(config) { Evidence::NONE } else { Evidence::of(&self.candidate) };
@@ -244,7 +257,7 @@ impl Pipeline {
             track.motion = Motion::at(candidate.place);
             track.confidence = Confidence::found(evidence, config);
             track.review.begin_again();
-            self.candidate = candidate;
+            (self.candidate, self.stage) = (candidate, Stage::Done);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::super::config::Config;
 use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
-use super::super::decision::Track;
+use super::super::decision::{Sweep, Track};
 use super::super::features::{Grid, Lattice, Place};
 use super::super::filter::other_scales;
 use super::super::refiner::reachable;
@@ -13,12 +13,13 @@ pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
-/// The middle of the second window, that of redetection, at the scale when the state was last tracking.
+/// The middle of the next window of redetection, at the scale when the state was last tracking, and true if it is the
+/// last of its row.
 #[inline(never)]
-pub(super) fn swept(track: &Track, config: &Config) -> Place {
+pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
-    let (x, y) = track.sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), track.bounds);
-    Place { x, y, scale: track.tracked_scale }
+    let ((x, y), is_last) = sweep.middle(u32::try_from(side).unwrap_or(u32::MAX), track.bounds);
+    (Place { x, y, scale: track.tracked_scale }, is_last)
 }
 
 /// The pixels that an update may read around the expected place: the search window, the view of any place in it, the
@@ -42,8 +43,20 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
 /// whenever it may be.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
-    let may_be_lost = config.sweep && track.confidence.may_be_lost_next(config) || track.is_given_up(config);
-    may_be_lost.then(|| pixels(track, &swept(track, config), config.reach() + MARGIN_CELLS))
+    if !track.confidence.may_be_lost_next(config) && !track.is_given_up(config) {
+        return None;
+    }
+    let (mut sweep, mut all) = (track.sweep, Rect::default());
+    for _ in 0..config.sweep {
+        let (place, is_last) = swept(track, config, sweep);
+        let window = pixels(track, &place, config.reach() + MARGIN_CELLS);
+        all = if all.is_empty() { window } else { union(all, window) };
+        sweep.move_on();
+        if is_last {
+            break;
+        }
+    }
+    Some(all).filter(|all| !all.is_empty())
 }
 
 /// The pixels that a lock reads: the box and its surroundings, up to the reach of a search window, and the refiner's
@@ -57,6 +70,7 @@ pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
 }
 
 /// The pixels of the frame that the search window around a place reads.
+#[inline(never)]
 fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
 }
