@@ -85,14 +85,11 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
     }
     let text: String = tests.iter().map(|folder| sources(folder)).collect();
     // `track::tests` is made of the names of modules.
-    let missing = filters.iter().flat_map(|filter| filter.split("::")).find(|name| {
-        let is_named = |what: &str| {
-            text.split(what).skip(1).any(|rest| {
-                rest.split(|letter: char| !(letter.is_alphanumeric() || letter == '_')).next().unwrap().contains(name)
-            })
-        };
-        !(is_named("fn ") || is_named("mod "))
-    });
+    let is_end = |letter: char| !(letter.is_alphanumeric() || letter == '_');
+    let named = ["fn ", "mod "].into_iter().flat_map(|what| text.split(what).skip(1));
+    let known: Vec<&str> = named.filter_map(|rest| rest.split(is_end).next()).collect();
+    let mut names = filters.iter().flat_map(|filter| filter.split("::"));
+    let missing = names.find(|name| !known.iter().any(|known| known.contains(name)));
     missing.map_or(Ok(()), |name| Err(format!("no test of {package} is called {name}")))
 }
 
@@ -124,6 +121,18 @@ fn the_commands_of_the_documents_can_be_run() {
         }
     }
     assert!(count > 60, "{count} commands were found");
+}
+
+#[test]
+fn requirements_are_numbered() {
+    let read = |name| fs::read_to_string(root().join(name)).unwrap();
+    let number = |word: &str| word.strip_prefix('R')?.parse::<usize>().ok();
+    let rows: Vec<usize> =
+        read("core/EVIDENCE.md").lines().filter_map(|line| number(line.split(' ').nth(1)?)).collect();
+    assert!(rows.len() > 9 && rows.iter().copied().eq(1..=rows.len()), "core/EVIDENCE.md: {rows:?}");
+    let safety = read("core/SAFETY.md");
+    let unknown = safety.split(|letter: char| !letter.is_alphanumeric()).filter_map(number).find(|n| !rows.contains(n));
+    assert_eq!(unknown, None, "core/SAFETY.md names a number that core/EVIDENCE.md does not have");
 }
 
 #[test]
