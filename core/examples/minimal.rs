@@ -98,6 +98,4 @@ mod firmware {
 }
 
 #[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal");
-}
+include!("host.rs");

@@ -49,8 +49,22 @@ fn locked(config: Config, place: (i32, i32)) -> Follower {
     tracker
 }
 
+/// The configuration of a camera or of the paper with this change.
+fn with(mut config: Config, change: impl FnOnce(&mut Config)) -> Config {
+    change(&mut config);
+    config
+}
+
 fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
     tracker.update(&frame(&picture(seed, places))).expect("a frame of the same size")
+}
+
+/// Finds the target, and returns true if its first pixel is in the template then.
+fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
+    let answer = update(tracker, seed, &[place]);
+    assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
+    let corner = usize::try_from(place.1 * i32::from(WIDTH) + place.0).unwrap();
+    tracker.target().template().unwrap().row(0)[0] == picture(seed, &[place])[corner]
 }
 
 #[test]
@@ -59,14 +73,9 @@ fn the_template_is_updated_only_inside_the_zone() {
     let places = [(20, 20), (19, 20), (20, 19), (76, 56), (77, 56), (76, 57), (30, 30), (19, 56), (76, 19)];
     let mut tracker = locked(Config::paper(), (40, 30));
     for (seed, place) in (2..).zip(places) {
-        let answer = update(&mut tracker, seed, &[place]);
-        assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
         let (x, y) = place;
         let in_zone = x >= 20 && y >= 20 && x + 12 < 90 - 1 && y + 12 < 70 - 1;
-        let patch = picture(seed, &[place]);
-        let corner = patch[usize::try_from(y * i32::from(WIDTH) + x).unwrap()];
-        let template = tracker.target().template().unwrap().row(0)[0];
-        assert_eq!(template == corner, in_zone, "at {place:?}");
+        assert_eq!(learns(&mut tracker, seed, place), in_zone, "at {place:?}");
     }
 }
 
@@ -74,10 +83,7 @@ fn the_template_is_updated_only_inside_the_zone() {
 fn a_camera_updates_up_to_the_edge() {
     let mut tracker = locked(Config::camera(), (30, 30));
     for (seed, place) in (2..).zip([(0, 30), (0, 0), (30, 40), (78, 58)]) {
-        let answer = update(&mut tracker, seed, &[place]);
-        assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
-        let corner = picture(seed, &[place])[usize::try_from(place.1 * i32::from(WIDTH) + place.0).unwrap()];
-        assert_eq!(tracker.target().template().unwrap().row(0)[0], corner, "at {place:?}");
+        assert!(learns(&mut tracker, seed, place), "at {place:?}");
     }
 }
 
@@ -105,9 +111,8 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
 /// `edge` is set before the peak is accepted or not.
 #[test]
 fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
-    let mut config = Config::paper();
-    config.gate_leaving.numerator = u16::MAX;
-    config.gate_lead = u16::MAX;
+    let config =
+        with(Config::paper(), |config| (config.gate_leaving.numerator, config.gate_lead) = (u16::MAX, u16::MAX));
     let mut tracker = locked(config, (5, 30));
     assert_eq!(update(&mut tracker, 2, &[(-3, 30)]).state, State::Lost);
     let found = update(&mut tracker, 3, &[(4, 30)]);
@@ -122,11 +127,7 @@ fn a_peak_that_is_no_larger_than_the_runner_up_is_not_accepted() {
     assert_eq!((answer.state, answer.runner_up_ratio), (State::Lost, Some(answer.ratio)));
     // Offsets in the neighbourhood are not the runner-up.
     for (neighbourhood, state) in [(11, State::Lost), (12, State::Tracking)] {
-        let config = {
-            let mut config = Config::paper();
-            config.neighbourhood = neighbourhood;
-            config
-        };
+        let config = with(Config::paper(), |config| config.neighbourhood = neighbourhood);
         assert_eq!(update(&mut locked(config, (30, 30)), 1, &twins).state, state);
     }
     let answer = update(&mut locked(Config::camera(), (30, 30)), 1, &twins);
@@ -168,9 +169,7 @@ fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
 
 #[test]
 fn a_least_ratio_is_asked_of_the_peak_alone() {
-    let mut config = Config::camera();
-    config.least_ratio = u16::MAX / 2;
-    let mut tracker = locked(config, (30, 30));
+    let mut tracker = locked(with(Config::camera(), |config| config.least_ratio = u16::MAX / 2), (30, 30));
     assert_eq!(update(&mut tracker, 2, &[]).state, State::Lost);
     let answer = update(&mut tracker, 3, &[(33, 28)]);
     assert_eq!((answer.state, answer.bbox), (State::Tracking, at((33, 28))));
@@ -225,11 +224,9 @@ fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
 /// Without a least alpha hardly any pixel matches. A peak by chance is not accepted.
 #[test]
 fn a_peak_of_a_few_pixels_is_not_accepted() {
-    let mut config = Config::camera();
-    config.least_threshold = 0;
+    let config = with(Config::camera(), |config| config.least_threshold = 0);
     assert_eq!(states(config)[1], (TARGET, State::Lost));
-    config.least_ratio = 0;
-    assert_ne!(states(config)[1].0, TARGET);
+    assert_ne!(states(with(config, |config| config.least_ratio = 0))[1].0, TARGET);
 }
 
 /// The bytes of target and workspace in the row of the README that begins with `beginning`.

@@ -60,8 +60,4 @@ mod firmware {
 }
 
 #[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!(
-        "this is firmware: cargo run --target thumbv7em-none-eabihf -p smr-examples --features refiner --bin cycles"
-    );
-}
+include!("../host.rs");

@@ -1,0 +1,6 @@
+// A firmware's answer on a host.
+fn main() {
+    let program = concat!("-p smr-examples --bin ", env!("CARGO_BIN_NAME"));
+    let features = if cfg!(feature = "refiner") { " --features refiner" } else { "" };
+    eprintln!("this is firmware: cargo run --target thumbv7em-none-eabihf {program}{features}");
+}
