@@ -29,10 +29,7 @@ class OfSmr:
     """A tracker of smr. Its box has fractions of a pixel, and a lost target has none, as in `host-sim eval`."""
 
     def __init__(self, tracker):
-        self.tracker = tracker
-
-    def init(self, frame, box):
-        self.tracker.init(frame, box)
+        self.tracker, self.init = tracker, tracker.init
 
     def update(self, frame):
         answer = self.tracker.follow(frame)
@@ -43,10 +40,7 @@ class OfOpenCV:
     """A tracker of OpenCV."""
 
     def __init__(self, tracker):
-        self.tracker = tracker
-
-    def init(self, frame, box):
-        self.tracker.init(frame, box)
+        self.tracker, self.init = tracker, tracker.init
 
     def update(self, frame):
         try:

@@ -55,8 +55,7 @@ impl<'py> Borrowed<'py> {
             unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };
         let side = |axis: usize| u16::try_from(shape[axis]).unwrap_or(u16::MAX); // checked by `new`
         let color = (shape.get(2) == Some(&3)).then(|| strides[2]);
-        let (row, column) = (strides[0], strides[1]);
-        Pixels { bytes, first: -lowest, row, column, color, width: side(1), height: side(0) }
+        Pixels { bytes, first: -lowest, row: strides[0], column: strides[1], color, width: side(1), height: side(0) }
     }
 }
 

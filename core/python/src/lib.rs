@@ -1,12 +1,4 @@
-//! The extension module `smr._smr`: the trackers of smr-core as Python classes. It holds conversions only. The package
-//! `smr` around it describes every call for users.
-//!
-//! - `frame`: takes a numpy array as a frame.
-//! - `options`: takes keyword arguments as a configuration.
-//! - `target`: either tracker behind one type, and its scratch memory.
-//! - `tracker`: the classes `Tracker`, `Paper` and `Robust`.
-//! - `recording`: the class `Recording`, and the figures of host-sim.
-//! - `answer`: converts results to Python.
+//! The extension module `smr._smr`: the trackers of smr-core as Python classes. Conversions only; the package `smr` is around it.
 
 mod answer;
 mod frame;
@@ -27,14 +19,13 @@ mod _smr {
     use smr_core::{paper, robust};
 
     /// Loads numpy, lists the options, and adds the version of the workspace, which the wheel has, too.
-    ///
     /// Otherwise the first array would load numpy, and panic if Ctrl-C is pressed meanwhile.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;
         numpy::PyArray1::<u8>::zeros(module.py(), 0, false);
-        document::<paper::Config>(&module.getattr("Paper")?)?;
-        document::<robust::Config>(&module.getattr("Robust")?)?;
+        document::<paper::Config>(&module.getattr("Paper")?, "camera")?;
+        document::<robust::Config>(&module.getattr("Robust")?, "refined")?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -1,11 +1,11 @@
 //! Converts keyword arguments to a configuration by the names of its settings.
 
-use crate::answer::to_python;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 use serde_json::{Map, Value, json};
 use smr_core::{ConfigError, Setting, Settings, Shape};
+use std::ffi::CString;
 
 /// `config` with the numbers in `given` put in.
 /// Errors: an unknown name, or a value of the wrong type or outside its range.
@@ -28,7 +28,7 @@ fn numbers(shape: Shape, value: &Bound<'_, PyAny>) -> PyResult<Vec<u16>> {
         Shape::Switch => Ok(vec![value.extract::<bool>()?.into()]),
         Shape::Number => Ok(vec![value.extract()?]),
         Shape::Fraction | Shape::Radius | Shape::Margins => {
-            let values: Vec<u16> = value.cast::<PyTuple>()?.extract()?;
+            let values: Vec<u16> = value.extract()?;
             if values.len() == shape.count() { Ok(values) } else { Err(PyTypeError::new_err("another count")) }
         }
     }
@@ -45,14 +45,18 @@ fn expected(setting: &Setting) -> String {
     format!("{shape} of {} to {}", setting.lowest, setting.highest)
 }
 
-/// Adds a list of all options to the text of a class.
-pub fn document<C: Settings>(class: &Bound<'_, PyAny>) -> PyResult<()> {
+/// Adds a list of all options to the text and the signature of a class. `first` is the preset without a name.
+pub fn document<C: Settings>(class: &Bound<'_, PyAny>, first: &str) -> PyResult<()> {
     let mut text: String = class.getattr("__doc__")?.extract()?;
     text.push('\n');
     for (setting, about) in C::SETTINGS.iter().zip(C::TEXTS) {
         text += &format!("\n- `{}`, {}: {about}", setting.name(), expected(setting));
     }
-    class.setattr("__doc__", text)
+    class.setattr("__doc__", text)?;
+    let names: Vec<_> = C::SETTINGS.iter().map(Setting::name).collect();
+    let alike = CString::new(format!("lambda preset='{first}', *, {}=...: 0", names.join("=..., ")))?;
+    let py = class.py();
+    class.setattr("__signature__", py.import("inspect")?.call_method1("signature", (py.eval(&alike, None, None)?,))?)
 }
 
 /// `built`, or an error that says why the core refuses the configuration, with the options that were given.
@@ -73,9 +77,4 @@ pub fn all<C: Settings>(config: &C) -> Map<String, Value> {
         (setting.name().to_owned(), value)
     };
     C::SETTINGS.iter().map(of).collect()
-}
-
-/// All numbers of the configuration as keyword arguments.
-pub fn keywords<'py, C: Settings>(py: Python<'py>, config: &C) -> PyResult<Bound<'py, PyDict>> {
-    Ok(to_python(py, &Value::Object(all(config)))?.cast_into()?)
 }

@@ -3,16 +3,16 @@
 use crate::answer::to_python;
 use crate::frame::refused;
 use crate::options;
-use crate::target::Target;
+use crate::target::{Target, each};
 use crate::tracker::{Tracker, bounding_box};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smr_core::Target as _;
 use smr_evaluation::robustness::{self, Starts};
 use smr_evaluation::{Configs, Score, TableName, Variant};
-use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, OpenOptions, Sequence, messages};
+use smr_recordings::{BoundingBox, FFMPEG_PATIENCE, Frame, OpenOptions, Sequence, Source, messages};
 use std::mem::ManuallyDrop;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ impl<T> Drop for OfProcess<T> {
 }
 
 /// A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
-/// Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
+/// Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 ///
 /// Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
 /// with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
@@ -78,23 +78,64 @@ pub struct Recording {
     start: Option<BoundingBox>,
     truth: Option<Vec<Option<BoundingBox>>>,
     color: bool,
+    length: Option<usize>,
+    source: Source,
     /// A live source is opened once: the first iteration takes it.
     live: Mutex<OfProcess<Option<Sequence>>>,
+}
+
+impl Recording {
+    /// So many of the first frames; none of a live source.
+    fn first(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Frame>> {
+        let read = || open(&self.path)?.frames.take(count).collect::<anyhow::Result<_>>();
+        if self.is_live { Ok(Vec::new()) } else { py.detach(read).map_err(refused) }
+    }
 }
 
 #[pymethods]
 impl Recording {
     #[new]
     #[pyo3(signature = (path, *, color = false))]
-    fn new(py: Python<'_>, path: PathBuf, color: bool) -> PyResult<Self> {
+    fn new(py: Python<'_>, path: &Bound<'_, PyAny>, color: bool) -> PyResult<Self> {
+        let expected = "path: expected a path, an address or the number of a camera, found";
+        let camera = path.extract::<u16>().map(|number| format!("/dev/video{number}").into());
+        let wrong = |_| PyTypeError::new_err(format!("{expected} {path}"));
+        let path: PathBuf = camera.or_else(|_| path.extract()).map_err(wrong)?;
         if path == Path::new("-") {
             return Err(PyValueError::new_err("standard input can be read only once: expected a file or a folder"));
         }
         let is_live = smr_recordings::is_live(&path);
         let mut opened = py.detach(|| open(&path)).map_err(refused)?;
         let (name, start, truth) = (opened.name.clone(), opened.init, opened.truth.take());
+        let (length, source) = (opened.length, opened.source.clone());
         let live = Mutex::new(OfProcess::new(is_live.then_some(opened)));
-        Ok(Self { path, name, is_live, start, truth, color, live })
+        Ok(Self { path, name, is_live, start, truth, color, length, source, live })
+    }
+
+    /// The width and the height of its frames in pixels; None for a camera or an address.
+    #[getter]
+    fn size(&self, py: Python<'_>) -> PyResult<Option<(u16, u16)>> {
+        Ok(self.first(py, 1)?.first().map(|first| (first.gray.width, first.gray.height)))
+    }
+
+    /// The frames in a second, by the times of the first ones; None where they have no times, or come at their own.
+    #[getter]
+    fn fps(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        let times: Vec<f64> = self.first(py, 31)?.iter().filter_map(|frame| frame.seconds).collect();
+        Ok(times.get(1..).and_then(<[f64]>::last).map(|last| (times.len() - 1) as f64 / (last - times[0])))
+    }
+
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        let count = self.length.or_else(|| py.detach(|| self.source.length(FFMPEG_PATIENCE)));
+        count.ok_or_else(|| PyTypeError::new_err(format!("{}: the number of frames is not known", self.name)))
+    }
+
+    fn __bool__(&self) -> bool {
+        true // also where `len` is not known
+    }
+
+    fn __repr__(&self) -> String {
+        format!("smr.Recording({:?}{})", self.path, if self.color { ", color=True" } else { "" })
     }
 
     /// The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None.
@@ -107,8 +148,7 @@ impl Recording {
     /// truth.
     #[getter]
     fn truth(&self) -> Option<Vec<Option<Four>>> {
-        let truth = self.truth.as_ref()?;
-        Some(truth.iter().map(|shown| shown.map(four)).collect())
+        self.truth.as_ref().map(|truth| truth.iter().map(|shown| shown.map(four)).collect())
     }
 
     fn __iter__(&self, py: Python<'_>) -> PyResult<Decoded> {
@@ -126,8 +166,8 @@ impl Recording {
     /// `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
     /// ValueError without ground truth, or if the number of boxes differs from it.
     fn score<'py>(&self, py: Python<'py>, boxes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let truth = self.truth.as_ref();
-        let truth = truth.ok_or_else(|| PyValueError::new_err(format!("{}: no ground truth beside it", self.name)))?;
+        let missing = || PyValueError::new_err(format!("{}: no ground truth beside it", self.name));
+        let truth = self.truth.as_ref().ok_or_else(missing)?;
         let answer = |item: PyResult<Bound<'py, PyAny>>| {
             let item = item?;
             if item.is_none() { Ok(None) } else { bounding_box(&item).map(Some) }
@@ -187,10 +227,7 @@ pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
 /// The tracker to measure: its configuration, and the name of its figures.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
-    let (configs, mut options): (Configs, _) = match target {
-        Target::Paper(of) => ((*of.config()).into(), options::all(of.config())),
-        Target::Robust(of) => ((*of.config()).into(), options::all(of.config())),
-    };
+    let (configs, mut options): (Configs, _) = each!(target, of => ((*of.config()).into(), options::all(of.config())));
     options.insert("preset".to_owned(), tracker.preset.into());
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
@@ -204,16 +241,14 @@ pub fn measure<'py>(
     trackers: &Bound<'py, PyDict>,
     starts: Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let starts = match starts.extract::<&str>() {
-        Ok("given") => Starts::Given,
-        Ok("near") => Starts::Near,
-        _ => match starts.extract::<NonZeroUsize>() {
-            Ok(every) => Starts::Every(every),
-            Err(_) => {
-                let expected = "'given', 'near' or the number of frames between starts";
-                return Err(PyValueError::new_err(format!("starts: expected {expected}, found {starts}")));
-            }
-        },
+    let starts = match (starts.extract::<&str>(), starts.extract::<NonZeroUsize>()) {
+        (Ok("given"), _) => Starts::Given,
+        (Ok("near"), _) => Starts::Near,
+        (_, Ok(every)) => Starts::Every(every),
+        _ => {
+            let expected = "'given', 'near' or the number of frames between starts";
+            return Err(PyValueError::new_err(format!("starts: expected {expected}, found {starts}")));
+        }
     };
     let named = |(name, tracker): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
         variant(name.extract()?, tracker.cast::<Tracker>()?.get())

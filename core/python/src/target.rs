@@ -1,10 +1,12 @@
 //! Either tracker of smr-core behind one type, and the scratch memory that it needs.
 
+use crate::answer::to_python;
 use crate::frame::{Pixels, refused};
 use crate::options;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value;
 use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, calls, paper, robust};
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
@@ -115,17 +117,12 @@ impl Target {
         })
     }
 
-    /// Forgets the target.
-    pub fn forget(&mut self) -> Result<(), ConfigError> {
-        *self = match self {
-            Self::Paper(of) => Self::paper(*of.config())?,
-            Self::Robust(of) => Self::robust(*of.config())?,
-        };
-        Ok(())
-    }
-
     /// The configuration as keyword arguments.
     pub fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        each!(self, of => options::keywords(py, of.config()))
+        let options = Value::Object(each!(self, of => options::all(of.config())));
+        let options: Bound<'py, PyDict> = to_python(py, &options)?.cast_into()?;
+        let lists = options.iter().filter_map(|(name, value)| Some((name, value.cast_into::<PyList>().ok()?)));
+        lists.collect::<Vec<_>>().into_iter().try_for_each(|(name, list)| options.set_item(name, list.to_tuple()))?;
+        Ok(options)
     }
 }

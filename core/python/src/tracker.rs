@@ -4,6 +4,7 @@ use crate::answer;
 use crate::frame::{Borrowed, Pixels, refused};
 use crate::options::{of_range, with};
 use crate::target::{Scratch, Target, each, with_scratch};
+use pyo3::PyClassInitializer as New;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -21,6 +22,8 @@ pub struct Tracker {
     target: Mutex<Target>,
     /// The name of the preset that the options change.
     pub preset: &'static str,
+    /// The last answer; `None` before it.
+    answer: Mutex<Option<Answer>>,
 }
 
 /// The tracker of the paper: fast, for a target that keeps its size.
@@ -57,16 +60,17 @@ impl Tracker {
     /// With the configuration of a preset, the first or the second one, and the options put in.
     fn new<C: Settings>(
         presets: [(&'static str, C); 2],
-        name: &str,
+        name: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
         target: impl FnOnce(C) -> Result<Target, ConfigError>,
-    ) -> PyResult<PyClassInitializer<Self>> {
+    ) -> PyResult<New<Self>> {
         let [(first, _), (second, _)] = presets;
-        let Some((preset, config)) = presets.into_iter().find(|(preset, _)| *preset == name) else {
-            return Err(PyValueError::new_err(format!("preset: expected '{first}' or '{second}', found '{name}'")));
+        let name = name.map_or_else(|| format!("'{first}'"), |name| format!("{name:?}"));
+        let Some((preset, config)) = presets.into_iter().find(|(preset, _)| name == format!("'{preset}'")) else {
+            return Err(PyValueError::new_err(format!("preset: expected '{first}' or '{second}', found {name}")));
         };
         let target = Mutex::new(of_range(target(with(config, options)?), options)?);
-        Ok(PyClassInitializer::from(Self { target, preset }))
+        Ok(New::from(Self { target, preset, answer: Mutex::default() }))
     }
 
     /// Errors: another thread is using the tracker.
@@ -78,7 +82,12 @@ impl Tracker {
     fn next(&self, frame: &Bound<'_, PyAny>) -> PyResult<Answer> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, target) = (frame.pixels(), &mut *self.target()?);
-        py.detach(|| with_scratch(1, |scratch| target.update(&mut scratch[0], &pixels)))
+        let update = || with_scratch(1, |scratch| target.update(&mut scratch[0], &pixels));
+        py.detach(update).inspect(|&answer| self.keep(Some(answer)))
+    }
+
+    fn keep(&self, answer: Option<Answer>) {
+        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = answer;
     }
 }
 
@@ -91,11 +100,12 @@ impl Tracker {
     fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
-        py.detach(|| with_scratch(1, |scratch| target.lock(&mut scratch[0], &pixels, place)))
+        let lock = || with_scratch(1, |scratch| target.lock(&mut scratch[0], &pixels, place));
+        py.detach(lock).inspect(|()| self.keep(None))
     }
 
     /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
-    /// is lost: a box that is uncertain has True. `follow` says which.
+    /// is lost: a box that is uncertain has True. `answer` says which, as `follow` does.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
@@ -104,6 +114,13 @@ impl Tracker {
     /// Looks for the target in the next frame: the whole `Answer`.
     fn follow<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         answer::answer(py, &self.next(frame)?)
+    }
+
+    /// The `Answer` of the last `update` or `follow`; None before it, and after `init` and `restore`.
+    #[getter]
+    fn answer<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let last = *self.answer.lock().unwrap_or_else(PoisonError::into_inner);
+        last.map(|last| answer::answer(py, &last)).transpose()
     }
 
     /// Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
@@ -130,9 +147,8 @@ impl Tracker {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
         if !fits(right) || !fits(down) {
-            return Err(PyValueError::new_err(format!(
-                "moved: expected pixels of -8388607 to 8388607, found {right}, {down}"
-            )));
+            let wrong = format!("moved: expected pixels of -8388607 to 8388607, found {right}, {down}");
+            return Err(PyValueError::new_err(wrong));
         }
         #[allow(clippy::cast_possible_truncation)] // checked
         let [right, down] = [right, down].map(|pixels| units(pixels) as i32);
@@ -151,7 +167,7 @@ impl Tracker {
     /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the
     /// first one that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
-        each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused)
+        each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused).inspect(|()| self.keep(None))
     }
 
     /// All options by their names, with the preset: `type(tracker)(**tracker.options)` makes one that is alike.
@@ -174,24 +190,22 @@ impl Tracker {
     fn __setstate__(&self, state: (Option<Vec<u8>>,)) -> PyResult<()> {
         match state.0 {
             Some(saved) => self.restore(&saved),
-            None => self.target()?.forget().map_err(refused),
+            None => each!(&mut *self.target()?, of => of.configure(*of.config())).map_err(refused),
         }
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
-        let name = slf.get_type().name()?;
         let options = slf.get().options(slf.py())?;
-        let options: PyResult<Vec<String>> =
-            options.iter().map(|(name, value)| Ok(format!("{name}={}", value.repr()?))).collect();
-        Ok(format!("smr.{name}({})", options?.join(", ")))
+        let options: Vec<String> = options.iter().map(|(name, value)| format!("{name}={value:?}")).collect();
+        Ok(format!("smr.{}({})", slf.get_type().name()?, options.join(", ")))
     }
 }
 
 #[pymethods]
 impl Paper {
     #[new]
-    #[pyo3(signature = (preset = "camera", **options))]
-    fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
+    #[pyo3(signature = (preset = None, **options))]
+    fn new(preset: Option<&Bound<'_, PyAny>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<New<Self>> {
         let presets = [("camera", paper::Config::camera()), ("paper", paper::Config::paper())];
         Ok(Tracker::new(presets, preset, options, Target::paper)?.add_subclass(Self))
     }
@@ -200,8 +214,8 @@ impl Paper {
 #[pymethods]
 impl Robust {
     #[new]
-    #[pyo3(signature = (preset = "refined", **options))]
-    fn new(preset: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyClassInitializer<Self>> {
+    #[pyo3(signature = (preset = None, **options))]
+    fn new(preset: Option<&Bound<'_, PyAny>>, options: Option<&Bound<'_, PyDict>>) -> PyResult<New<Self>> {
         let presets = [("refined", robust::Config::refined()), ("robust", robust::Config::robust())];
         Ok(Tracker::new(presets, preset, options, Target::robust)?.add_subclass(Self))
     }
@@ -217,12 +231,12 @@ pub fn follow<'py>(
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let (py, frame) = (frame.py(), Borrowed::new(frame)?);
     let pixels = frame.pixels();
-    let guards: PyResult<Vec<_>> = trackers.iter().map(|tracker| tracker.get().target()).collect();
-    let mut guards = guards?;
+    let mut guards = trackers.iter().map(|tracker| tracker.get().target()).collect::<PyResult<Vec<_>>>()?;
     let targets: Vec<&mut Target> = guards.iter_mut().map(|guard| &mut **guard).collect();
     targets.iter().try_for_each(|target| target.check(&pixels))?;
     let threads = threads.clamp(1, targets.len().max(1));
     let answers = py.detach(|| with_scratch(threads, |scratch| side_by_side(targets, scratch, &pixels)))?;
+    trackers.iter().zip(&answers).for_each(|(tracker, &one)| tracker.get().keep(Some(one)));
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 

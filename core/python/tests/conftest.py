@@ -1,10 +1,12 @@
-"""What the tests share: the program host-sim, and recordings."""
+"""What the tests share: the program host-sim, recordings, and the programs of the package."""
 
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
+import sys
 
 import pytest
 import smr
@@ -36,6 +38,37 @@ def synthetic():
     """The frames and the first box of a built-in recording."""
     recording = smr.Recording("synthetic")
     return list(recording), recording.start
+
+
+def followed(tracker, frames, start):
+    """The answers in all frames but the first, in which it starts."""
+    tracker.init(frames[0], start)
+    return [tracker.follow(frame) for frame in frames[1:]]
+
+
+def run(*arguments, **environment):
+    """Runs `python -m` with these arguments, without a display."""
+    environment = {**{name: value for name, value in os.environ.items() if name != "DISPLAY"}, **environment}
+    return subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, env=environment, timeout=60)
+
+
+def refuses(arguments, reason, **environment):
+    """Fails unless `python -m` says in one line what is wrong, and ends with code 2."""
+    ran = run(*arguments, **environment)
+    assert (ran.returncode, ran.stdout) == (2, "")
+    assert ran.stderr.startswith(f"error: {reason}") and ran.stderr.count("\n") == 1
+
+
+def interrupted(wait, program, *arguments, before=""):
+    """The exit code of `python -m PROGRAM`, and what it prints after `wait` and an interrupt."""
+    # A job in the background is started with interrupts ignored, and passes that on.
+    script = f"import runpy, signal, sys, itertools, smr\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n{before}\n"
+    script += f"sys.argv = {[program, *arguments]}\nrunpy.run_module({program!r}, run_name='__main__')\n"
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        wait(running)
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=30)
+    return running.returncode, out, err
 
 
 def recorded(name):

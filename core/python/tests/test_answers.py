@@ -10,7 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 import smr
-from conftest import recorded
+from conftest import followed, recorded
 
 # The trackers and what host-sim calls them.
 TRACKERS = {
@@ -70,12 +70,17 @@ def test_update_is_follow_in_short(make, synthetic):
     frames, box = synthetic
     one, other = make(), make()
     one.init(frames[0], box)
-    other.init(frames[0], box)
-    for frame in frames[1:40]:
+    for frame, answer in zip(frames[1:], followed(other, frames[:40], box)):
         ok, place = one.update(frame)
-        answer = other.follow(frame)
         assert (ok, place) == (answer.state != smr.State.LOST, answer.box)
         assert type(ok) is bool and all(type(number) is int for number in place)
+        assert one.answer == answer and answer.box.xyxy == (*place[:2], place.x + place.width, place.y + place.height)
+        names = ("state", *smr.FineBox._fields, *smr.Answer._fields[3:])
+        assert tuple(answer.row().items()) == tuple(zip(names, (answer.state.value, *answer.fine_box, *answer[3:])))
+    assert other.answer == one.answer
+    one.restore(other.save())
+    other.init(frames[40], box)
+    assert one.answer is other.answer is make().answer is None
 
 
 def layouts(gray):
@@ -106,13 +111,9 @@ def layouts(gray):
 @pytest.mark.parametrize("make", [smr.Robust, smr.Paper])
 def test_layouts_change_nothing(make, synthetic):
     frames, box = synthetic
-    plain = make()
-    plain.init(frames[0], box)
-    expected = [plain.follow(frame) for frame in frames[1:60]]
+    expected = followed(make(), frames[:60], box)
     for name in layouts(frames[0]):
-        tracker = make()
-        tracker.init(layouts(frames[0])[name], box)
-        assert [tracker.follow(layouts(frame)[name]) for frame in frames[1:60]] == expected, name
+        assert followed(make(), [layouts(frame)[name] for frame in frames[:60]], box) == expected, name
 
 
 def test_lost_targets_are_swept_for_in_color(synthetic):
@@ -211,13 +212,13 @@ def test_a_group_answers_like_its_trackers(synthetic):
         tracker.init(frames[0], box)
         for group in groups:
             group.add(type(tracker)(), frames[0], box)
-    for frame in frames[1:40]:
+    for frame in frames[1:41]:
         expected = [tracker.follow(frame) for tracker in alone]
-        assert all(group.follow(frame) == expected for group in groups)
-    expected = [tracker.follow(frames[40]) for tracker in alone]
+        assert frame is frames[40] or all(group.follow(frame) == expected for group in groups)
     ok, found = groups[1].update(frames[40])
     assert found == [answer.box for answer in expected]
     assert ok == all(answer.state != smr.State.LOST for answer in expected)
+    assert [tracker.answer for tracker in groups[1].trackers] == expected and repr(groups[1]) == "<smr.Group of 5 trackers, 2 threads>"
     first = groups[1].trackers[0]
     groups[1].remove(first)
     assert len(groups[1]) == 4 and first.window() is not None

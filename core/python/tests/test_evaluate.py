@@ -9,6 +9,7 @@ import warnings
 
 import pytest
 import smr
+from conftest import followed
 
 RECORDINGS = ["synthetic", "border", "noise"]
 # The only figure that differs from run to run.
@@ -35,15 +36,8 @@ def test_figures_are_those_of_host_sim(host_sim):
 
 def test_scores_are_those_of_host_sim(host_sim, synthetic):
     recording = smr.Recording("synthetic")
-    tracker, boxes = smr.Robust(), []
-    for frame in recording:
-        if not boxes:
-            tracker.init(frame, recording.start)
-            boxes.append(recording.start)
-            continue
-        answer = tracker.follow(frame)
-        boxes.append(None if answer.state == smr.State.LOST else answer.fine_box)
-    score = recording.score(boxes)
+    answers = followed(smr.Robust(), list(recording), recording.start)
+    score = recording.score([recording.start, *(None if answer.state == smr.State.LOST else answer.fine_box for answer in answers)])
     (expected,) = json.loads(host_sim("eval", "--method=robust", "synthetic", "--json"))["measured"]
     # Without confidence there are no figures of VOT.
     compared = {name: value for name, value in score.items() if not name.startswith("vot")}

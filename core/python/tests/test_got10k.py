@@ -1,13 +1,9 @@
 """`smr.got10k.SmrTracker` in the GOT-10k toolkit: its files of results against the boxes of host-sim."""
 
-import os
-import subprocess
-import sys
-
 import numpy
 import pytest
-
 import smr
+from conftest import followed, run
 
 Image = pytest.importorskip("PIL.Image", reason="skipped: tracker of the GOT-10k toolkit: no pillow")
 pytest.importorskip("got10k.trackers", reason="skipped: tracker of the GOT-10k toolkit: no got10k")
@@ -15,13 +11,8 @@ pytest.importorskip("got10k.trackers", reason="skipped: tracker of the GOT-10k t
 from smr._benchmark import inside  # noqa: E402
 from smr.got10k import SmrTracker, gray  # noqa: E402
 
-HOST_SIM = os.environ.get("HOST_SIM")
 FRAMES = 120
 TRACKERS = [(smr.Robust, ["robust"]), (smr.Paper, ["smr", "--config", "camera"])]
-
-
-def host_sim(*arguments):
-    return subprocess.run([HOST_SIM, *arguments], capture_output=True, text=True, check=True).stdout
 
 
 def as_png(picture):
@@ -31,9 +22,8 @@ def as_png(picture):
     image.save(picture, format="PNG")
 
 
-@pytest.mark.skipif(not HOST_SIM, reason="skipped: GOT-10k toolkit beside host-sim: HOST_SIM names no program")
 @pytest.mark.parametrize("kind, method", TRACKERS)
-def test_result_files_have_the_boxes_of_host_sim(tmp_path, monkeypatch, kind, method):
+def test_result_files_have_the_boxes_of_host_sim(tmp_path, monkeypatch, host_sim, kind, method):
     monkeypatch.setenv("MPLBACKEND", "Agg")
     from got10k.experiments import ExperimentGOT10k
 
@@ -64,10 +54,8 @@ def test_the_boxes_are_those_of_the_tracker(tmp_path, kind, _method):
     boxes, times = SmrTracker(kind()).track(files, start)
     assert times.shape == (len(frames),)
 
-    tracker, expected = kind(), [start]
-    tracker.init(frames[0], start)
-    for frame in frames[1:]:
-        answer = tracker.follow(frame)
+    expected = [start]
+    for answer in followed(kind(), frames, start):
         expected.append(expected[-1] if answer.state == smr.State.LOST else answer.fine_box)
     assert (boxes == numpy.array(expected)).all()
 
@@ -80,15 +68,12 @@ def test_options_and_names():
     assert tracker._tracker.options["window"] == (4, 4)
 
 
-def test_gray_is_that_of_host_sim_for_every_color():
+def test_gray_is_that_of_host_sim_for_every_color_and_other_pictures(tmp_path):
     green, blue = numpy.mgrid[0:256, 0:256]
     for red in range(256):
         colors = numpy.stack([numpy.full_like(green, red), green, blue], axis=-1).astype(numpy.uint8)
         expected = (19595 * red + 38470 * green + 7471 * blue + 32768) >> 16
         assert (gray(Image.fromarray(colors)) == expected).all()
-
-
-def test_gray_of_other_pictures(tmp_path):
     values = numpy.arange(256, dtype=numpy.uint8).reshape(16, 16)
     pictures = {
         "gray": Image.fromarray(values),
@@ -115,6 +100,5 @@ def test_a_box_that_reaches_out_of_the_picture_is_cut():
 
 def test_without_six_it_says_what_to_install(tmp_path):
     (tmp_path / "six.py").write_text("raise ModuleNotFoundError('six', name='six')\n")
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "MPLBACKEND": "Agg"}
-    ran = subprocess.run([sys.executable, "-c", "import smr.got10k"], capture_output=True, text=True, env=environment)
+    ran = run("smr.got10k", PYTHONPATH=str(tmp_path), MPLBACKEND="Agg")
     assert ran.stderr.endswith("ImportError: there is no module six: pip install smr-tracker[got10k]\n")

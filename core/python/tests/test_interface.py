@@ -64,7 +64,7 @@ def test_options_are_those_of_the_stubs():
         (node,) = (node for node in tree.body if getattr(node, "name", "") == make.__name__)
         new = next(member for member in node.body if getattr(member, "name", "") == "__new__")
         named = {argument.arg for argument in new.args.args[1:] + new.args.kwonlyargs}
-        assert named == set(make().options)
+        assert named == set(make().options) == set(inspect.signature(make).parameters)
         texts = [line.split("`")[1] for line in inspect.getdoc(make).splitlines() if line.startswith("- `")]
         assert sorted(texts) == sorted(named - {"preset"})
         assert make(**make().options).options == make().options

@@ -1,48 +1,36 @@
 """`python -m smr` as a program, and its window with keys from a script instead of a user."""
 
 import json
-import os
 import subprocess
 import sys
 
 import numpy
 import pytest
-
 import smr
+from conftest import followed, interrupted, refuses, run
 from smr import __main__ as program
 
-HOST_SIM = os.environ.get("HOST_SIM")
 KEYS = ("frame", "state", "box", "fine", "confidence", "ratio", "scale", "found_again")
-
-
-def run(*arguments):
-    environment = {**os.environ, "DISPLAY": ""}
-    del environment["DISPLAY"]
-    return subprocess.run([sys.executable, "-m", "smr", *arguments], capture_output=True, text=True, env=environment, timeout=60)
 
 
 def lines(text):
     return [json.loads(line) for line in text.splitlines()]
 
 
-@pytest.mark.skipif(not HOST_SIM, reason="skipped: python -m smr beside host-sim: HOST_SIM names no program")
 @pytest.mark.parametrize("options, method", [([], ["robust"]), (["--paper"], ["smr", "--config", "camera"])])
-def test_json_lines_are_those_of_host_sim(options, method):
-    tracked = subprocess.run([HOST_SIM, "track", "synthetic", "--json", "--method", *method], capture_output=True, text=True, check=True)
-    expected = [{key: line[key] for key in KEYS} for line in lines(tracked.stdout)]
+def test_json_lines_are_those_of_host_sim(track, options, method):
+    expected = [{key: line[key] for key in KEYS} for line in track("synthetic", "--method", *method)]
     assert any(line["state"] == "lost" for line in expected) or method == ["robust"]
-    assert lines(run("synthetic", "--json", *options).stdout) == expected
+    assert lines(run("smr", "synthetic", "--json", *options).stdout) == expected
 
 
 def test_text_has_a_line_for_each_frame():
-    ran = run("synthetic", "--box", "35.5,24.4,24,28")
+    ran = run("smr", "synthetic", "--box", "35.5,24.4,24,28")
     assert (ran.returncode, ran.stderr) == (0, "")
     printed = ran.stdout.splitlines()
     assert len(printed) == 240
     assert printed[0] == "1 tracking 36,24,24,28"
-    tracker, frames = smr.Robust(), iter(smr.Recording("synthetic"))
-    tracker.init(next(frames), (36, 24, 24, 28))
-    answer = tracker.follow(next(frames))
+    (answer,) = followed(smr.Robust(), list(smr.Recording("synthetic"))[:2], (36, 24, 24, 28))
     assert printed[1] == f"2 tracking {','.join(map(str, answer.box))} {answer.confidence:.6f}"
 
 
@@ -50,23 +38,14 @@ def test_text_has_a_line_for_each_frame():
     (["/no/such.mp4"], "cannot open /no/such.mp4: "),
     ([__file__, "--box", "1,1,9,9"], "ffmpeg "),
     (["synthetic", "--box", "5,5,0,9"], "the box has no pixels: 5,5,0,9"),
-    (["synthetic", "--box", "5,5,9"], "--box: expected X,Y,W,H, four numbers, found 5,5,9"),
-    (["synthetic", "--box", "5,5,9,x"], "--box: expected X,Y,W,H, four numbers, found 5,5,9,x"),
+    *((["synthetic", "--box", box], f"--box: expected X,Y,W,H, four numbers, found {box}") for box in ("5,5,9", "5,5,9,x")),
     (["synthetic", "--box", "500,5,9,9"], "the box 500,5,9,9 "),
-    (["99", "--box", "5,5,9,9"], "camera 99: "),
+    (["99", "--box", "5,5,9,9"], "ffmpeg "),
+    (["PICTURES"], "there is no window to select a box in: expected --box X,Y,W,H\n"),
 ])  # fmt: skip
-def test_bad_input_is_one_line_and_exit_code_2(arguments, reason):
-    ran = run(*arguments)
-    assert ran.returncode == 2
-    assert ran.stdout == ""
-    assert ran.stderr.startswith(f"error: {reason}") and ran.stderr.count("\n") == 1
-
-
-def test_without_a_box_and_a_window_it_says_what_it_needs(tmp_path):
-    picture = tmp_path / "1.pgm"
-    picture.write_bytes(b"P5\n64 48\n255\n" + bytes(64 * 48))
-    ran = run(str(tmp_path))
-    assert (ran.returncode, ran.stderr) == (2, "error: there is no window to select a box in: expected --box X,Y,W,H\n")
+def test_bad_input_is_one_line_and_exit_code_2(tmp_path, arguments, reason):
+    (tmp_path / "1.pgm").write_bytes(b"P5\n64 48\n255\n" + bytes(64 * 48))
+    refuses(["smr", *(str(tmp_path) if word == "PICTURES" else word for word in arguments)], reason)
 
 
 def test_a_closed_pipe_ends_it_quietly():
@@ -78,19 +57,11 @@ def test_a_closed_pipe_ends_it_quietly():
 
 
 def test_an_interrupt_ends_it_quietly():
-    # Frames without an end. A job in the background is started with interrupts ignored, and passes that on.
-    script = "import runpy, signal, sys, itertools, smr\n" \
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
-        "frames = list(smr.Recording('synthetic'))\n" \
-        "smr.Recording = lambda source: type('', (), {'start': (36, 24, 24, 28), '__iter__': lambda self: itertools.cycle(frames)})()\n" \
-        "sys.argv = ['smr', 'synthetic']\n" \
-        "runpy.run_module('smr', run_name='__main__')\n"  # fmt: skip
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-        for _ in range(300):
-            running.stdout.readline()
-        running.send_signal(2)
-        running.stdout.read()
-        assert (running.wait(timeout=30), running.stderr.read()) == (130, "")
+    endless = "frames, own = list(smr.Recording('synthetic')), {'start': (36, 24, 24, 28), 'is_live': True}\n" \
+        "own['__iter__'] = lambda self: itertools.cycle(frames)\n" \
+        "smr.Recording = lambda source, color: type('', (), own)()"  # fmt: skip
+    code, _, said = interrupted(lambda running: [running.stdout.readline() for _ in range(300)], "smr", "synthetic", before=endless)
+    assert (code, said) == (130, "")
 
 
 class Keys:
@@ -115,9 +86,7 @@ def test_r_selects_again_and_q_ends(capsys):
     assert len(printed) == len(window.shown) == 9
     assert window.boxes == []
     # The target is the one that was drawn in frame 3, also after a selection that was given up.
-    tracker = smr.Robust()
-    tracker.init(frames[2], (10, 10, 20, 20))
-    assert window.shown[3:] == [tracker.follow(frame) for frame in frames[3:9]]
+    assert window.shown[3:] == followed(smr.Robust(), frames[2:9], (10, 10, 20, 20))
 
 
 @pytest.mark.parametrize("shape", [(48, 64), (48, 64, 3)])
@@ -156,10 +125,11 @@ def test_a_video_file_is_followed_in_color(tmp_path):
     for frame in frames:
         writer.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
     writer.release()
-    ran = run(path, "--box", "36,24,24,28", "--json")
+    recording = smr.Recording(path)
+    assert (recording.size, recording.fps, len(recording)) == ((160, 120), pytest.approx(25, abs=0.1), 20)
+    ran = run("smr", path, "--box", "36,24,24,28", "--json")
     assert (ran.returncode, ran.stderr) == (0, "")
     # What a user of OpenCV would write.
-    capture, tracker = cv2.VideoCapture(path), smr.Robust()
-    tracker.init(capture.read()[1], (36, 24, 24, 28))
-    answers = [tracker.follow(capture.read()[1]) for _ in frames[1:]]
+    capture = cv2.VideoCapture(path)
+    answers = followed(smr.Robust(), [capture.read()[1] for _ in frames], (36, 24, 24, 28))
     assert [line["fine"] for line in lines(ran.stdout)[1:]] == [answer.fine_box._asdict() for answer in answers]

@@ -1,9 +1,7 @@
 """`python -m smr.mavlink` with pymavlink as the ground station, over the loopback address."""
 
 import math
-import os
 import random
-import signal
 import socket
 import subprocess
 import sys
@@ -11,8 +9,8 @@ import threading
 import time
 
 import pytest
-
 import smr
+from conftest import followed, interrupted, refuses, run
 
 pytest.importorskip("pymavlink", reason="skipped: MAVLink: no pymavlink")
 from smr import mavlink as program  # noqa: E402
@@ -26,7 +24,7 @@ TRACK = mavlink.MAV_CMD_CAMERA_TRACK_RECTANGLE
 POINT = mavlink.MAV_CMD_CAMERA_TRACK_POINT
 STOP = mavlink.MAV_CMD_CAMERA_STOP_TRACKING
 INTERVAL = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
-REQUEST = mavlink.MAV_CMD_REQUEST_MESSAGE
+REQUEST, GET = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAV_CMD_GET_MESSAGE_INTERVAL
 ACCEPTED, DENIED, UNSUPPORTED = mavlink.MAV_RESULT_ACCEPTED, mavlink.MAV_RESULT_DENIED, mavlink.MAV_RESULT_UNSUPPORTED
 OWN = (1, 100)
 
@@ -96,9 +94,7 @@ def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
     assert one.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
     assert [message.get_type() for message in one.after] == [STATUS]
     other.heard(STATUS)
-    tracker = smr.Robust()
-    tracker.init(FRAMES[0], RECORDING.start)
-    for frame, truth in zip(FRAMES[1:80], RECORDING.truth[1:80]):
+    for frame, truth, answer in zip(FRAMES[1:], RECORDING.truth[1:], followed(smr.Robust(), FRAMES[:80], RECORDING.start)):
         camera.show(frame)
         # Both stations hear of each frame, also the one that has asked for nothing.
         (status,), (same,) = one.heard(STATUS), other.heard(STATUS)
@@ -107,7 +103,7 @@ def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
         assert status.tracking_mode == mavlink.CAMERA_TRACKING_MODE_RECTANGLE
         assert status.target_data == mavlink.CAMERA_TRACKING_TARGET_DATA_IN_STATUS
         found = (status.rec_top_x, status.rec_top_y, status.rec_bottom_x, status.rec_bottom_y)
-        assert found == pytest.approx(parts(tracker.follow(frame).fine_box), abs=1e-6)
+        assert found == pytest.approx(parts(answer.fine_box), abs=1e-6)
         assert truth is None or found == pytest.approx(parts(truth), abs=0.05)
     for _ in range(20):
         camera.show(FRAMES[0] * 0)  # The lens is covered.
@@ -147,17 +143,20 @@ def test_it_says_what_it_can(world):
         assert (information.resolution_h, information.resolution_v) == (WIDTH, HEIGHT)
         assert information.flags == 512 | 1024
         assert bytes(information.vendor_name).rstrip(b"\0") == b"smr"
-    assert world[0].connection.mav.srcComponent == mavlink.MAV_COMP_ID_CAMERA
-
-
-def test_the_heartbeat_is_that_of_a_camera(world):
-    camera, station = world
-    one = station(255)
+    camera = world[0]
+    assert camera.connection.mav.srcComponent == mavlink.MAV_COMP_ID_CAMERA
     camera.beaten = -math.inf
     camera.poll()
     camera.poll()
     (heartbeat,) = one.heard("HEARTBEAT")
     assert (heartbeat.type, heartbeat.autopilot) == (mavlink.MAV_TYPE_CAMERA, mavlink.MAV_AUTOPILOT_INVALID)
+    camera.begun -= 2**32 / 1000  # The time wraps.
+    assert one.ask(REQUEST, 259) == ACCEPTED and one.after[0].time_boot_ms < 60_000
+    # Before the first frame it asks to try again.
+    camera.frame = None
+    for command in [(TRACK, *parts(RECORDING.start)), (POINT, 0.5, 0.5), (REQUEST, 259)]:
+        assert one.ask(*command) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
+    assert one.ask(STOP) == ACCEPTED
 
 
 NAN, INF = float("nan"), float("inf")
@@ -168,26 +167,19 @@ def test_nonsense_is_refused_and_changes_nothing(world):
     one = station(255)
     assert one.ask(TRACK, *parts(RECORDING.start)) == ACCEPTED
     saved = camera.tracker.save()
-    for command, result in [
-        ((TRACK, NAN, 0.1, 0.2, 0.2), DENIED),
-        ((TRACK, 0.1, 0.1, INF, 0.2), DENIED),
-        ((TRACK, 0.2, 0.1, 0.1, 0.2), DENIED),
-        ((TRACK, -0.1, 0.1, 0.2, 0.2), DENIED),
-        ((TRACK, 0.9, 0.9, 1.1, 1.1), DENIED),
-        ((TRACK, 0.5, 0.5, 0.50001, 0.50001), DENIED),
-        ((TRACK,), DENIED),
-        ((POINT, 1.5, 0.5), DENIED),
-        ((POINT, NAN, 0.5), DENIED),
-        ((POINT, 0.5, 0.5, -1), DENIED),
-        ((INTERVAL, 275, NAN), DENIED),
-        ((INTERVAL, 275, -2), DENIED),
-        ((INTERVAL, 30, 1000), UNSUPPORTED),
-        ((REQUEST, 30), UNSUPPORTED),
-        ((REQUEST, NAN), UNSUPPORTED),
-        ((mavlink.MAV_CMD_IMAGE_START_CAPTURE,), UNSUPPORTED),
-        ((65535,), UNSUPPORTED),
-    ]:
-        assert one.ask(*command) == result, command
+    for result, commands in {
+        DENIED: [
+            (TRACK,), (TRACK, NAN, 0.1, 0.2, 0.2), (TRACK, 0.1, 0.1, INF, 0.2), (TRACK, 0.2, 0.1, 0.1, 0.2), (TRACK, -0.1, 0.1, 0.2, 0.2),
+            (TRACK, 0.9, 0.9, 1.1, 1.1), (TRACK, 0.5, 0.5, 0.50001, 0.50001), (POINT, 1.5, 0.5), (POINT, NAN, 0.5), (POINT, 0.5, 0.5, -1),
+            (INTERVAL, 275, NAN), (INTERVAL, 275, -2),
+        ],
+        # There is no --stream-uri for 269.
+        UNSUPPORTED: [
+            (INTERVAL, 30, 1000), (REQUEST, 30), (REQUEST, NAN), (REQUEST, 269), (REQUEST, 244, NAN), (GET, -1),
+            (mavlink.MAV_CMD_IMAGE_START_CAPTURE,), (65535,),
+        ],
+    }.items():  # fmt: skip
+        assert [one.ask(*command) for command in commands] == [result] * len(commands)
     for other in [(1, 101), (2, 100), (1, 1), (0, 101), (2, 0)]:
         assert one.ask(TRACK, 0.1, 0.1, 0.2, 0.2, to=other) is None
     pick = random.Random(46)
@@ -211,6 +203,43 @@ def test_the_interval_is_that_which_was_asked_for(world):
         for frame in FRAMES[1:10]:
             camera.show(frame)
         assert len(one.heard(STATUS)) == count
+        for command in [(GET, 275), (REQUEST, 244, 275)]:
+            assert one.ask(*command) == ACCEPTED
+            (told,) = one.after
+            assert told.get_type() == "MESSAGE_INTERVAL" and told.message_id == 275
+            assert told.interval_us == {-1: -1, 1e9: 1e9}.get(microseconds, round(1e6 * camera.period))
+        assert one.ask(REQUEST, 275) == ACCEPTED and [message.get_type() for message in one.after] == [STATUS]
+    for message, interval in [(0, 1e6), (33, 0)]:
+        assert one.ask(GET, message) == ACCEPTED and one.after[0].interval_us == interval
+
+
+@pytest.mark.parametrize("uri, kind, sent", [
+    ("rtsp://10.0.0.2:8554/cam", 0, b"rtsp://10.0.0.2:8554/cam"), ("udp://10.0.0.1:5600", 1, b"5600"), ("tcp://10.0.0.2:7000", 2, b"tcp://10.0.0.2:7000"),
+])  # fmt: skip
+def test_it_says_where_the_video_is(world, uri, kind, sent):
+    camera, station = world
+    camera.stream = program.stream(uri)
+    camera.show(FRAMES[1])
+    one = station(255)
+    for command in [(REQUEST, 269, 0), (REQUEST, 269, 1), (mavlink.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION, 1)]:
+        assert one.ask(*command) == ACCEPTED
+        (about,) = one.after
+        assert (about.stream_id, about.count, about.type, about.flags, about.uri.encode()) == (1, 1, kind, 1, sent)
+        assert (about.resolution_h, about.resolution_v, about.framerate) == (WIDTH, HEIGHT, pytest.approx(1 / camera.period))
+    assert one.ask(REQUEST, 269, 2) == UNSUPPORTED
+    assert one.ask(REQUEST, 259) == ACCEPTED and one.after[0].flags == 256 | 512 | 1024
+
+
+def test_an_uncertain_target_has_a_place_and_coasts(world):
+    camera, station = world
+    one, box = station(255), smr.Box(10, 10, 20, 20)
+    assert one.ask(TRACK, *parts(box)) == ACCEPTED
+    for state, flags in {smr.State.TRACKING: 1, smr.State.LEAVING: 1, smr.State.UNCERTAIN: 1 | 8, smr.State.LOST: 2}.items():
+        answer = smr.Answer(box, smr.FineBox(*box), state, 0.5, 0.5, None, None, 1.0, False)
+        camera.tracker = type("", (), {"follow": lambda _self, _frame: answer})()
+        camera.show(FRAMES[1])
+        (status,) = one.heard(STATUS)
+        assert status.tracking_status == flags and math.isnan(status.rec_top_x) == (state == smr.State.LOST)
 
 
 def test_what_is_asked_of_all_is_asked_of_the_camera(world):
@@ -296,21 +325,6 @@ def test_without_frames_it_answers_and_has_no_place(world, capsys):
     assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
 
 
-def test_before_the_first_frame_it_asks_to_try_again(world):
-    camera, station = world
-    one, camera.frame = station(255), None
-    for command in [(TRACK, *parts(RECORDING.start)), (POINT, 0.5, 0.5), (REQUEST, 259)]:
-        assert one.ask(*command) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
-    assert one.ask(STOP) == ACCEPTED
-
-
-def test_the_time_since_the_start_wraps(world):
-    camera, station = world
-    one = station(255)
-    camera.begun -= 2**32 / 1000
-    assert one.ask(REQUEST, 259) == ACCEPTED and one.after[0].time_boot_ms < 60_000
-
-
 def test_a_peer_that_goes_is_connected_again():
     with socket.create_server(("127.0.0.1", 0)) as server:
         server.settimeout(30)
@@ -325,50 +339,36 @@ def test_a_peer_that_goes_is_connected_again():
     assert len(said) <= 6 and "the peer has gone; trying again" in said[1] and said[2] == "connected again"
 
 
-def run(*arguments):
-    command = [sys.executable, "-m", "smr.mavlink", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=30)
-
-
 def test_the_program_sends_until_the_recording_ends():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ground:
         ground.bind(("127.0.0.1", 0))
         port = ground.getsockname()[1]
-        ran = run("border", f"udpout:127.0.0.1:{port}", "--rate", "1000", "--preset", "camera", "--system-id", "7", "--component", "101")
+        ran = run("smr.mavlink", "border", f"udpout:127.0.0.1:{port}", "--rate", "1000", "--preset", "camera", "--system-id", "7", "--component", "101")
         assert (ran.returncode, ran.stdout) == (0, "")
         assert ran.stderr == f"border: camera 7/101 at udpout:127.0.0.1:{port}; Ctrl-C ends it\n"
         assert mavlink.MAVLink(None).parse_char(ground.recv(300)).get_type() == "HEARTBEAT"
 
 
 @pytest.mark.parametrize("arguments, reason", [
-    (["/no/such.mp4", "udpout:127.0.0.1:1"], "error: cannot open /no/such.mp4: "),
-    (["synthetic", "udpout:nowhere"], "error: cannot connect to udpout:nowhere: "),
-    (["synthetic", "/dev/no-such-port"], "error: cannot connect to /dev/no-such-port: "),
-    (["synthetic", "udpout:no-such-host.invalid:14550"], "error: cannot connect to udpout:no-such-host.invalid:14550: there is no host no-such-host.invalid: "),
-    (["synthetic", "tcp:no-such-host.invalid:5760"], "error: cannot connect to tcp:no-such-host.invalid:5760: there is no host no-such-host.invalid: "),
-    (["synthetic", "udpout:127.0.0.1:70000"], "error: cannot connect to udpout:127.0.0.1:70000: the port must be 1 to 65535"),
+    (["/no/such.mp4", "udpout:127.0.0.1:1"], "cannot open /no/such.mp4: "),
+    (["synthetic", "udpout:nowhere"], "cannot connect to udpout:nowhere: "),
+    (["synthetic", "/dev/no-such-port"], "cannot connect to /dev/no-such-port: "),
+    (["synthetic", "udpout:no-such-host.invalid:14550"], "cannot connect to udpout:no-such-host.invalid:14550: there is no host no-such-host.invalid: "),
+    (["synthetic", "tcp:no-such-host.invalid:5760"], "cannot connect to tcp:no-such-host.invalid:5760: there is no host no-such-host.invalid: "),
+    (["synthetic", "udpout:127.0.0.1:70000"], "cannot connect to udpout:127.0.0.1:70000: the port must be 1 to 65535"),
 ])  # fmt: skip
 def test_bad_input_is_one_line_and_exit_code_2(arguments, reason):
-    ran = run(*arguments)
-    assert (ran.returncode, ran.stdout) == (2, "")
-    assert ran.stderr.startswith(reason) and ran.stderr.count("\n") == 1
+    refuses(["smr.mavlink", *arguments], reason)
 
 
 def test_without_pymavlink_it_says_what_to_install(tmp_path):
     (tmp_path / "pymavlink.py").write_text("raise ImportError\n")
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    command = [sys.executable, "-m", "smr.mavlink", "synthetic", "udpout:127.0.0.1:1"]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment)
-    assert (ran.returncode, ran.stderr) == (2, "error: there is no module pymavlink: pip install smr-tracker[mavlink]\n")
+    command = ["smr.mavlink", "synthetic", "udpout:127.0.0.1:1"]
+    refuses(command, "there is no module pymavlink: pip install smr-tracker[mavlink]\n", PYTHONPATH=str(tmp_path))
 
 
 def test_an_interrupt_ends_it_quietly():
-    # A job in the background is started with interrupts ignored, and passes that on.
-    script = "import runpy, signal, sys\n" \
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n" \
-        "sys.argv = ['smr.mavlink', 'synthetic', 'udpout:127.0.0.1:1', '--repeat']\n" \
-        "runpy.run_module('smr.mavlink', run_name='__main__')\n"  # fmt: skip
-    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+    def wait(running):
         assert "Ctrl-C ends it" in running.stderr.readline()
-        running.send_signal(signal.SIGINT)
-        assert (running.wait(timeout=30), running.stdout.read(), running.stderr.read()) == (130, "", "")
+
+    assert interrupted(wait, "smr.mavlink", "synthetic", "udpout:127.0.0.1:1", "--repeat") == (130, "", "")

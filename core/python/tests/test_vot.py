@@ -1,24 +1,21 @@
 """`python -m smr.vot` with the client of the TraX protocol: its answers against those of `host-sim track`."""
 
 import io
-import json
 import os
 import subprocess
 import sys
 
 import numpy
 import pytest
-
 import smr
+from conftest import followed
 
 trax = pytest.importorskip("trax", reason="skipped: tracker of the VOT toolkit: no vot-trax")
 Image = pytest.importorskip("PIL.Image", reason="skipped: tracker of the VOT toolkit: no pillow")
 from trax.client import Client  # noqa: E402
 
-HOST_SIM = os.environ.get("HOST_SIM")
 OWN = [sys.executable, "-m", "smr.vot"]
 START = (36.0, 24.0, 24.0, 28.0)
-needs_host_sim = pytest.mark.skipif(not HOST_SIM, reason="skipped: VOT beside host-sim: HOST_SIM names no program")
 
 
 def session(command, images, starts, length=1000):
@@ -37,15 +34,14 @@ def session(command, images, starts, length=1000):
     return answers
 
 
-def tracked(pictures, inits, folder, *options, form="png"):
+def tracked(track, pictures, inits, folder, *options, form="png"):
     """The answers of `host-sim track` on these pictures, as a session has them. A lost target stays where it was, with confidence 0."""
     folder.mkdir()
     for number, pixels in enumerate(pictures):
         (folder / f"{number:03}.{form}").write_bytes(encoded(pixels, form))
     inits = [word for number, init in enumerate(inits) for word in ("--init", f"t{number}={init}")]
-    said = subprocess.run([HOST_SIM, "track", str(folder), "--format", "json", *inits, *options], capture_output=True, text=True, check=True)
     answers = {}
-    for line in map(json.loads, said.stdout.splitlines()):
+    for line in track(folder, *inits, *options):
         of = answers.setdefault(line["target"], [])
         found = line["fine"] or line["box"]
         box = found and tuple(found[side] for side in ("x", "y", "width", "height"))
@@ -104,7 +100,6 @@ def mask():
     return trax.Mask.create(pixels, 30, 20)
 
 
-@needs_host_sim
 @pytest.mark.parametrize("way, change, region", [
     ("path png", colored, rectangle),
     ("path jpeg", colored, polygon),
@@ -114,28 +109,26 @@ def mask():
     ("buffer png", lambda frame: frame, polygon),
     ("buffer jpeg", lambda frame: frame, rectangle),
 ])  # fmt: skip
-def test_answers_are_those_of_host_sim(tmp_path, way, change, region):
+def test_answers_are_those_of_host_sim(track, tmp_path, way, change, region):
     pictures = [change(frame) for frame in frames(12)]
-    expected = tracked(pictures, ["36,24,24,28"], tmp_path / "pictures", form="jpeg" if "jpeg" in way else "png")
+    expected = tracked(track, pictures, ["36,24,24,28"], tmp_path / "pictures", form="jpeg" if "jpeg" in way else "png")
     assert are_those(session(OWN, as_images(way, pictures, tmp_path), [region()]), expected)
     assert len({answer for [answer] in expected}) > 5
 
 
-@needs_host_sim
-def test_a_target_that_the_paper_loses_stays_where_it_was_seen_last(tmp_path):
+def test_a_target_that_the_paper_loses_stays_where_it_was_seen_last(track, tmp_path):
     found = session([*OWN, "--paper"], as_images("memory", frames(200), None), [rectangle()])
-    assert are_those(found, tracked(frames(200), ["36,24,24,28"], tmp_path / "pictures", "--method", "smr", "--config", "camera"))
+    assert are_those(found, tracked(track, frames(200), ["36,24,24,28"], tmp_path / "pictures", "--method", "smr", "--config", "camera"))
     confidences = [float(answer[4]) for [answer] in found]
     lost = confidences.index(0.0)
     assert found[lost][0][:4] == found[lost - 1][0][:4]
 
 
-@needs_host_sim
-def test_two_objects_and_a_second_session(tmp_path):
+def test_two_objects_and_a_second_session(track, tmp_path):
     images = list(as_images("memory", frames(6), None)) * 2
     starts = [rectangle(), trax.Rectangle.create(-4, 70.4, 40, 30)]
     found = session(OWN, images, starts, 6)
-    assert are_those(found[:6], tracked(frames(6), ["36,24,24,28", "0,70,36,30"], tmp_path / "pictures"))
+    assert are_those(found[:6], tracked(track, frames(6), ["36,24,24,28", "0,70,36,30"], tmp_path / "pictures"))
     assert [len(answers) for answers in found] == [2] * 12
     assert found[6:] == found[:6]
 
@@ -145,10 +138,7 @@ def test_a_mask_is_followed_by_the_box_around_it():
     found = session(OWN, images, [mask()])
     assert found == session(OWN, images, [rectangle()])
     assert found[0] == [(*START, "1.000000")]
-    tracker, pictures = smr.Robust(), frames(5)
-    tracker.init(pictures[0], START)
-    for [(*place, confidence)], picture in zip(found[1:], pictures[1:]):
-        answer = tracker.follow(picture)
+    for [(*place, confidence)], answer in zip(found[1:], followed(smr.Robust(), frames(5), START)):
         assert place == pytest.approx(answer.fine_box, abs=1e-3)
         assert confidence == f"{answer.confidence:.6f}"
 

@@ -47,24 +47,18 @@ def has_window():  # On Linux, OpenCV ends the process where it finds no display
     return cv2 is not None and cv2.currentUIFramework() != "" and (sys.platform != "linux" or "DISPLAY" in os.environ)
 
 
-def camera(number):
-    """Frames of a camera, no box, and the milliseconds to wait for a key."""
-    capture = cv2.VideoCapture(number) if cv2 else None
-    if capture is None or not capture.isOpened():
-        raise ValueError(f"camera {number}: " + ("cannot be opened" if cv2 else "expected OpenCV (pip install opencv-python)"))
-    return captured(capture), None, 1
-
-
 def opened(source):
     """Frames, the box that lies beside them, and the milliseconds from frame to frame."""
-    if source.isdecimal():
-        return camera(int(source))
-    if cv2 and os.path.isfile(source):
+    is_camera = source.isdecimal()
+    source = int(source) if is_camera else source
+    # OpenCV finds cameras of other systems than Linux, too.
+    if cv2 and (sys.platform != "linux" if is_camera else os.path.isfile(source)):
         capture = cv2.VideoCapture(source)
         if capture.isOpened():
-            return captured(capture), start_beside(source), max(1, round(1000 / (capture.get(cv2.CAP_PROP_FPS) or 30)))
-    recording = Recording(source)
-    return iter(recording), recording.start, 33
+            box = None if is_camera else start_beside(source)
+            return captured(capture), box, max(1, round(1000 / (capture.get(cv2.CAP_PROP_FPS) or 30)))
+    recording = Recording(source, color=is_camera)
+    return iter(recording), recording.start, 1 if recording.is_live else round(1000 / (recording.fps or 30))
 
 
 def captured(capture):

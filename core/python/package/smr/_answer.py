@@ -1,7 +1,7 @@
 """What trackers answer."""
 
 import enum
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Union
 
 
 class State(str, enum.Enum):
@@ -27,6 +27,11 @@ class Box(NamedTuple):
     width: int
     height: int
 
+    @property
+    def xyxy(self) -> tuple[int, int, int, int]:
+        """The left, top, right and bottom edge, as detectors have them."""
+        return self.x, self.y, self.x + self.width, self.y + self.height
+
 
 class FineBox(NamedTuple):
     """A box in pixels, in steps of 1/256."""
@@ -35,6 +40,11 @@ class FineBox(NamedTuple):
     y: float
     width: float
     height: float
+
+    @property
+    def xyxy(self) -> tuple[float, float, float, float]:
+        """The left, top, right and bottom edge."""
+        return self.x, self.y, self.x + self.width, self.y + self.height
 
 
 class Answer(NamedTuple):
@@ -57,3 +67,8 @@ class Answer(NamedTuple):
     """The size of the target divided by its size at `init`. Always 1 from `Paper`."""
     found_again: bool
     """True in the frame in which a lost target was found."""
+
+    def row(self) -> dict[str, Union[str, float, None]]:
+        """The answer without tuples: `pandas.DataFrame(answer.row() for answer in answers)`. x, y, width and height are those of `fine_box`."""
+        figures = {name: getattr(self, name) for name in self._fields[3:]}
+        return {"state": self.state.value, **self.fine_box._asdict(), **figures}

@@ -35,6 +35,8 @@ def evaluate(
         trackers = Robust()
     if isinstance(trackers, Tracker):
         trackers = {type(trackers).__name__.lower(): trackers}
+    if not isinstance(trackers, dict) or not all(isinstance(one, Tracker) for one in trackers.values()):
+        raise TypeError(f"trackers: expected a tracker such as smr.Robust(), or a dict of trackers by name, found {trackers!r}")
     found = recordings(paths)
     if not found:
         raise ValueError("paths: expected a recording, a folder of recordings, or a list of them, found an empty list")

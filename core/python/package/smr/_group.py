@@ -26,6 +26,8 @@ class Group:
 
     def add(self, tracker: Tracker, frame: _Frame, box: _Box) -> None:
         """Starts `tracker` on the target in `box` and makes it a member."""
+        if not isinstance(tracker, Tracker):
+            raise TypeError(f"tracker: expected a tracker such as smr.Robust(), found {tracker!r}")
         if any(member is tracker for member in self.trackers):
             raise ValueError("this tracker is in the group already")
         tracker.init(frame, box)
@@ -52,3 +54,6 @@ class Group:
 
     def __len__(self) -> int:
         return len(self.trackers)
+
+    def __repr__(self) -> str:
+        return f"<smr.Group of {len(self)} trackers, {self._threads} threads>"

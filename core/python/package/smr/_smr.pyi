@@ -25,6 +25,9 @@ class Tracker:
     will do. OpenCV is not needed. The lock of Python is free while a call works; do not write to the frame then.
     """
     @property
+    def answer(self) -> Optional[Answer]:
+        """The `Answer` of the last `update` or `follow`; None before it, and after `init` and `restore`."""
+    @property
     def quality(self) -> Optional[float]:
         """Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
         target.
@@ -40,7 +43,7 @@ class Tracker:
         """
     def update(self, frame: _Frame) -> tuple[bool, Box]:
         """Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
-        is lost: a box that is uncertain has True. `follow` says which.
+        is lost: a box that is uncertain has True. `answer` says which, as `follow` does.
         """
     def follow(self, frame: _Frame) -> Answer:
         """Looks for the target in the next frame: the whole `Answer`."""
@@ -139,7 +142,7 @@ class Robust(Tracker):
 
 class Recording:
     """A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
-    Linux ("/dev/video0"), or an address ("rtsp://camera.local/stream").
+    Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 
     Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
     with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
@@ -148,7 +151,13 @@ class Recording:
     Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
     opened; iterating raises OSError at a damaged frame, or if a camera fails.
     """
-    def __new__(cls, path: _Path, *, color: bool = False) -> Recording: ...
+    def __new__(cls, path: Union[_Path, int], *, color: bool = False) -> Recording: ...
+    @property
+    def fps(self) -> Optional[float]:
+        """The frames in a second, by the times of the first ones; None where they have no times, or come at their own."""
+    @property
+    def size(self) -> Optional[tuple[int, int]]:
+        """The width and the height of its frames in pixels; None for a camera or an address."""
     @property
     def name(self) -> str:
         """The name of the folder or file."""
@@ -163,6 +172,7 @@ class Recording:
         """The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
         truth.
         """
+    def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[npt.NDArray[np.uint8]]: ...
     def score(self, boxes: Sequence[Optional[_Box]]) -> dict[str, Any]:
         """The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.

@@ -1,8 +1,6 @@
 """`python -m smr.mavlink SOURCE CONNECTION`: a MAVLink camera that follows what a ground station or an autopilot asks for.
 
-It speaks MAVLink's camera protocol (`pip install smr-tracker[mavlink]`): a heartbeat each second, CAMERA_INFORMATION on request,
-MAV_CMD_CAMERA_TRACK_RECTANGLE, MAV_CMD_CAMERA_TRACK_POINT and MAV_CMD_CAMERA_STOP_TRACKING in, CAMERA_TRACKING_IMAGE_STATUS out.
-MAVLINK.md says how to connect a vehicle.
+It speaks MAVLink's camera protocol (`pip install smr-tracker[mavlink]`). MAVLINK.md lists the messages, and says how to connect a vehicle.
 """
 
 import argparse
@@ -28,6 +26,8 @@ except ImportError:
     sys.exit(2)
 
 PRESETS = {"refined": Robust, "robust": Robust, "camera": Paper, "paper": Paper}
+COASTING = 8  # CAMERA_TRACKING_STATUS_FLAGS_COASTING, which older versions of pymavlink do not name.
+STREAMS = {"rtsp": mavlink.VIDEO_STREAM_TYPE_RTSP, "udp": mavlink.VIDEO_STREAM_TYPE_RTPUDP, "tcp": mavlink.VIDEO_STREAM_TYPE_TCP_MPEG}
 RADIUS = 0.05  # What a point gets that comes without one, as a part of the frame's width.
 LEAST_SIDE = 16  # The least side of the box around a point, in pixels: a smaller one shows too little of the target.
 MOST_MESSAGES = 1000  # Taken between two frames, so that a flood of them does not stop the tracker.
@@ -81,16 +81,17 @@ class Camera:
     """A camera component on a MAVLink connection. `tracker` follows the target; one frame after the other goes into `show`. `poll` does what is due
     by the clock, and is called more often than frames come.
 
-    Places and sizes in messages are parts of the frame, 0 to 1. A connection whose peer has gone raises OSError.
+    Places and sizes in messages are parts of the frame, 0 to 1. A connection whose peer has gone raises OSError. `stream` is the address of the video
+    for ground stations, if there is one.
     """
 
-    def __init__(self, connection, tracker):
-        self.tracker = tracker
+    def __init__(self, connection, tracker, stream=None):
+        self.tracker, self.stream = tracker, stream
         self.frame, self.number, self.mode = None, 0, mavlink.CAMERA_TRACKING_MODE_NONE
-        self.state = None  # The target's in the last frame; None without a target.
+        self.state = self.box = None  # The target's in the last frame; None without a target.
         self.receivers, self.strangers = {}, Receiver()  # By address, system and component; and all others.
         self.beaten = -math.inf  # When the last heartbeat was sent,
-        self.shown = -math.inf  # and when the last frame came.
+        self.shown, self.period = -math.inf, 0.0  # and when the last frame came, and how many seconds after the one before.
         self.patience, self.is_stale = PATIENCE, False
         self.begun = time.monotonic()
         self.commands = {
@@ -98,8 +99,10 @@ class Camera:
             mavlink.MAV_CMD_CAMERA_TRACK_POINT: self.track_point,
             mavlink.MAV_CMD_CAMERA_STOP_TRACKING: self.stop,
             mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: self.set_interval,
+            mavlink.MAV_CMD_GET_MESSAGE_INTERVAL: lambda message, *_: self.request(mavlink.MAVLINK_MSG_ID_MESSAGE_INTERVAL, message),
             mavlink.MAV_CMD_REQUEST_MESSAGE: self.request,
-            mavlink.MAV_CMD_REQUEST_CAMERA_INFORMATION: lambda *_: self.request(mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION),
+            mavlink.MAV_CMD_REQUEST_CAMERA_INFORMATION: lambda *_: self.request(mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION, 0),
+            mavlink.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION: lambda number, *_: self.request(mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, number),
         }
         self.connect(connection)
 
@@ -111,14 +114,16 @@ class Camera:
     def show(self, frame):
         """Follows the target in the next frame, and sends where it is."""
         came_again, self.is_stale = self.is_stale, False
-        self.frame, self.number, self.shown = frame, self.number + 1, time.monotonic()
+        now = time.monotonic()
+        self.period = 0.0 if self.frame is None else now - self.shown
+        self.frame, self.number, self.shown = frame, self.number + 1, now
         if self.state is not None:
             answer = self.tracker.follow(frame)
             changed = (answer.state == State.LOST) != (self.state == State.LOST)
             if changed:
                 say(f"frame {self.number}: " + ("lost" if answer.state == State.LOST else f"found again at {place(answer.box)}"))
-            self.state = answer.state
-            self.send_status(answer.fine_box, at_once=changed or came_again)
+            self.state, self.box = answer.state, answer.fine_box
+            self.send_status(self.box, at_once=changed or came_again)
         self.poll()
 
     def poll(self):
@@ -185,14 +190,14 @@ class Camera:
     def lock(self, box, mode):
         box = inside(box, self.frame)
         self.tracker.init(self.frame, box)
-        self.state, self.mode = State.TRACKING, mode
+        self.state, self.mode, self.box = State.TRACKING, mode, box
         say(f"frame {self.number}: following {place(box)}")
         return lambda: self.send_status(box, at_once=True)
 
     def stop(self, *_):
         if self.state is not None:
             say(f"frame {self.number}: stopped")
-        self.state, self.mode = None, mavlink.CAMERA_TRACKING_MODE_NONE
+        self.state, self.box, self.mode = None, None, mavlink.CAMERA_TRACKING_MODE_NONE
         return lambda: self.send_status(None, at_once=True)
 
     def set_interval(self, message, interval, *_):
@@ -203,25 +208,44 @@ class Camera:
             raise ValueError(f"expected an interval of microseconds, 0 or -1, found {interval:g}")
         self.receiver.interval = math.inf if interval == -1 else interval / 1e6
 
-    def request(self, message, *_):
+    def request(self, message, about, *_):
         if message == mavlink.MAVLINK_MSG_ID_CAMERA_INFORMATION:
             return self.send_information
+        if message == mavlink.MAVLINK_MSG_ID_CAMERA_TRACKING_IMAGE_STATUS:
+            return lambda: self.send_status(self.box, to=self.receiver)
+        if message == mavlink.MAVLINK_MSG_ID_MESSAGE_INTERVAL and 0 <= about < 65536:
+            return lambda: self.connection.mav.message_interval_send(int(about), self.interval(about))
+        if message == mavlink.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION and self.stream and about in (0, 1):
+            return self.send_stream
         raise NotImplementedError
+
+    def interval(self, message):
+        """The microseconds between two messages of this kind to the one that asks: -1 is never, 0 is only on request."""
+        status = max(self.receiver.interval, self.period)
+        seconds = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: HEARTBEAT, mavlink.MAVLINK_MSG_ID_CAMERA_TRACKING_IMAGE_STATUS: status}.get(message, 0)
+        return -1 if seconds == math.inf else round(1e6 * min(seconds, 2000))
+
+    def send_stream(self):
+        height, width = self.frame.shape[:2]
+        kind, _, address = self.stream.partition("://")
+        # Of a stream over UDP only the port matters, at which the ground station listens.
+        address = (address.rpartition(":")[2] if kind == "udp" else self.stream).encode()
+        about = STREAMS[kind], mavlink.VIDEO_STREAM_STATUS_FLAGS_RUNNING, 1 / self.period if self.period else 0, width, height
+        self.connection.mav.video_stream_information_send(1, 1, *about, 0, 0, 0, b"smr", address)
 
     def send_information(self):
         height, width = self.frame.shape[:2]
         major, minor, patch = map(int, __version__.split("-")[0].split("."))
         vendor, model = (list(name.encode().ljust(32, b"\0")) for name in ("smr", type(self.tracker).__name__))
         flags = mavlink.CAMERA_CAP_FLAGS_HAS_TRACKING_POINT | mavlink.CAMERA_CAP_FLAGS_HAS_TRACKING_RECTANGLE
+        flags |= mavlink.CAMERA_CAP_FLAGS_HAS_VIDEO_STREAM if self.stream else 0
         version = (patch & 255) << 16 | (minor & 255) << 8 | major & 255
         milliseconds = int(1000 * (time.monotonic() - self.begun)) & 0xFFFFFFFF  # It wraps after 49.7 days.
         optics = [math.nan] * 3
         self.connection.mav.camera_information_send(milliseconds, vendor, model, version, *optics, width, height, 0, flags, 0, b"")
 
-    def send_status(self, box, at_once=False):
-        """Sends where the target is to all for whom it is time. A target that is lost, or was in an old frame, has no place: an autopilot must not
-        steer by it.
-        """
+    def send_status(self, box, at_once=False, to=None):
+        """Sends where the target is to all for whom it is time, or to one receiver. One that is lost, or was in an old frame, has no place to steer by."""
         now, least = time.monotonic(), HEARTBEAT if self.is_stale else 0
         # A server sends to each address by itself. Elsewhere, all on the connection hear the same.
         clients = self.connection.clients if getattr(self.connection, "udp_server", False) else None
@@ -229,7 +253,8 @@ class Camera:
         for address in [None] if clients is None else clients:
             # All messages go to one that has asked for nothing.
             for one in [one for (at, *_), one in self.receivers.items() if at == address] or [self.strangers]:
-                if one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least)):
+                is_due = one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least))
+                if is_due if to is None else one is to:
                     due.add((address, one))
         if not due:
             return
@@ -240,6 +265,7 @@ class Camera:
             status = mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR
         elif self.state is not None:
             status, data = mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE, mavlink.CAMERA_TRACKING_TARGET_DATA_IN_STATUS
+            status |= COASTING if self.state == State.UNCERTAIN else 0
             height, width = self.frame.shape[:2]
             left, top, right, bottom = (
                 min(max(edge / side, 0), 1)
@@ -358,9 +384,7 @@ class Source(threading.Thread):
 
 
 def serve(source, camera, rate, connect):
-    """Shows the camera all frames: those of a recording at `rate` frames a second, those of a live source as they come. `connect` makes a new
-    connection when the peer has gone.
-    """
+    """Shows the camera all frames: of a recording `rate` a second, of a live source as they come. `connect` connects again when the peer has gone."""
     due, tried = time.monotonic(), -math.inf
     if not source.recording.is_live:
         camera.patience = max(PATIENCE, 2 / rate)
@@ -404,6 +428,14 @@ def number(low, high, kind=int):
     return parse
 
 
+def stream(text):
+    kind, _, address = text.partition("://")
+    port = address.rpartition(":")[2]
+    if kind not in STREAMS or not 0 < len(text.encode()) <= 160 or not address or (kind == "udp" and not port.isdecimal()):
+        raise argparse.ArgumentTypeError(f"expected rtsp://HOST/PATH, udp://HOST:PORT or tcp://HOST:PORT of at most 160 bytes, found {text}")
+    return text
+
+
 def arguments():
     parser = argparse.ArgumentParser(prog="python -m smr.mavlink", description="A MAVLink camera that follows what it is asked to.")
     parser.add_argument("source", metavar="SOURCE", help="a camera such as /dev/video0, an address such as rtsp://HOST/PATH, or a recording")
@@ -413,6 +445,7 @@ def arguments():
     parser.add_argument("--component", metavar="N", type=number(1, 255), default=100, help="of this camera (%(default)s, the first camera)")
     parser.add_argument("--baud", metavar="N", type=number(1, 10_000_000), default=57600, help="of a serial device (%(default)s)")
     parser.add_argument("--rate", metavar="N", type=number(0.1, 1000, float), default=30.0, help="frames a second of a recording (%(default)g)")
+    parser.add_argument("--stream-uri", metavar="URI", type=stream, help="where ground stations find the video: rtsp://, udp:// or tcp://")
     parser.add_argument("--repeat", action="store_true", help="begin a recording again when it ends")
     return parser.parse_args()
 
@@ -423,7 +456,7 @@ def run():
     try:
         options = arguments()
         recording = Recording(options.source)
-        camera = Camera(connected(options), PRESETS[options.preset](options.preset))
+        camera = Camera(connected(options), PRESETS[options.preset](options.preset), options.stream_uri)
         say(f"{recording.name}: camera {options.system_id}/{options.component} at {options.connection}; Ctrl-C ends it")
         source = Source(recording, options.repeat)
         serve(source, camera, options.rate, lambda seconds: connected(options, seconds))
