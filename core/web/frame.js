@@ -40,14 +40,11 @@ function checkPixels(bytes, channels) {
 // Bytes of a pixel, by the kind of frame.
 function channelsOf(data, format) {
   const kind = bytesOf(data, "the frame's data", ["Uint8Array", "Uint8ClampedArray"]);
-  switch (format ?? (kind === "Uint8ClampedArray" ? "rgba" : "gray")) {
-    case "gray":
-      return 1;
-    case "rgba":
-      return 4;
-    default:
-      throw new TypeError(`the frame's format must be "gray" or "rgba", not ${String(format)}`);
+  const channels = new Map([["gray", 1], ["rgba", 4], [undefined, kind === "Uint8ClampedArray" ? 4 : 1]]).get(format ?? undefined);
+  if (channels === undefined) {
+    throw new TypeError(`the frame's format must be "gray" or "rgba", not ${String(format)}`);
   }
+  return channels;
 }
 
 /** Copies the gray pixels of `window` to `to`, row by row without gaps. */

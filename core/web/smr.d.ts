@@ -1,5 +1,7 @@
 // The types of smr.js.
 
+declare global { interface SymbolConstructor { readonly dispose: unique symbol } }
+
 /** A rectangle. In pixels; `fineBox` is in 1/256 pixel. */
 export interface Rect {
   x: number;
@@ -154,7 +156,7 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   readonly sweepWindow: Rect | null;
   /** The template, of the robust tracker the early one; null without a target. */
   readonly template: Picture | null;
-  /** Follows what is in `box`. Returns the quality. */
+  /** Follows what is in `box`, whose numbers are rounded to whole pixels. Returns the quality. */
   lock(frame: Frame, box: Rect): number;
   /** The answer for the next frame. */
   update(frame: Frame): Answer;
@@ -174,6 +176,8 @@ export declare class Tracker<Options = PaperOptions | RobustOptions> {
   beginRecord(): void;
   /** Gives the memory back. Later calls throw. */
   free(): void;
+  /** The same, for `using`. */
+  [Symbol.dispose](): void;
 }
 
 /** One instance of the library, with a memory of its own. */

@@ -84,6 +84,8 @@ export async function load(source) {
   return new Smr(await WebAssembly.instantiate(await moduleOf(source ?? ownModule()), {}));
 }
 
+// Mouse coordinates have fractions.
+const rounded = (box) => Object.fromEntries(Object.keys(RECT.fields).map((side) => [side, typeof box?.[side] === "number" ? Math.round(box[side]) : box?.[side]]));
 const pixelsOf = (windows) => windows.reduce((sum, { width, height }) => sum + width * height, 0);
 
 function ownModule() {
@@ -102,20 +104,17 @@ async function moduleOf(source) {
 }
 
 async function moduleBytes(source) {
-  if (ArrayBuffer.isView(source)) {
+  const kind = kindOf(source);
+  if (ArrayBuffer.isView(source) || kind === "ArrayBuffer") {
     return source;
   }
-  switch (kindOf(source)) {
-    case "ArrayBuffer":
-      return source;
-    case "String":
-    case "URL":
-      return fetched(String(source));
-    case "Response":
-      return responded(source);
-    default:
-      throw new TypeError(`load takes a WebAssembly.Module, bytes, a Response or an address, not ${named(source)}`);
+  if (kind === "Response") {
+    return responded(source);
   }
+  if (kind !== "String" && kind !== "URL") {
+    throw new TypeError(`load takes a WebAssembly.Module, bytes, a Response or an address, not ${named(source)}`);
+  }
+  return fetched(String(source));
 }
 
 // Node fetches no files.
@@ -179,6 +178,8 @@ class Library {
   exports;
   memory;
   #scratch;
+  /** Gives back the memory of a tracker that was not freed, some time after nobody has it any more. */
+  left = new FinalizationRegistry((own) => this.give(own));
   #workspaces = {}; // by method
   #pixels = { at: 0, size: 0 };
 
@@ -197,6 +198,12 @@ class Library {
     if (status !== 0) {
       throw new SmrError(this.memory.text(this.exports.smr_status_name(status)));
     }
+  }
+
+  /** Gives back all blocks that a tracker owns. */
+  give(own) {
+    [own.storage, own.sink, own.bytes].forEach((at) => this.memory.give(at));
+    Object.assign(own, { storage: 0, sink: 0, bytes: 0, size: 0 });
   }
 
   /** The workspace that all trackers of a method share. */
@@ -230,11 +237,6 @@ class Library {
   write(name, value, called = `the ${name}`) {
     CALL.fields[name].write(this.memory.view, this.at(name), value, called);
   }
-
-  /** A picture with a copy of its pixels; null if there is none. */
-  copyOf(image) {
-    return image === null ? null : { ...image, pixels: this.memory.copy(image.pixels, image.width * image.height) };
-  }
 }
 
 /** Follows one target. The methods `paper` and `robust` of the library make it. */
@@ -248,10 +250,9 @@ export class Tracker {
   /** The answer of the last update; null before it. */
   answer = null;
   #library;
-  #storage = 0;
   #at = 0;
   #takers = new Set(); // of the record
-  #sink = { at: 0, bytes: 0, size: 0 };
+  #own = { storage: 0, sink: 0, bytes: 0, size: 0 }; // memory: the tracker's, and that for a record
   #head = null; // what the record begins with, as long as nothing follows
 
   constructor(library, method, preset, options) {
@@ -261,36 +262,33 @@ export class Tracker {
     this.#library = library;
     this.method = method;
     this.preset = preset;
+    if (!Object.hasOwn(CONFIGS[method], preset)) {
+      throw new TypeError(`preset must be ${Object.keys(CONFIGS[method]).join(" or ")}, not ${String(preset)}`);
+    }
+    const { memory, exports } = library;
+    const config = library.at("config");
+    library.call(CONFIGS[method][preset], config);
+    this.options = useOptions(library, config, method, options);
+    const size = exports.smr_target_size(config);
+    const workspace = library.workspace(method, exports.smr_workspace_size(config));
+    this.#own.storage = memory.take(size);
+    library.left.register(this, this.#own, this);
     try {
-      this.#make(options);
+      library.call("smr_init", this.#own.storage, size, workspace.at, workspace.size, config, library.at("number"));
     } catch (error) {
       this.free();
       throw error;
     }
+    this.#at = library.read("number");
   }
 
-  #make(options) {
-    const { memory, exports } = this.#library;
-    const config = this.#library.at("config");
-    if (!Object.hasOwn(CONFIGS[this.method], this.preset)) {
-      throw new TypeError(`preset must be ${Object.keys(CONFIGS[this.method]).join(" or ")}, not ${String(this.preset)}`);
-    }
-    this.#library.call(CONFIGS[this.method][this.preset], config);
-    this.options = useOptions(this.#library, config, this.method, options);
-    const size = exports.smr_target_size(config);
-    const workspace = this.#library.workspace(this.method, exports.smr_workspace_size(config));
-    this.#storage = memory.take(size);
-    this.#library.call("smr_init", this.#storage, size, workspace.at, workspace.size, config, this.#library.at("number"));
-    this.#at = this.#library.read("number");
-  }
-
-  /** Locks on the target in `box`. Returns the quality, which is poor below POOR_QUALITY. */
+  /** Locks on the target in `box`, whose numbers are rounded to whole pixels. Returns the quality, which is poor below POOR_QUALITY. */
   lock(frame, box) {
     this.#live();
     const given = frameOf(frame);
     const { width, height } = given;
     const library = this.#library;
-    library.write("box", box);
+    library.write("box", rounded(box));
     const lock = () => library.call("smr_lock", this.#at, library.at("frame"), library.at("box"));
     const [window] = this.#get("smr_lock_window", "windows", width, height, library.at("box"));
     try {
@@ -390,7 +388,8 @@ export class Tracker {
     this.#live();
     // A saved target has the template in it.
     const size = this.#get("smr_saved_size", "number");
-    return this.#library.copyOf(this.#ask("smr_template", "image", this.#library.pixels(size), size));
+    const image = this.#ask("smr_template", "image", this.#library.pixels(size), size);
+    return image === null ? null : { ...image, pixels: this.#library.memory.copy(image.pixels, image.width * image.height) };
   }
 
   /**
@@ -433,7 +432,7 @@ export class Tracker {
     this.#live();
     const saved = this.last === null ? null : this.save();
     this.#room(saved === null ? 0 : saved.length);
-    this.#library.call("smr_record_to_memory", this.#at, this.#sink.at);
+    this.#library.call("smr_record_to_memory", this.#at, this.#own.sink);
     if (saved !== null) {
       this.#restore(saved, this.#library.pixels(saved.length));
     }
@@ -460,34 +459,38 @@ export class Tracker {
 
   #written() {
     const { memory } = this.#library;
-    return memory.copy(this.#sink.bytes, SINK.fields.used.read(memory.view, this.#sink.at + SINK.places.used));
+    return memory.copy(this.#own.bytes, SINK.fields.used.read(memory.view, this.#own.sink + SINK.places.used));
   }
 
   // Empties the memory for the record, which then has room for so many bytes and those of two entries.
   #room(size) {
     const { memory } = this.#library;
-    const sink = this.#sink;
-    if (sink.at === 0) {
-      sink.at = memory.take(SINK.size);
-      memory.bytes.fill(0, sink.at, sink.at + SINK.size);
+    const own = this.#own;
+    if (own.sink === 0) {
+      own.sink = memory.take(SINK.size);
+      memory.bytes.fill(0, own.sink, own.sink + SINK.size);
     }
-    if (sink.size < size + MOST_AROUND) {
-      memory.give(sink.bytes);
-      sink.size = Math.ceil((size + MOST_AROUND) / PIXELS_STEP) * PIXELS_STEP;
-      sink.bytes = memory.take(sink.size);
+    if (own.size < size + MOST_AROUND) {
+      memory.give(own.bytes);
+      own.size = Math.ceil((size + MOST_AROUND) / PIXELS_STEP) * PIXELS_STEP;
+      own.bytes = memory.take(own.size);
     }
-    for (const [name, value] of Object.entries({ bytes: sink.bytes, size: sink.size, used: 0 })) {
-      SINK.fields[name].write(memory.view, sink.at + SINK.places[name], value, name);
+    for (const [name, value] of Object.entries({ bytes: own.bytes, size: own.size, used: 0 })) {
+      SINK.fields[name].write(memory.view, own.sink + SINK.places[name], value, name);
     }
   }
 
   /** Gives the tracker's memory back. Later calls throw. */
   free() {
-    const { memory } = this.#library;
-    [this.#storage, this.#sink.at, this.#sink.bytes].forEach((at) => memory.give(at));
-    this.#storage = this.#at = 0;
-    this.#sink = { at: 0, bytes: 0, size: 0 };
+    this.#library.left.unregister(this);
+    this.#library.give(this.#own);
+    this.#at = 0;
     this.#takers.clear();
+  }
+
+  /** For `using tracker = smr.robust()`. */
+  [Symbol.dispose ?? Symbol.for("dispose")]() {
+    this.free();
   }
 
   #live() {

@@ -4,13 +4,11 @@ import { Answers } from "./answers.js";
 import { drawCommands } from "./command-lines.js";
 import { Detail } from "./detail.js";
 import { byId, htmlNode, inView } from "./dom.js";
-import { save } from "./download.js";
 import { Drag, gripOf, inside } from "./drag.js";
 import { Edits, isGone, lockIn, nameOf } from "./edits.js";
 import { clock, drawEvents, eventsOf, placeOf } from "./events.js";
 import { drawLimits, drawMade, drawMenu, drawTaken } from "./exports.js";
-import { drawFigures } from "./figures.js";
-import { FRAMES, chartsOf } from "./curves.js";
+import { FRAMES, chartsOf, drawFigures } from "./figures.js";
 import { Graph } from "./graph.js";
 import { drawList } from "./list.js";
 import { Playback, frameNamed } from "./playback.js";
@@ -18,7 +16,6 @@ import { Preview } from "./preview.js";
 import { drawStage } from "./stage.js";
 import { Timeline } from "./timeline.js";
 import { chosenTracker, showMethod, showTracker } from "./tracker-settings.js";
-import { drawTrail } from "./trail.js";
 import { Viewport } from "./viewport.js";
 
 const READINGS_MS = 80;
@@ -27,6 +24,7 @@ const LOADING_MS = 200; // a shorter wait is not worth a word
 const MOST_LATE = 50; // frames
 const SMALL_PART = 1 / 4; // of the last area: a smaller box may be a slip
 const NEW_COLOR = "#fff";
+const TRAIL = 75; // the last frames through which the path of a target is drawn
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
 const answers = new Answers();
@@ -312,6 +310,27 @@ function draw() {
   }, READINGS_MS);
 }
 
+/** Draws the path of the box's centre until a frame. `boxAt(number)` is a box or null; `placed(box)` its place on the canvas. */
+function drawTrail(context, number, { boxAt, placed, color }) {
+  const points = Array.from({ length: TRAIL }, (_, back) => boxAt(number - TRAIL + 1 + back)).map((box) => (box ? centre(placed(box)) : null));
+  context.setLineDash([]);
+  context.lineWidth = 2;
+  context.strokeStyle = color;
+  points.forEach((to, at) => {
+    const from = points[at - 1];
+    if (from && to) {
+      context.globalAlpha = at / TRAIL;
+      context.beginPath();
+      context.moveTo(...from);
+      context.lineTo(...to);
+      context.stroke();
+    }
+  });
+  context.globalAlpha = 1;
+}
+
+const centre = ([x, y, width, height]) => [x + width / 2, y + height / 2];
+
 function drawFrame() {
   const { picture, shown } = playback;
   const view = viewport.seen;
@@ -571,6 +590,16 @@ async function trying(promise) {
     say(error.message);
     return "";
   }
+}
+
+const TYPES = { csv: "text/csv", jsonl: "application/x-ndjson", smr: "application/octet-stream" };
+/** Saves `content`, text, bytes or a blob, under `name`. */
+function save(name, content) {
+  const type = TYPES[name.split(".").at(-1)];
+  const address = URL.createObjectURL(new Blob([content], { type }));
+  htmlNode("a", { href: address, download: name }).click();
+  // Later, because the browser reads the file after this call.
+  setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
 async function take(format) {

@@ -1,4 +1,4 @@
-// The table of the chosen target: the tracker's answer for this frame, and its cost.
+// The table and the curves of the chosen target: the tracker's answer for this frame and its cost; states, confidence and ratio.
 
 import { about, instructions } from "./cost.js";
 import { htmlNode, sample } from "./dom.js";
@@ -37,4 +37,19 @@ export function drawFigures(table, method, now) {
       cell.replaceChildren(...(isState ? [htmlNode("span", { class: `key ${text}` })] : []), text);
     }
   });
+}
+
+/** The number of frames that the curves show. */
+export const FRAMES = 300;
+const STATES = ["tracking", "leaving", "uncertain", "lost"];
+
+/** Charts as graph.js takes them, of the answers `around` a frame (answers.js), or without lines if that is undefined. */
+export function chartsOf(place, method, around) {
+  const lines = (column, read) => (around === undefined ? [] : [{ title: SHORT[method], look: method, numbers: around.last("number"), values: around.last(column).map(read) }]);
+  const part = (value) => value / 65535;
+  return [
+    { place, title: "States", bands: lines("state", (state) => STATES[state]) },
+    { place, title: "Confidence", most: 1, digits: 3, lines: lines("confidence", part) },
+    { place, title: "Ratio", most: 1, digits: 3, lines: lines("ratio", part) },
+  ];
 }

@@ -1,6 +1,5 @@
 // The page of `host-sim report`: frames with the boxes of all entrants, curves and events, from the data in the page.
 
-import { drawScale } from "./legend.js";
 import { byId, htmlNode, sample } from "./dom.js";
 import { clock, drawEvents, eventsOf } from "./events.js";
 import { Graph, spansOf } from "./graph.js";
@@ -22,6 +21,12 @@ const CURVES = [
 ];
 const OPEN = 2; // curves that are seen at once
 const MOST_STATES = 2; // on the frame
+
+// Differences above this are drawn as bright as this.
+const BRIGHTEST = 127;
+const bright = (level) => Math.floor(Math.sqrt((255 * 255 * Math.min(level, BRIGHTEST)) / BRIGHTEST));
+const GRAY = (shade) => [shade, shade, shade];
+const GREEN = (shade) => [Math.floor(shade / 3), 105 + Math.floor(shade / 3), 65 + Math.floor(shade / 3)];
 
 const data = JSON.parse(byId("data").textContent);
 const off = new Set(data.recordings.flatMap(({ entrants }) => entrants).filter(({ method, isTruth }) => method === null && !isTruth).map(({ name }) => name));
@@ -214,6 +219,17 @@ function listen() {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   byId("comparisons").closest("details").addEventListener("toggle", draw);
   document.querySelectorAll(".scroll table").forEach(makeSortable);
+}
+
+/** The legend for the shades of a difference. */
+function drawScale(place) {
+  const stops = (color) => Array.from({ length: 17 }, (_, at) => `rgb(${color(bright((at * BRIGHTEST) / 16)).join()})`).join(", ");
+  const line = (text, color) => {
+    const bar = htmlNode("span", { class: "ramp" });
+    bar.style.background = `linear-gradient(to right, ${stops(color)})`;
+    return htmlNode("div", {}, htmlNode("span", {}, "0"), bar, htmlNode("span", {}, `127+ ${text}`));
+  };
+  place.replaceChildren(line("gray levels", GRAY), line("that count", GREEN));
 }
 
 function start() {

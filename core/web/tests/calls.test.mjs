@@ -1,10 +1,11 @@
-// Calls with wrong arguments throw an error that says what is wrong, and change nothing.
+// Calls with wrong arguments throw an error that says what is wrong, and change nothing. And several flight recorders on one tracker.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { runInNewContext } from "node:vm";
+import { Recorder } from "../record.js";
 import { POOR_QUALITY, SmrError, State, Tracker, load } from "../smr.js";
 import { PACKAGE, colored, frames, libraries, random } from "./library.mjs";
 
@@ -43,7 +44,7 @@ const FRAMES = [
 ];
 const BOXES = [
   undefined, null, 5, "box", {}, [20, 20, 8, 8],
-  ...["x", "y", "width", "height"].flatMap((side) => NUMBERS.map((wrong) => ({ ...box, [side]: wrong }))),
+  ...["x", "y", "width", "height"].flatMap((side) => NUMBERS.filter((wrong) => wrong !== 0.5).map((wrong) => ({ ...box, [side]: wrong }))),
   { ...box, width: 0 }, { ...box, height: 0 }, { ...box, width: -8 }, { ...box, x: -1 }, { ...box, x: width }, { ...box, y: height - 1 },
   { ...box, width: 65535 }, { ...box, width: 65536 }, { ...box, x: 2 ** 31 }, { ...box, y: -(2 ** 31) },
 ];
@@ -147,18 +148,25 @@ test("the words are those of the library", () => {
   assert.deepEqual(said(() => paper.lock({ data: new Uint8Array(90_000), width: 300, height: 300 }, { x: 0, y: 0, width: 300, height: 300 })), [
     "SmrError", "SMR_ERROR_BOX_TOO_LARGE", "the box has more pixels than this tracker's template has room for",
   ]);
-  assert.deepEqual(said(() => smr.robust().lock(first, { ...box, y: 1.5 })), [
-    "RangeError", undefined, "the box's y must be a whole number from -2147483647 to 2147483647, not 1.5",
+  assert.deepEqual(said(() => smr.robust().lock(first, { ...box, y: NaN })), [
+    "RangeError", undefined, "the box's y must be a whole number from -2147483647 to 2147483647, not NaN",
   ]);
   assert.deepEqual(said(() => smr.paper({ windw: 1 }))?.slice(0, 2), ["TypeError", undefined]);
   assert.deepEqual(said(() => new Tracker()), ["TypeError", undefined, "make a tracker with paper() or robust() of what load() returns"]);
+});
+
+test("fractions of a box are rounded", () => {
+  const [own, other] = [locked(), smr.paper()];
+  const { x, y, width, height } = box;
+  other.lock(first, Object.create({ x: x + 0.49, y: y - 0.5, width: width - 0.3, height: height + 0.25 }));
+  assert.deepEqual(other.save(), own.save());
 });
 
 test("a freed tracker refuses every call, and can be freed again", () => {
   const tracker = locked();
   const saved = tracker.save();
   tracker.free();
-  tracker.free();
+  tracker[Symbol.dispose]();
   const calls = [
     () => tracker.lock(first, box), () => tracker.update(first), () => tracker.moved(0, 0), () => tracker.save(), () => tracker.restore(saved),
     () => tracker.window, () => tracker.sweepWindow, () => tracker.quality, () => tracker.last, () => tracker.template,
@@ -255,4 +263,40 @@ test("the response map has its peak where the target is", () => {
   const answer = tracker.update(second);
   assert.deepEqual(answer, { ...locked("robust", { reach: 6 }).update(second) });
   assert.throws(() => locked("paper").responseMap(first), { status: "SMR_ERROR_OTHER_METHOD" });
+});
+
+test("wrong numbers of bytes are refused, and nothing is recorded", () => {
+  const tracker = smr.paper();
+  tracker.lock(first, first.box);
+  for (const bytes of [null, "x", "8", {}, [], true, 10n, Symbol("x")]) {
+    assert.throws(() => new Recorder(tracker, { bytes }), { name: "TypeError", message: /^bytes must be a number, not / });
+  }
+  for (const bytes of [NaN, Infinity, -Infinity, -1, 0, 0.5, 1e300]) {
+    assert.throws(() => new Recorder(tracker, { bytes }), { name: "RangeError", message: /^bytes must be a whole number from 1 to / });
+  }
+  for (const take of [undefined, null, 5, {}]) {
+    assert.throws(() => tracker.record(take), { name: "TypeError", message: /^take must be a function, not / });
+  }
+  tracker.update(second);
+});
+
+test("every recorder of a tracker records, until it is stopped itself", () => {
+  const tracker = smr.robust();
+  const recorders = [new Recorder(tracker), new Recorder(tracker), new Recorder(tracker)];
+  const lengths = () => recorders.map((recorder) => recorder.bytes().length);
+  tracker.lock(first, first.box);
+  tracker.update(second);
+  assert.deepEqual(recorders[1].bytes(), recorders[0].bytes());
+  assert.deepEqual(recorders[2].bytes(), recorders[0].bytes());
+  let before = lengths();
+  recorders[0].stop();
+  recorders[0].stop();
+  tracker.update(first);
+  assert.deepEqual(lengths().map((length, at) => length > before[at]), [false, true, true]);
+  recorders[2].stop();
+  before = lengths();
+  tracker.update(second);
+  assert.deepEqual(lengths().map((length, at) => length > before[at]), [false, true, false]);
+  tracker.free();
+  recorders[1].stop();
 });

@@ -2,6 +2,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { setFlagsFromString } from "node:v8";
+import { runInNewContext } from "node:vm";
 import { Memory } from "../memory.js";
 import { SmrError } from "../smr.js";
 import { frames, libraries, random } from "./library.mjs";
@@ -44,6 +46,21 @@ test("locks, saved targets and freed trackers take no memory", () => {
     cycle();
   }
   assert.equal(simd.memory, before);
+});
+
+test("the memory of trackers that nobody has comes back", async () => {
+  setFlagsFromString("--expose-gc");
+  const { simd } = await libraries();
+  const forget = async () => {
+    Array.from({ length: 100 }, () => simd.robust().record(() => {}));
+    runInNewContext("gc")();
+    await new Promise((done) => setTimeout(done, 50));
+    return simd.memory;
+  };
+  const before = await forget();
+  await forget();
+  // The last one may still be on the stack.
+  assert.ok((await forget()) - before <= 3 * 65_536);
 });
 
 test("a call that is refused takes no memory", async () => {

@@ -61,6 +61,9 @@ test("the package has the files that package.json names, and the version of the 
     assert.ok(there.includes(name.slice(2)), name);
   }
   assert.equal(version, (await load()).version);
+  for (const [, link] of readFileSync(join(PACKAGE, "README.md"), "utf8").matchAll(/\]\((?!https?:)([^)]+)\)/g)) {
+    assert.ok(there.includes(link), link);
+  }
   assert.equal(license, "MIT OR Apache-2.0");
   assert.ok(files.includes("smr*.wasm") && there.filter((name) => name.startsWith("LICENSE-")).length === 2);
 });

@@ -17,10 +17,6 @@ function recording(side, isColor) {
   });
 }
 
-function median(times) {
-  return times.sort((a, b) => a - b)[times.length >> 1];
-}
-
 /** The median time of an update in a round. The target is never lost. */
 function round(tracker, [first, ...others]) {
   tracker.lock(first, first.box);
@@ -30,13 +26,10 @@ function round(tracker, [first, ...others]) {
     assert.equal(state, "tracking");
     return 1000 * (performance.now() - start);
   });
-  return median(times);
+  return times.sort((a, b) => a - b)[times.length >> 1];
 }
 
-function time(tracker, frames) {
-  const rounds = Array.from({ length: ROUNDS }, () => round(tracker, frames));
-  return `${Math.min(...rounds).toFixed(0).padStart(6)} us`;
-}
+const time = (tracker, frames) => `${Math.min(...Array.from({ length: ROUNDS }, () => round(tracker, frames))).toFixed(0).padStart(6)} us`;
 
 for (const [name, smr] of Object.entries(await libraries())) {
   for (const side of [24, 64]) {
