@@ -30,6 +30,7 @@ case $arch in
   *) usage ;;
 esac
 cd "$(dirname "$0")/../.."
+"${PYTHON:-python3}" -c 'import elftools' 2>/dev/null || { echo "error: ${PYTHON:-python3} has no module elftools, which writes the file: pip install pyelftools" >&2; exit 2; }
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -9,6 +9,7 @@
 #ifdef MICROPY_ENABLE_DYNRUNTIME
 #include "native.h"
 #else
+#include "py/objstr.h"
 #include "py/objtuple.h"
 #include "py/runtime.h"
 #define TABLE static const
@@ -69,9 +70,7 @@ static void check_line(smr_status status, uint16_t line) {
     mp_raise_msg(status == SMR_ERROR_NOT_LOCKED ? &mp_type_RuntimeError : &mp_type_ValueError, text);
 }
 
-static void check(smr_status status) {
-    check_line(status, 0);
-}
+#define check(status) check_line(status, 0)
 
 // Arguments
 
@@ -147,11 +146,8 @@ static size_t line_bytes(const picture_t *picture) {
 static picture_t picture_of(mp_obj_t buffer, uint16_t width, uint16_t height, mp_obj_t format, mp_obj_t stride) {
     picture_t picture = { buffer, number(format, -LARGEST, LARGEST, "format"), width, height, number(stride, 0, LARGEST, "stride") };
     const size_t least = line_bytes(&picture);
-    if (picture.stride == 0) {
-        picture.stride = least;
-    } else if (picture.stride < least) {
-        check(SMR_ERROR_STRIDE_TOO_SMALL);
-    }
+    picture.stride = picture.stride == 0 ? least : picture.stride;
+    check(picture.stride < least ? SMR_ERROR_STRIDE_TOO_SMALL : SMR_OK);
     return picture;
 }
 
@@ -179,9 +175,7 @@ static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     // After the allocation: a finaliser could change the buffer.
     const mp_buffer_info_t bytes = bytes_of(picture->buffer, MP_QSTR_buffer);
     if (is_gray) {
-        return (smr_frame) { picture->width, picture->height, {
-            { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 },
-        } };
+        return (smr_frame) { picture->width, picture->height, { { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 } } };
     }
     smr_readout readout;
     smr_frame frame;
@@ -224,19 +218,13 @@ static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t k
 }
 
 static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
-    if (is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_camera))) {
-        check(smr_config_camera(config));
-    } else if (is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_paper))) {
-        check(smr_config_paper(config));
-    } else if (!is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_robust))) {
-        check(smr_config_robust(config));
-    } else if (!is_paper && mp_obj_equal(value, MP_OBJ_NEW_QSTR(MP_QSTR_refined))) {
-        check(smr_config_refined(config));
-    } else if (is_paper) {
-        mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'camera' or 'paper'"));
-    } else {
-        mp_raise_ValueError(MP_ERROR_TEXT("preset must be 'robust' or 'refined'"));
+    const bool is_first = mp_obj_equal(value, is_paper ? MP_OBJ_NEW_QSTR(MP_QSTR_camera) : MP_OBJ_NEW_QSTR(MP_QSTR_robust));
+    if (!is_first && !mp_obj_equal(value, is_paper ? MP_OBJ_NEW_QSTR(MP_QSTR_paper) : MP_OBJ_NEW_QSTR(MP_QSTR_refined))) {
+        mp_raise_ValueError(is_paper ? MP_ERROR_TEXT("preset must be 'camera' or 'paper'") : MP_ERROR_TEXT("preset must be 'robust' or 'refined'"));
     }
+    const smr_status status = is_paper && is_first ? smr_config_camera(config) : is_paper ? smr_config_paper(config)
+                            : is_first ? smr_config_robust(config) : smr_config_refined(config);
+    check(status);
 }
 
 // The configuration of the keyword arguments: the preset first, whatever their order. `preset` may be MP_OBJ_NULL.
@@ -299,8 +287,7 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     const picture_t picture = picture_of(values[BUFFER].u_obj, width, height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
     if (picture.format != SMR_GRAY8) {
-        // Of a mosaic, 2x2 pixels are one of the frame.
-        const uint16_t side = picture.format == SMR_BAYER8 ? 2 : 1;
+        const uint16_t side = picture.format == SMR_BAYER8 ? 2 : 1; // of a mosaic, 2x2 pixels are one of the frame
         check(smr_lock_window(self->tracker, width / side, height / side, &target, &windows[0]));
     }
     const smr_frame frame = frame_of(&picture, windows);
@@ -313,15 +300,32 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_KW(lock_obj, 1, lock);
 
+// The word for a state, as in Python and in JavaScript.
+static qstr word_of(smr_state state) {
+    TABLE qstr words[] = { MP_QSTR_tracking, MP_QSTR_leaving, MP_QSTR_uncertain, MP_QSTR_lost };
+    return words[state];
+}
+
+static void print(const mp_print_t *out, mp_obj_t self_in, mp_print_kind_t kind) {
+    const tracker_t *self = MP_OBJ_TO_PTR(self_in);
+    smr_fine_rect box;
+    smr_state state;
+    if (smr_last(self->tracker, &box, &state) != SMR_OK) {
+        mp_printf(out, "<%q without a target>", self->base.type->name);
+    } else {
+        const int sides[] = { (int)(box.x + 128) >> 8, (int)(box.y + 128) >> 8, (int)(box.width + 128) >> 8, (int)(box.height + 128) >> 8 };
+        mp_printf(out, "<%q, %q at (%d, %d, %d, %d)>", self->base.type->name, word_of(state), sides[0], sides[1], sides[2], sides[3]);
+    }
+}
+
 static mp_obj_t answer_of(const smr_answer *answer) {
     TABLE qstr names[] = {
-        MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha,
-        MP_QSTR_scale, MP_QSTR_found_again,
+        MP_QSTR_box, MP_QSTR_fine_box, MP_QSTR_state, MP_QSTR_confidence, MP_QSTR_ratio, MP_QSTR_runner_up_ratio, MP_QSTR_alpha, MP_QSTR_scale, MP_QSTR_found_again,
     };
     const mp_obj_t items[] = {
         rect(answer->bbox.x, answer->bbox.y, answer->bbox.width, answer->bbox.height),
         rect(answer->fine.x, answer->fine.y, answer->fine.width, answer->fine.height),
-        MP_OBJ_NEW_SMALL_INT(answer->state),
+        MP_OBJ_NEW_QSTR(word_of(answer->state)),
         MP_OBJ_NEW_SMALL_INT(answer->confidence),
         MP_OBJ_NEW_SMALL_INT(answer->ratio),
         answer->has_runner_up ? MP_OBJ_NEW_SMALL_INT(answer->runner_up_ratio) : mp_const_none,
@@ -350,8 +354,7 @@ static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) 
     const picture_t picture = picture_of(values[BUFFER].u_obj, self->width, self->height, values[FORMAT].u_obj, values[STRIDE].u_obj);
     const smr_frame frame = frame_of(&picture, windows);
     smr_answer answer;
-    const smr_status status = work > 0 ? smr_update_step(self->tracker, &frame, work, &answer)
-                                       : smr_update(self->tracker, &frame, &answer);
+    const smr_status status = work > 0 ? smr_update_step(self->tracker, &frame, work, &answer) : smr_update(self->tracker, &frame, &answer);
     if (status == SMR_UNDER_WAY) {
         return mp_const_none;
     }
@@ -405,32 +408,27 @@ static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(restore_obj, 2, 4, restore);
 // None if there is no target yet, or the window is empty.
 static mp_obj_t window_of(mp_obj_t self_in, int which) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
-    smr_rect windows[2];
+    smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
     const smr_status status = smr_windows(self->tracker, windows);
-    if (status == SMR_ERROR_NOT_LOCKED) {
-        return mp_const_none;
-    }
-    check(status);
+    check(status == SMR_ERROR_NOT_LOCKED ? SMR_OK : status);
     const smr_rect window = windows[which];
     return area(&window) == 0 ? mp_const_none : rect(window.x, window.y, window.width, window.height);
 }
 
-static mp_obj_t window(mp_obj_t self_in) {
-    return window_of(self_in, 0);
-}
-static MP_DEFINE_CONST_FUN_OBJ_1(window_obj, window);
-
-static mp_obj_t sweep_window(mp_obj_t self_in) {
-    return window_of(self_in, 1);
-}
-static MP_DEFINE_CONST_FUN_OBJ_1(sweep_window_obj, sweep_window);
+#define WINDOW(name, which) \
+    static mp_obj_t name(mp_obj_t self_in) { return window_of(self_in, which); } \
+    static MP_DEFINE_CONST_FUN_OBJ_1(name##_obj, name);
+WINDOW(window, 0)
+WINDOW(sweep_window, 1)
 
 // The names in the classes and in the module.
 #define METHODS(METHOD) METHOD(lock) METHOD(update) METHOD(moved) METHOD(save) METHOD(restore) METHOD(window) METHOD(sweep_window)
 #define NUMBERS(NUMBER) \
-    NUMBER(TRACKING) NUMBER(LEAVING) NUMBER(UNCERTAIN) NUMBER(LOST) \
-    NUMBER(GRAY8) NUMBER(YUYV) NUMBER(UYVY) NUMBER(RGB565_BE) NUMBER(RGB565_LE) NUMBER(BAYER8) NUMBER(GRAY10) \
-    NUMBER(POOR_QUALITY)
+    NUMBER(GRAY8) NUMBER(YUYV) NUMBER(UYVY) NUMBER(RGB565_BE) NUMBER(RGB565_LE) NUMBER(BAYER8) NUMBER(GRAY10) NUMBER(POOR_QUALITY)
+#define STATES(STATE) STATE(TRACKING, tracking) STATE(LEAVING, leaving) STATE(UNCERTAIN, uncertain) STATE(LOST, lost)
+#define TEXT(number) #number
+#define JOINED(major, minor, patch) TEXT(major) "." TEXT(minor) "." TEXT(patch)
+#define VERSION JOINED(SMR_VERSION_MAJOR, SMR_VERSION_MINOR, SMR_VERSION_PATCH)
 
 #ifdef MICROPY_ENABLE_DYNRUNTIME
 
@@ -438,7 +436,8 @@ static void add_type(mp_obj_full_type_t *type, qstr name, mp_obj_t methods) {
     type->base.type = &mp_type_type;
     type->name = name;
     MP_OBJ_TYPE_SET_SLOT(type, make_new, make_new, 0);
-    MP_OBJ_TYPE_SET_SLOT(type, locals_dict, MP_OBJ_TO_PTR(methods), 1);
+    MP_OBJ_TYPE_SET_SLOT(type, print, print, 1);
+    MP_OBJ_TYPE_SET_SLOT(type, locals_dict, MP_OBJ_TO_PTR(methods), 2);
     mp_store_global(name, MP_OBJ_FROM_PTR(type));
 }
 
@@ -452,6 +451,9 @@ mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *a
     add_type(&smr_type_robust, MP_QSTR_Robust, methods);
     #define NUMBER(name) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_SMALL_INT(SMR_##name));
     NUMBERS(NUMBER)
+    #define STATE(name, word) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_QSTR(MP_QSTR_##word));
+    STATES(STATE)
+    mp_store_global(MP_QSTR___version__, mp_obj_new_str(VERSION, sizeof(VERSION) - 1));
     MP_DYNRUNTIME_INIT_EXIT
 }
 
@@ -461,8 +463,8 @@ mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *a
 static const mp_rom_map_elem_t methods_table[] = { METHODS(METHOD) };
 static MP_DEFINE_CONST_DICT(methods, methods_table);
 
-MP_DEFINE_CONST_OBJ_TYPE(smr_type_paper, MP_QSTR_Paper, MP_TYPE_FLAG_NONE, make_new, make_new, locals_dict, &methods);
-MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, make_new, make_new, locals_dict, &methods);
+MP_DEFINE_CONST_OBJ_TYPE(smr_type_paper, MP_QSTR_Paper, MP_TYPE_FLAG_NONE, make_new, make_new, print, print, locals_dict, &methods);
+MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, make_new, make_new, print, print, locals_dict, &methods);
 
 // The module
 
@@ -477,13 +479,17 @@ static mp_obj_t init(void) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_0(init_obj, init);
 
+static const MP_DEFINE_STR_OBJ(version_obj, VERSION);
 static const mp_rom_map_elem_t globals_table[] = {
+    { MP_ROM_QSTR(MP_QSTR___version__), MP_ROM_PTR(&version_obj) },
     { MP_ROM_QSTR(MP_QSTR___name__), MP_ROM_QSTR(MP_QSTR_smr) },
     { MP_ROM_QSTR(MP_QSTR___init__), MP_ROM_PTR(&init_obj) },
     { MP_ROM_QSTR(MP_QSTR_Paper), MP_ROM_PTR(&smr_type_paper) },
     { MP_ROM_QSTR(MP_QSTR_Robust), MP_ROM_PTR(&smr_type_robust) },
     #define NUMBER(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_INT(SMR_##name) },
     NUMBERS(NUMBER)
+    #define STATE(name, word) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_QSTR(MP_QSTR_##word) },
+    STATES(STATE)
 };
 static MP_DEFINE_CONST_DICT(globals, globals_table);
 

@@ -4,7 +4,7 @@ import gc
 import smr
 
 WIDTH, HEIGHT, BOX = 80, 60, (24, 20, 20, 16)
-checks = 0
+checks = before = between = after = 0
 
 
 def same(found, expected, what):
@@ -53,12 +53,13 @@ def follow(tracker, frames=FRAMES, collect=False, **how):
 for kind in KINDS:
     tracker = kind()
     same((tracker.window(), tracker.sweep_window()), (None, None), "windows without a target")
+    same(repr(tracker), "<%s without a target>" % kind.__name__, "repr")
     quality = tracker.lock(still, WIDTH, HEIGHT, BOX)
     same(smr.POOR_QUALITY < quality <= 65535, True, "quality")
     answer = tracker.update(still)
     same((answer.box, answer.state, answer.scale, answer.found_again), (BOX, smr.TRACKING, 65536, False), "answer")
-    same(len(answer), 9, "answer")
-    same((answer[0], answer[2]), (answer.box, answer.state), "answer by index")
+    same(repr(tracker), "<%s, tracking at %r>" % (kind.__name__, BOX), "repr")
+    same((len(answer), answer[0], answer[2], "state='tracking'" in repr(answer)), (9, answer.box, answer.state, True), "answer by index")
     same(all(abs(fine - 256 * whole) < 256 for fine, whole in zip(answer.fine_box, answer.box)), True, "fine box")
     same(0 < answer.confidence <= 65535 and 0 < answer.ratio <= 65535, True, "confidence and ratio")
     same(answer.runner_up_ratio, None, "runner-up")
@@ -79,7 +80,8 @@ for kind in KINDS:
 tracker = smr.Paper(runner_up_always=True)
 tracker.lock(still, WIDTH, HEIGHT, BOX)
 same(tracker.update(still).runner_up_ratio < 65535, True, "runner-up")
-same(smr.TRACKING == smr.LEAVING or smr.UNCERTAIN == smr.LOST, False, "states")
+words = smr.TRACKING, smr.LEAVING, smr.UNCERTAIN, smr.LOST, smr.__version__.count(".")
+same(words, ("tracking", "leaving", "uncertain", "lost", 2), "states and version")
 
 # Configurations
 tracker = smr.Paper(window=(4, 2))
@@ -87,35 +89,28 @@ tracker.lock(still, WIDTH, HEIGHT, BOX)
 same(tracker.window(), (20, 18, 28, 20), "window=(4, 2)")
 tracker = smr.Paper(window=(60, 50), window_limit=(100, 90), preset="paper")
 large = bytes(400 * 300)
-raises(
-    ValueError,
-    "the window can grow to more offsets on an axis than this tracker has room for",
-    lambda: tracker.lock(large, 400, 300, BOX),
-)
-raises(
-    ValueError,
-    "the box has more pixels than this tracker's template has room for",
-    lambda: tracker.lock(large, 400, 300, (0, 0, 400, 300)),
-)
+words = "the window can grow to more offsets on an axis than this tracker has room for"
+raises(ValueError, words, lambda: tracker.lock(large, 400, 300, BOX))
+words = "the box has more pixels than this tracker's template has room for"
+raises(ValueError, words, lambda: tracker.lock(large, 400, 300, (0, 0, 400, 300)))
 del large
 smr.Robust(reach=4, size=False, sweep=2, plain_loop=True)
 raises(ValueError, "first_threshold must be 1 to 255", lambda: smr.Paper(first_threshold=0))
 raises(ValueError, "gate_lost must be 1 to 65535", lambda: smr.Paper(gate_lost=(5, 0)))
 raises(ValueError, "window_limit is smaller than window", lambda: smr.Paper(window=(30, 30), window_limit=(29, 30)))
-raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=3))
-raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset="robust"))
-raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset=1))
-raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=9))
+for reach in 3, 9:
+    raises(ValueError, "reach must be 4 to 8", lambda: smr.Robust(reach=reach))
+for preset in "robust", 1, "best":
+    raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset=preset))
+    raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper(preset))
 raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
 raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
 raises(ValueError, "preset must be 'robust' or 'refined'", lambda: smr.Robust(preset="camera"))
-smr.Robust(preset="robust", reach=5)
+smr.Robust(preset="robust", reach=5), smr.Robust("robust", reach=5)
 # This module is built without the refiner.
-raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: smr.Robust(preset="refined"))
+for make in smr.Robust, lambda preset: smr.Robust(preset=preset):
+    raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: make("refined"))
 same([smr.Paper("paper").lock(still, WIDTH, HEIGHT, BOX)], [smr.Paper(preset="paper").lock(still, WIDTH, HEIGHT, BOX)], "preset by its place")
-smr.Robust("robust", reach=5)
-raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: smr.Robust("refined"))
-raises(ValueError, "preset must be 'camera' or 'paper'", lambda: smr.Paper("best"))
 raises(TypeError, "preset is given twice", lambda: smr.Paper("camera", preset="camera"))
 raises(TypeError, "", lambda: smr.Paper("camera", 5))
 raises(TypeError, "window must be a tuple of 2 numbers", lambda: smr.Paper(window=4))
@@ -128,8 +123,8 @@ raises(TypeError, "padding must be a whole number", lambda: smr.Paper(padding="m
 for kind in KINDS:
     tracker = kind()
     lock, update = tracker.lock, tracker.update
-    raises(RuntimeError, "there is no target yet: lock first", lambda: update(still))
-    raises(RuntimeError, "there is no target yet: lock first", tracker.save)
+    for call in tracker.save, lambda: update(still):
+        raises(RuntimeError, "there is no target yet: lock first", call)
     raises(ValueError, "the image has no pixels: width and height must be at least 1", lambda: lock(still, 0, 0, BOX))
     raises(ValueError, "the box has no pixels: width and height must be at least 1", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 0, 16)))
     raises(ValueError, "the box is not wholly inside the frame", lambda: lock(still, WIDTH, HEIGHT, (-1, 20, 20, 16)))
@@ -141,8 +136,8 @@ for kind in KINDS:
     # Line 29 ends within the buffer, line 30 does not.
     raises(ValueError, "line 30 has fewer bytes than its format needs", lambda: lock(still, WIDTH, HEIGHT, BOX, format=smr.RGB565_BE))
     formats = "the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10"
-    raises(ValueError, formats, lambda: lock(still, WIDTH, HEIGHT, BOX, format=7))
-    raises(ValueError, formats, lambda: lock(still, WIDTH, HEIGHT, BOX, format=-1))
+    for format in 7, -1:
+        raises(ValueError, formats, lambda: lock(still, WIDTH, HEIGHT, BOX, format=format))
     raises(ValueError, "width must be 0 to 65535", lambda: lock(still, 65536 + WIDTH, HEIGHT, BOX))
     raises(ValueError, "height must be 0 to 65535", lambda: lock(still, WIDTH, -1, BOX))
     raises(ValueError, "width must be 0 to 65535", lambda: lock(still, 1 << 80, HEIGHT, BOX))
@@ -150,8 +145,8 @@ for kind in KINDS:
     raises(ValueError, "stride must be 0 to 1073741823", lambda: lock(still, WIDTH, HEIGHT, BOX, stride=-1))
     raises(ValueError, "right must be -1073741823 to 1073741823", lambda: tracker.moved(1 << 31, 0))
     raises(ValueError, "box must be 4 numbers, not 3", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 20)))
-    raises(TypeError, "box must be a tuple of 4 numbers", lambda: lock(still, WIDTH, HEIGHT, 24))
-    raises(TypeError, "box must be a tuple of 4 numbers", lambda: lock(still, WIDTH, HEIGHT, None))
+    for box in 24, None:
+        raises(TypeError, "box must be a tuple of 4 numbers", lambda: lock(still, WIDTH, HEIGHT, box))
     raises(TypeError, "box: height must be a whole number", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 20, "16")))
     raises(ValueError, "box: width must be 0 to 65535", lambda: lock(still, WIDTH, HEIGHT, (24, 20, 70000, 16)))
     raises(TypeError, "height must be a whole number", lambda: lock(still, WIDTH, 60.0, BOX))
@@ -224,11 +219,8 @@ def mean(frame, width, height):
 
 for kind in KINDS:
     expected = follow(kind())
-    for format, convert in (
-        (smr.YUYV, lambda frame: interleaved(frame, 0)),
-        (smr.UYVY, lambda frame: interleaved(frame, 1)),
-        (smr.GRAY10, packed),
-    ):
+    converters = {smr.YUYV: lambda frame: interleaved(frame, 0), smr.UYVY: lambda frame: interleaved(frame, 1), smr.GRAY10: packed}
+    for format, convert in converters.items():
         same(follow(kind(), [convert(frame) for frame in FRAMES], format=format), expected, "format %d" % format)
     color = [interleaved(frame, 0) for frame in FRAMES]
     gray = [bytearray(luma(frame[at], frame[at + 1]) for at in range(0, len(frame), 2)) for frame in color]
@@ -255,13 +247,12 @@ for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
     saved = tracker.save()
     same(type(saved), bytes, "saved")
     again = kind()
-    raises(ValueError, "this tracker has seen no frame: restore needs width and height", lambda: again.restore(saved))
-    raises(ValueError, "this tracker has seen no frame: restore needs width and height", lambda: again.restore(saved, WIDTH))
-    again.restore(bytearray(saved), WIDTH, HEIGHT)
-    same(again.save(), saved, "saved again")
-    same([again.update(frame) for frame in FRAMES], expected[1::2], "restored")
-    again.restore(saved)
-    same([again.update(frame) for frame in FRAMES], expected[1::2], "restored once more")
+    for size in (), (WIDTH,):
+        raises(ValueError, "this tracker has seen no frame: restore needs width and height", lambda: again.restore(saved, *size))
+    for given in (bytearray(saved), WIDTH, HEIGHT), (saved,):
+        again.restore(*given)
+        same(again.save(), saved, "saved again")
+        same([again.update(frame) for frame in FRAMES], expected[1::2], "restored")
     raises(ValueError, "these are not the bytes of a saved target", lambda: again.restore(b"SMT" + saved[3:]))
     raises(ValueError, "the target was saved by another version", lambda: again.restore(saved[:4] + b"\xff\xff" + saved[6:]))
     raises(ValueError, "the saved target ends too early", lambda: again.restore(saved[:-1]))

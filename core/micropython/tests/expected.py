@@ -3,7 +3,6 @@
 import json
 import sys
 
-STATES = ("tracking", "leaving", "uncertain", "lost")
 NOTHING = "-"
 
 
@@ -21,7 +20,7 @@ def line(answer):
     if answer["quality"] is not None:
         return "%s %d" % (box(answer["box"], 1), units(answer["quality"], 65535))
     return " ".join(str(value) for value in (
-        STATES.index(answer["state"]),
+        answer["state"],
         box(answer["box"], 1),
         box(answer["fine"], 256),
         units(answer["confidence"], 65535),

@@ -1,7 +1,6 @@
 /* What the C library does with a target that Python saved: restore FRAME SAVED NEW. Restores SAVED with the preset robust and prints the name of
  * the status and of the setting that differs; then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
 #include <stdio.h>
-
 #include "smr.h"
 
 static smr_robust_target storage;
@@ -11,11 +10,7 @@ static unsigned char pixels[160 * 120], bytes[SMR_ROBUST_SAVED_SIZE];
 static size_t contents(const char *name, unsigned char *to, size_t room)
 {
     FILE *file = fopen(name, "rb");
-    const size_t size = file == NULL ? 0 : fread(to, 1, room, file);
-    if (file != NULL) {
-        fclose(file);
-    }
-    return size;
+    return file == NULL ? 0 : fread(to, 1, room, file);
 }
 
 int main(int count, char **names)
@@ -26,7 +21,6 @@ int main(int count, char **names)
     smr_rect box = {40, 30, 40, 40};
     const char *setting = NULL;
     size_t size;
-    FILE *file;
     if (count != 4 || contents(names[1], pixels, sizeof pixels) != sizeof pixels) {
         return 2;
     }
@@ -40,6 +34,6 @@ int main(int count, char **names)
     if (smr_lock(tracker, &frame, &box) != SMR_OK || smr_save(tracker, bytes, sizeof bytes, &size) != SMR_OK) {
         return 1;
     }
-    file = fopen(names[3], "wb");
+    FILE *file = fopen(names[3], "wb");
     return file == NULL || fwrite(bytes, 1, size, file) != size || fclose(file) != 0;
 }
