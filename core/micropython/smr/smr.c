@@ -40,11 +40,13 @@ typedef struct {
 
 #ifdef MICROPY_ENABLE_DYNRUNTIME
 shared_t smr_shared;
+qstr smr_states[4]; // a tracker of a former import has lost the table of names
 mp_obj_full_type_t smr_type_paper, smr_type_robust;
 #define SHARED (&smr_shared)
 #else
 MP_REGISTER_ROOT_POINTER(void *smr_shared);
 #define SHARED ((shared_t *)MP_STATE_VM(smr_shared))
+static const qstr smr_states[] = { MP_QSTR_tracking, MP_QSTR_leaving, MP_QSTR_uncertain, MP_QSTR_lost };
 extern const mp_obj_type_t smr_type_paper, smr_type_robust;
 #endif
 #define PAPER ((const mp_obj_type_t *)&smr_type_paper)
@@ -300,12 +302,6 @@ static mp_obj_t lock(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_KW(lock_obj, 1, lock);
 
-// The word for a state, as in Python and in JavaScript.
-static qstr word_of(smr_state state) {
-    TABLE qstr words[] = { MP_QSTR_tracking, MP_QSTR_leaving, MP_QSTR_uncertain, MP_QSTR_lost };
-    return words[state];
-}
-
 static void print(const mp_print_t *out, mp_obj_t self_in, mp_print_kind_t kind) {
     const tracker_t *self = MP_OBJ_TO_PTR(self_in);
     smr_fine_rect box;
@@ -314,7 +310,7 @@ static void print(const mp_print_t *out, mp_obj_t self_in, mp_print_kind_t kind)
         mp_printf(out, "<%q without a target>", self->base.type->name);
     } else {
         const int sides[] = { (int)(box.x + 128) >> 8, (int)(box.y + 128) >> 8, (int)(box.width + 128) >> 8, (int)(box.height + 128) >> 8 };
-        mp_printf(out, "<%q, %q at (%d, %d, %d, %d)>", self->base.type->name, word_of(state), sides[0], sides[1], sides[2], sides[3]);
+        mp_printf(out, "<%q, %q at (%d, %d, %d, %d)>", self->base.type->name, smr_states[state], sides[0], sides[1], sides[2], sides[3]);
     }
 }
 
@@ -325,7 +321,7 @@ static mp_obj_t answer_of(const smr_answer *answer) {
     const mp_obj_t items[] = {
         rect(answer->bbox.x, answer->bbox.y, answer->bbox.width, answer->bbox.height),
         rect(answer->fine.x, answer->fine.y, answer->fine.width, answer->fine.height),
-        MP_OBJ_NEW_QSTR(word_of(answer->state)),
+        MP_OBJ_NEW_QSTR(smr_states[answer->state]),
         MP_OBJ_NEW_SMALL_INT(answer->confidence),
         MP_OBJ_NEW_SMALL_INT(answer->ratio),
         answer->has_runner_up ? MP_OBJ_NEW_SMALL_INT(answer->runner_up_ratio) : mp_const_none,
@@ -451,7 +447,7 @@ mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *a
     add_type(&smr_type_robust, MP_QSTR_Robust, methods);
     #define NUMBER(name) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_SMALL_INT(SMR_##name));
     NUMBERS(NUMBER)
-    #define STATE(name, word) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_QSTR(MP_QSTR_##word));
+    #define STATE(name, word) mp_store_global(MP_QSTR_##name, MP_OBJ_NEW_QSTR(smr_states[SMR_##name] = MP_QSTR_##word));
     STATES(STATE)
     mp_store_global(MP_QSTR___version__, mp_obj_new_str(VERSION, sizeof(VERSION) - 1));
     MP_DYNRUNTIME_INIT_EXIT
