@@ -31,7 +31,7 @@ pub fn weights(target: &Robust) -> &[i32] {
 /// each side.
 ///
 /// # Errors
-/// Those of [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
+/// As [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
 pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame<'_>) -> Result<&'a [i8], UpdateError> {
     target.features(workspace, frame)
 }

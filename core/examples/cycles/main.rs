@@ -34,7 +34,7 @@ mod firmware {
         let Some(peripherals) = Peripherals::take() else { exit(1) };
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // The timer has 24 bits and counts down. They are the upper ones here, so that a difference is right when it wraps.
+        // The 24-bit timer counts down. Inverted and in the upper bits, its differences are right also when it wraps.
         let done = table::rows(
             || !smr_ticks() << 8,
             |row| {

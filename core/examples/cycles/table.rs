@@ -11,7 +11,7 @@ const UPDATES: usize = scene::FRAMES as usize - 1;
 const TOO_LARGE: &str = "a window is too large";
 const OUTSIDE: &str = "a window is outside of the frame";
 
-/// What one tracker took, in counts of the clock.
+/// The measurements of one tracker, in counts of the clock.
 pub struct Row {
     pub tracker: &'static str,
     pub lock: u32,
@@ -19,7 +19,7 @@ pub struct Row {
     pub most: u32,
 }
 
-/// Measures each tracker and tells its row. `clock` counts up and may wrap.
+/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap.
 /// Errors: a tracker refuses; the text says which step.
 pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);

@@ -1,4 +1,4 @@
-//! Compares every kernel of the chip's best backend with the plain loop, on pictures at the edge of the memory. At last
+//! Compares every kernel of the chip's best backend with the plain loop, on pictures at the edge of the memory. Finally
 //! it reads beyond the memory, which must fault.
 //!
 //! ```text

@@ -7,7 +7,7 @@ use core::slice;
 use cortex_m::peripheral::MPU;
 use smr_core::unstable::check::{Areas, ROOM};
 
-/// Takes the memory; to be called once. No memory is after the first two areas, and none before the third.
+/// Returns the areas; call it once. The first two end where memory ends, the third begins where memory begins.
 pub fn take() -> Areas<'static> {
     let [end, other_end, start] = edges();
     // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The code memory ends in
@@ -16,7 +16,7 @@ pub fn take() -> Areas<'static> {
     Areas { end: room(end - ROOM), other_end: room(other_end - ROOM), start: room(start) }
 }
 
-/// Two ends of the board's memory and a start of it.
+/// Addresses: two ends of the board's memory, and a start.
 #[cfg(target_arch = "arm")]
 fn edges() -> [usize; 3] {
     let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
@@ -48,7 +48,7 @@ const FORBIDDEN: usize = 4096;
 /// Blocks the memory from each of the addresses on with the memory protection unit of Armv7-M.
 fn forbid(mpu: &MPU, addresses: [usize; 3]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
-    /// No access to 2^(11 + 1) bytes, not even to read.
+    /// Region size and access: 2^(11 + 1) bytes that may be neither read nor written.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
     // RASR, the fifth register of the unit. The crate gives it another name when it is compiled for Armv8-M.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);

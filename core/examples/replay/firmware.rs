@@ -1,4 +1,4 @@
-//! The firmware: reads the record entry by entry, runs it through its tracker, and writes what each update took.
+//! The firmware: reads the record entry by entry, runs it through its tracker, and writes the cost of each update.
 
 use crate::host_file::HostFile;
 use crate::measure::{Timer, depth, spin, stack};
@@ -9,11 +9,11 @@ use smr_core::{Answer, Paper, Robust, Tracker, UpdateError, paper, robust};
 
 const VERSION: u32 = 5;
 const CALIBRATION: u32 = 2_000_000;
-/// The numbers of a line.
+/// Numbers in a line of `said.smr`.
 const LINE: usize = 16;
-/// The value of a number that is missing.
+/// The value of a missing number.
 const NONE: u32 = u32::MAX;
-/// Bytes of the entry of an answer.
+/// Bytes of an answer's entry.
 const ANSWER: usize = AROUND + 30;
 
 /// For the vectors of the paper's tracker: small boxes and large windows.
@@ -58,7 +58,7 @@ impl Replayed for Robust {
     }
 }
 
-/// Why the firmware stops. The numbers are part of what it writes.
+/// The reason why the firmware stops. It is written as a number.
 enum End {
     /// There is no entry where one is expected, or it is damaged.
     Damaged,
@@ -66,13 +66,13 @@ enum End {
     TooLarge,
     /// The record is of another tracker, or its configuration is refused.
     Configuration,
-    /// Another lock window, or no lock.
+    /// The lock window differs, or the lock fails.
     Lock,
-    /// Another window, or no update.
+    /// The window differs, or the update fails.
     Update,
-    /// Another answer.
+    /// The answer differs.
     Answer(Answer),
-    /// Another saved target.
+    /// The saved target differs.
     Saved,
     /// `said.smr` cannot be written.
     NotWritten,
@@ -94,7 +94,7 @@ impl From<Difference> for End {
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
     let timer = start();
-    // Without a record there is nothing to say, and no file is left behind.
+    // Without a record the firmware writes nothing and leaves no file.
     let record = HostFile::open(c"record.smr");
     let said = record.as_ref().and_then(|_| HostFile::create(c"said.smr"));
     let (Some(timer), Some(record), Some(said)) = (timer, record, said) else { exit(1) };
@@ -112,7 +112,6 @@ fn start() -> Option<Timer> {
     Some(Timer::new(peripherals.SYST))
 }
 
-/// Prepares the processor.
 #[cfg(target_arch = "riscv32")]
 fn start() -> Option<Timer> {
     crate::measure::paint_stack();
@@ -123,9 +122,9 @@ struct Run {
     record: HostFile,
     said: HostFile,
     timer: Timer,
-    /// The byte of the record where the next entry begins.
+    /// Position of the next entry in the record, in bytes.
     at: u64,
-    /// The work of a step; 0 for all at once.
+    /// Work of a step; 0 for whole updates.
     step: u32,
     /// Ticks of the last lock.
     lock: u32,
@@ -134,7 +133,7 @@ struct Run {
 }
 
 impl Run {
-    /// Replays the record with the tracker that it begins with.
+    /// Replays the record with the tracker that its first entry names.
     fn choose(&mut self) -> Result<(), End> {
         let mut letter = [0];
         self.record.read(HEAD as u64 + 2, &mut letter).ok_or(End::Damaged)?;
@@ -187,7 +186,7 @@ impl Run {
         Ok(true)
     }
 
-    /// Does what an entry says, and measures locks and updates.
+    /// Executes an entry; measures locks and updates.
     #[inline(never)] // as for `say`
     fn play<'a, T: Replayed>(
         &mut self,

@@ -1,8 +1,8 @@
-//! Replays a flight record that lies on the debugger's host, and writes what each update took. `tests/qemu` makes the
-//! record of a recording, runs this firmware in QEMU, and says what it has found.
+//! Replays a flight record that lies on the debugger's host, and writes the cost of each update. `tests/qemu` makes the record of a recording, runs this
+//! firmware in QEMU, and says what it has found.
 //!
-//! Only one entry of the record is in memory. The firmware has no log and no panic, so that its measurements are those
-//! of the tracker: either of the two, at once, and then in steps if it is told to.
+//! Only one entry of the record is in memory. The firmware has no log and no panic, so that it measures the tracker alone. It replays the record with whole
+//! updates and, if `step.smr` exists, once more in steps.
 //!
 //! # Files in the working folder of QEMU
 //!

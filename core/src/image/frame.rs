@@ -80,7 +80,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// The same frame with `image` as its second part. Replaces a second part set before.
+    /// This frame with `image` as its second part, in place of an earlier second part.
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.

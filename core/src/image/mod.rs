@@ -1,5 +1,5 @@
-//! The input: a borrowed 8-bit [`Image`], the [`Frame`] that one or two images show, rectangles, and [`readout`] of a
-//! camera's lines.
+//! The input: a borrowed 8-bit [`Image`], the [`Frame`] of which one or two images are in memory, rectangles, and
+//! [`readout`] of a camera's lines.
 //!
 //! Sizes are checked when an image or frame is made. Reads after that cannot fail.
 

@@ -58,7 +58,7 @@
 
 use super::{Frame, Rect};
 
-/// How a camera sends its pixels.
+/// A camera's pixel format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -72,7 +72,7 @@ pub enum Format {
     /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is `(19595 R + 38470 G + 7471
     /// B + 32768) >> 16`, with R, G and B widened to eight bits by repeating their high bits.
     Rgb565Be,
-    /// The same with the low byte first.
+    /// Two bytes a pixel as in [`Format::Rgb565Be`], but the low byte first.
     Rgb565Le,
     /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray
     /// pixel, so the gray frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and
@@ -157,7 +157,7 @@ impl Format {
     }
 }
 
-/// Writes gray levels as long as there are any.
+/// Writes gray levels until either side ends.
 #[inline(always)] // one loop for each format
 fn fill(gray: &mut [u8], levels: impl Iterator<Item = u8>) {
     gray.iter_mut().zip(levels).for_each(|(gray, level)| *gray = level);

@@ -13,7 +13,7 @@ macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr, else $other:expr) => {
         by_backend!(@ $backend, Backend, $set => $call; _ => $other)
     };
-    // The same for a type with a variant for each backend that the program is compiled for, which holds `$kernels`.
+    // For an enum with a variant for each compiled backend, which holds `$kernels`.
     ($ready:expr, $type:ident($kernels:ident) => $call:expr) => {
         by_backend!(@ $ready, $type($kernels), set => $call; $type::Scalar($kernels) => $call)
     };

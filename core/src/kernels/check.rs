@@ -26,7 +26,7 @@ use core::fmt::Debug;
 /// Bytes of each of the [`Areas`].
 pub const ROOM: usize = 64 * 1024;
 
-/// Miri is thousands of times slower: there only one of so many cases is compared.
+/// Miri is thousands of times slower: there only every 29th case is compared.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
 /// Memory of [`ROOM`] bytes each for pictures. Where an access beyond the named edge faults, a loop that reads outside a
@@ -129,7 +129,6 @@ fn part_mut(memory: &mut [u8], last: bool, length: usize) -> &mut [u8] {
     &mut memory[from..][..length]
 }
 
-/// Bytes as numbers with a sign.
 fn signed(bytes: &[u8]) -> &[i8] {
     // SAFETY: an i8 is as large and as aligned as a u8, and all values are valid.
     unsafe { core::slice::from_raw_parts(bytes.as_ptr().cast(), bytes.len()) }
@@ -155,7 +154,6 @@ fn check(right: bool, what: &str, backend: Backend, case: impl Debug) {
     assert!(right, "{backend:?}: {what}: {case:?}");
 }
 
-/// Compares scores and distances.
 #[inline(never)]
 pub(super) fn scores(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -216,7 +214,7 @@ fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     }
 }
 
-/// Compares scores of what lies on the padding.
+/// Compares the scores of pixels on the padding.
 fn padding(backend: Backend, areas: &Areas<'_>) {
     for (width, height) in [(1, 1), (3, 5), (40, 9), (64, 2), (65, 3), (150, 4)] {
         let template = picture(areas.end, true, (width, height), usize::from(width) + 1);
@@ -257,7 +255,7 @@ fn copy_near<'a>(from: Image<'_>, part: Rect, to: &'a mut [u8], last: bool, nois
     picture(to, last, (part.width, part.height), width)
 }
 
-/// Checks that no offset is excluded that reaches the floor, and that some are that come nowhere near it.
+/// Checks that no offset that reaches the floor is excluded, and that some offsets far below the floor are.
 #[inline(never)]
 pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -329,7 +327,6 @@ fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[
     }
 }
 
-/// Compares the ranges of several rows.
 fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<'_>) {
     let table = cut(2, 16);
     let scorer = Scorer::new(backend, &table);
@@ -498,7 +495,7 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
 #[cfg(feature = "refiner")]
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
-    // Patches, inputs and outputs: those of the refiner, small and odd ones.
+    // Patches, inputs and outputs: of the refiner's layers, and small and odd numbers.
     let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
     let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
     let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));

@@ -48,8 +48,8 @@
 //!    the one before and stores the same values again. So the ranges left need no loop of their own.
 //! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
 //!
-//! A function that is `unsafe` asks that the processor has the instruction set of its vector, and that the pictures its
-//! rows belong to are borrowed. What else it asks for it says.
+//! Each `unsafe` function requires that the processor has the instruction set of its vector, and that the pictures of
+//! its rows are borrowed. Its comment names any other requirement.
 
 use super::cut_table::{CutTable, ONE};
 use super::rows::Rows;
@@ -89,7 +89,6 @@ pub(crate) trait Vector: Copy {
     fn is_above(a: Self, b: Self) -> Self;
     /// Zeroes the lanes that do not hold the end.
     fn keep(bytes: Self, end: Self) -> Self;
-    /// |f - g|.
     #[inline(always)]
     fn difference(f: Self, g: Self) -> Self {
         Self::or(Self::beyond(f, g), Self::beyond(g, f))
@@ -188,7 +187,7 @@ pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) segments: usize,
     /// The largest difference that counts, if there is one.
     pub(crate) last: Option<u8>,
-    /// Decides how often bounding candidates is worth its time.
+    /// Decides how often candidates are bounded.
     pub(crate) candidates: Effort,
     vector: PhantomData<V>,
 }
@@ -487,9 +486,9 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Which of four offsets may score at least `floor`: see [`Scores::candidates`](super::scores::Scores::candidates). It
-/// counts the pixels of each that do not count in its score. A vector of the template is loaded and turned into ranges
-/// once for all four.
+/// Finds those of four offsets that may score at least `floor`: see
+/// [`Scores::candidates`](super::scores::Scores::candidates). It counts the pixels of each that do not count in its
+/// score. A vector of the template is loaded and turned into ranges once for all four.
 ///
 /// # Safety
 /// The patch has three more columns.
@@ -615,7 +614,6 @@ impl<V: Vector> Count<V> {
     }
 }
 
-/// See [`plain::scores::distance`](crate::kernels::plain::scores::distance).
 #[inline(always)]
 pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(rows: &Rows, enough: u32) -> u32 {
     // SAFETY: y is below the height, no vector ends beyond the width, and `end` is made for it.

@@ -1,7 +1,7 @@
 //! Fast sums over pixels and cells: the inner loops of both trackers. All `unsafe` code of the crate is here.
 //!
-//! The plain loops in `plain/` are the specification. Every other loop gives the same integers. `check.rs` tests all of
-//! them.
+//! The plain loops in `plain/` are the specification: every other loop of the same name gives the same integers.
+//! `check.rs` tests all of them.
 //!
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
@@ -29,8 +29,8 @@
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
 //!
 //! A [`Backend`] chooses scores, products and layers, by the macro `by_backend!` (`backend.rs`). It has the one list of
-//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` what it does
-//! not do faster. The other loops follow the set that the program is compiled for: `native`.
+//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` the loops that
+//! it does not do faster. The other loops follow the set that the program is compiled for: `native`.
 //!
 //! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
 //! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
@@ -45,9 +45,10 @@
 //! offsets at once, and up to nine sums take a factor together. On Armv6-M these sums are in the high registers, to
 //! which it can only add. `examples/README.md` compares the instructions with those of the plain loops.
 //!
-//! Inlining: always, into a function with `#[target_feature]`, what an intrinsic is in, since only there it becomes an
-//! instruction; and what would pass numbers through memory, where reading them back stalls. Never, what takes less flash
-//! in one copy, and loops that need all registers. A comment gives any other reason.
+//! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, since only there
+//! the intrinsic becomes an instruction. So is a function that would pass numbers through memory, where reading them
+//! back stalls. Never inlined are functions that take less flash in one copy, and loops that need all registers. A
+//! comment gives any other reason.
 //!
 //! # Where a weight for each pixel would go
 //!

@@ -29,7 +29,6 @@ impl<const N: usize> Interpolation<N> {
         self.parts.clear();
     }
 
-    /// The number of columns.
     pub(crate) fn count(&self) -> usize {
         self.from.len()
     }

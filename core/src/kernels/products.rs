@@ -3,8 +3,8 @@
 //!
 //! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight or more. Without them
 //! several offsets share loads. In that case and with the DSP extension, responses and gradients take a fifth fewer
-//! products (`three_sums.rs`). For AVX2 the plain loops are compiled with its instructions. SSSE3 and NEON use them as
-//! they are, and SIMD128 that of layers; the compiler vectorizes them.
+//! products (`three_sums.rs`). For AVX2 the plain loops are compiled with its instructions. SSSE3 and NEON use the
+//! plain loops, and SIMD128 the plain loop of layers; the compiler vectorizes them.
 
 use super::backend::{Backend, by_backend};
 use super::layout::{Layout, Packed};

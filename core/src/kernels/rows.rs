@@ -19,9 +19,7 @@ pub(crate) struct Rows {
     #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) high_stride: usize,
     pub(crate) template_stride: usize,
-    /// Bytes in a row of each picture.
     pub(crate) width: usize,
-    /// Rows of each picture.
     pub(crate) height: usize,
 }
 
@@ -63,7 +61,6 @@ impl Rows {
         u32::from(ONE).wrapping_mul(self.pixels_after(y))
     }
 
-    /// Pixels in the rows from `y` on.
     #[inline]
     pub(crate) fn pixels_after(&self, y: usize) -> u32 {
         #[allow(clippy::cast_possible_truncation)] // at most MAX_PIXELS

@@ -186,7 +186,7 @@ impl<'a> Scorer<'a> {
         }
         sum
     }
-    /// The same score by the plain loop. Words are not faster here.
+    /// As above, by the plain loop: words are not faster here.
     #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {

@@ -3,11 +3,11 @@
 use crate::image::Image;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
-/// All of four offsets, one bit for each: see [`Scores::candidates`].
+/// All four offsets, one bit for each: see [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
-/// Memory for rows of ranges: of each block of 4x4 pixels its lowest and its highest one, or what a backend stores instead. They bound the scores
-/// of groups of offsets.
+/// Memory for rows of ranges: the lowest and the highest pixel of each 4x4 block, or what a backend stores instead.
+/// They bound the scores of groups of offsets.
 #[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
 pub(crate) struct RowsOfRanges<'a> {
     pub(crate) low: &'a mut [u8],

@@ -88,7 +88,6 @@ scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 
 /// The segments of both byte planes: the first `SEGMENTS`, or as many as are in use if that is [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {
-    /// The first segments.
     first: (v128, v128),
     /// The other segments.
     low: &'a [[u8; SEGMENT]],

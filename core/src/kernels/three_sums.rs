@@ -19,7 +19,7 @@
 use super::unrolling::rolled;
 use core::ops::Range;
 
-/// The three sums, in the order of the rows of cells that they begin with: `upper`, `both`, `lower`.
+/// Number of sums: `upper`, `both` and `lower`, in the order of the rows of cells with which they begin.
 pub(crate) const SUMS: usize = 3;
 pub(crate) const BOTH: usize = 1;
 
@@ -57,7 +57,6 @@ impl Pairs {
         Self { down, span }
     }
 
-    /// The number of rows of factors of all sums.
     pub(crate) fn rows_of_factors(self) -> usize {
         2 * self.down.div_ceil(2) + self.down / 2
     }

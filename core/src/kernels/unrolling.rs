@@ -14,8 +14,8 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
     })
 }
 
-/// Does the same for a plain loop that hardly ever runs because the target has a faster one. Elsewhere the compiler may
-/// unroll it.
+/// As [`rolled`], for a plain loop that hardly ever runs because the target has a faster one. Elsewhere the compiler
+/// may unroll it.
 #[inline(always)]
 pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {

@@ -58,15 +58,14 @@ impl State {
 pub struct Answer {
     /// The target's box in whole pixels.
     pub bbox: Rect,
-    /// The same box in units of 1/256 pixel. [`Paper`](crate::Paper) always gives whole pixels.
+    /// The box in units of 1/256 pixel. [`Paper`](crate::Paper) always gives whole pixels.
     pub fine: FineRect,
-    /// Whether the box is reliable.
+    /// The tracker's judgement of the box.
     pub state: State,
-    /// How sure the tracker is of the box. [`Paper`](crate::Paper): the ratio, or 0 when lost.
-    /// [`Robust`](crate::Robust): a running mean of 2/3 the early template's agreement and 1/3 the filter's response,
-    /// which counts in full from 1/2 on.
+    /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
+    /// mean of 2/3 the early template's agreement and 1/3 the filter's response, which counts in full from 1/2 on.
     pub confidence: u16,
-    /// How similar the target in the box is to the template. [`Paper`](crate::Paper): the similarity matching ratio,
+    /// Similarity of the target in the box and the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
     /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,

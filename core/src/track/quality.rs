@@ -3,7 +3,8 @@
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// How distinct a target is from itself at a shifted position. [`Target::lock`](crate::Target::lock) returns it.
+/// The quality of a target: its difference from itself at a shifted position. [`Target::lock`](crate::Target::lock)
+/// returns it.
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///

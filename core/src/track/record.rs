@@ -172,7 +172,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         Ok(recorder)
     }
 
-    /// A recorder that goes on after so many entries; for C.
+    /// A recorder that goes on after `entries` entries; for C.
     #[doc(hidden)]
     pub const fn resume(entries: u32, write: W) -> Self {
         Self { write, entries, failed: false }

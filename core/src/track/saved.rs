@@ -29,7 +29,7 @@ pub(super) const fn around(numbers: usize) -> usize {
     HEAD + 2 * numbers + 4
 }
 
-/// A configuration as a saved target has it.
+/// The configuration as a saved target holds it: tracker, table and numbers.
 pub(super) struct Saved<'a> {
     kind: Kind,
     table: &'static Table,
@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
         self.take().map(i64::from_le_bytes)
     }
 
-    /// True if all bytes were read.
+    /// True if no bytes are left.
     pub(super) const fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }

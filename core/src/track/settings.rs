@@ -15,7 +15,7 @@ pub struct Setting {
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
-    /// Numbers before its own in a record that are always 1.
+    /// Count of numbers before it in a record that are always 1.
     pub(super) ones: usize,
 }
 
@@ -53,7 +53,7 @@ impl Setting {
         Self { name, shape, lowest, highest, ones }
     }
 
-    /// The name of its field in the configuration.
+    /// The name of the setting, which is the name of its field in the configuration.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self.name.split_at_checked(self.name.len().saturating_sub(1)) {
@@ -176,7 +176,7 @@ pub trait Numbers: Copy + Default {
     const COUNT: usize;
     /// The least count in a record: the last number is left out if it is 0.
     const LEAST: usize;
-    /// The name of the setting of each.
+    /// The name of the setting that each number belongs to.
     const NAMES: &'static [&'static str];
     /// The tracker.
     const KIND: Kind;
@@ -259,7 +259,7 @@ macro_rules! flat {
     };
 }
 
-/// The shape of a type, a value from its numbers, and the check of a value.
+/// For each type of a setting: its shape, its value from numbers, and the check of a value.
 #[rustfmt::skip] // a line for each
 macro_rules! of_type {
     (shape bool) => { Shape::Switch };

@@ -99,7 +99,7 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     bytes
 }
 
-/// The robust tracker's configuration with everything that is built in.
+/// The robust tracker's configuration with all parts of this build.
 pub(super) fn most_parts() -> robust::Config {
     robust::Config { refiner: cfg!(feature = "refiner"), ..robust::Config::robust() }
 }
@@ -169,7 +169,7 @@ fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
     for length in 0..bytes.len() {
         let error = other.restore(&bytes[..length]).unwrap_err();
         assert!(matches!(error, RestoreError::Truncated | RestoreError::NotSaved), "{length}: {error:?}");
-        // The power failed while it was written over an older one, or from the end on.
+        // The power failed while a target was written over an older one, from the start or from the end.
         for torn in
             [[&bytes[..length], &older[length..]], [&older[..length], &bytes[length..]]].map(|torn| torn.concat())
         {

@@ -66,7 +66,6 @@ pub(super) fn units(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
 
-/// The largest of some amounts of work.
 pub(super) const fn largest(of: &[u32]) -> u32 {
     let (mut rest, mut largest) = (of, 0);
     while let [work, others @ ..] = rest {
@@ -214,13 +213,13 @@ pub mod calls {
         target.check(frame, SEAL)
     }
 
-    /// Ends an update whose last step was true.
+    /// Ends an update after [`step`] has returned true.
     pub fn commit<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Answer {
         T::under_way(workspace, SEAL).end();
         target.commit(workspace, frame, SEAL)
     }
 
-    /// Ends a lock whose last step was true.
+    /// Ends a lock after [`step_lock`] has returned true.
     pub fn commit_lock<T: Steps>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>) -> Quality {
         let quality = target.commit_lock(workspace, frame, SEAL);
         T::under_way(workspace, SEAL).end();

@@ -37,7 +37,7 @@ pub(crate) trait Loops {
 /// A table, and the loops that use it.
 pub(crate) struct Kernels<'a, L> {
     plain: Plain<'a>,
-    /// Decides how often bounding candidates is worth its time.
+    /// Decides how often candidates are bounded.
     points: Effort,
     loops: PhantomData<L>,
 }

@@ -29,13 +29,12 @@ pub(crate) struct Layer<'a> {
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
-    // The loop is kept small on every microcontroller: those that need speed have another one.
+    // The loop is kept small on every microcontroller: processors that need speed have another loop.
     let pairs = rolled_if_spare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()
 }
 
-/// Computes all outputs of all patches, patch by patch.
 #[inline(always)]
 pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     let patches = patches.chunks(layer.inputs.max(1));

@@ -139,7 +139,6 @@ pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usiz
     low(gray) + low(gray >> 16)
 }
 
-/// The gradients of all pixels of a cell.
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
     let mut sectors = Sectors([[0; 5]; 2]);
     let part = |line: &'_ [u8; COLUMNS]| line.get(at..).and_then(|line| line.first_chunk::<SIDE>()).copied();
@@ -157,7 +156,6 @@ fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Se
     sectors
 }
 
-/// The lower 16 bits.
 #[allow(clippy::cast_possible_truncation)]
 fn low(number: u32) -> u16 {
     number as u16
@@ -181,8 +179,9 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies of columns of three cells by `of` the norm of the cells around: the root of 64 times their mean
-/// energy. `rows` of the three cells of a column lie in the lattice. There are at least two columns.
+/// Replaces the energies, each of a column of three cells, by `of(norm)`. The norm is the root of 64 times the mean
+/// energy of the cells around. `rows` of the three cells of a column lie in the lattice. There are at least two
+/// columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);

@@ -23,7 +23,6 @@ pub(crate) fn coded(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift
         .map(move |(&weight, &sum)| low(shifted(number(weight, factor, sum << left))))
 }
 
-/// Writes the [`coded`] numbers.
 #[inline(always)]
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     out.iter_mut().zip(coded(weights, factor, sums, left, shift)).for_each(|(out, coded)| *out = coded);
@@ -58,7 +57,6 @@ fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
     i32::try_from(i64::from(weight) - change).unwrap_or(weight)
 }
 
-/// The lower 16 bits.
 #[allow(clippy::cast_possible_truncation)]
 fn low(number: i32) -> i16 {
     number as i16

@@ -29,7 +29,6 @@ fn last_lanes(count: usize) -> v128 {
     unsafe { v128_load(LAST.as_ptr().wrapping_add(count % LANES).cast()) }
 }
 
-/// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -90,7 +89,6 @@ fn across(sum: v128) -> i32 {
     i32x4_extract_lane::<0>(halves) + i32x4_extract_lane::<1>(halves)
 }
 
-/// See [`plain::gather`].
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,

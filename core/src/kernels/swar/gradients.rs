@@ -12,7 +12,6 @@ const _: () = {
     assert!(one.1 == 256 && three.0 == 2 * 187 && three.1 == 8 * 81 && four.0 == 130 && two.0 > two.1);
 };
 
-/// See [`plain::gradients`].
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],

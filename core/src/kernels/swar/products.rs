@@ -77,7 +77,6 @@ struct Differences<'a> {
     cells: *const i8,
     stride: usize,
     numbers: *mut i16,
-    /// Cells in the row.
     width: usize,
     factors: *const i16,
     /// The sum of a row of factors, for each row.
@@ -131,13 +130,11 @@ unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second:
     }
 }
 
-/// The lower 16 bits.
 #[allow(clippy::cast_possible_truncation)] // as named
 fn low(number: i32) -> i16 {
     number as i16
 }
 
-/// The sum of all factors.
 fn sum(factors: &[i16]) -> i32 {
     rolled(factors.iter()).map(|&factor| i32::from(factor)).sum()
 }
@@ -203,7 +200,7 @@ pub(crate) fn gather<const N: usize>(
                 rolled(of_row.iter_mut()).for_each(|sum| *sum = 0);
                 // SAFETY: the rows of errors lie on as many rows of numbers.
                 unsafe { slide.add(total, of_row) };
-                // Of the rows of the filter: one, but two for `both`.
+                // The sums of `both` belong to two rows of the filter, all others to one.
                 let first = 2 * at + sum_of / 2;
                 for at in first..first + 1 + usize::from(sum_of == BOTH) {
                     let of_cells = of_cells.get_mut(at * across..).unwrap_or_default();

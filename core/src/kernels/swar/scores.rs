@@ -188,7 +188,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     sums
 }
 
-/// The same for Armv6-M. `add` takes sums from any register; the pixels and addresses need the lower eight.
+/// As above, for Armv6-M. `add` takes sums from any register; the pixels and addresses need the lower eight.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.

@@ -93,7 +93,6 @@ pub(crate) mod products {
 
     pub(crate) use plain::{GATHER_PIECES, TAKES_ROWS_OF_CELLS};
 
-    /// See [`plain::responses`].
     #[target_feature(enable = "avx2")]
     pub(crate) fn responses<const N: usize>(
         pieces: Range<usize>,
@@ -107,7 +106,6 @@ pub(crate) mod products {
         plain::responses_inline(pieces, cells, layout, weights, out);
     }
 
-    /// See [`plain::gather`].
     #[target_feature(enable = "avx2")]
     pub(crate) fn gather<const N: usize>(
         pieces: Range<usize>,
@@ -127,7 +125,6 @@ pub(crate) mod products {
 pub(crate) mod dense {
     use crate::kernels::plain::dense as plain;
 
-    /// See [`plain::outputs`].
     #[target_feature(enable = "avx2")]
     pub(crate) fn outputs(layer: plain::Layer<'_>, patches: &[i8], _: &mut [i8], out: &mut [i8]) {
         plain::outputs_inline(layer, patches, out);

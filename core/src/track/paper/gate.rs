@@ -54,8 +54,8 @@ impl Track {
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
-    /// True if a patch of the same size with the contrast `is` can show the target: it has enough contrast, and not too
-    /// many pixels at 0 or 255.
+    /// True if a patch of the template's size with the contrast `is` can show the target: it has enough contrast, and
+    /// not too many pixels at 0 or 255.
     pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;

@@ -15,7 +15,6 @@ pub(super) struct Track {
     pub(super) edge: bool,
     /// Frames since a peak was last accepted.
     pub(super) lost_for: u16,
-    /// The quality of the locked box.
     pub(super) quality: Quality,
 }
 

@@ -15,13 +15,14 @@ const MOST: usize = 32;
 /// The entries of `record`, in their order.
 ///
 /// Bytes before an entry `SMRB` are passed over if they are no entry: firmware that starts again appends to what was
-/// cut off. So are those at the end. See [`Entries::cut_off`]. The [module](super) has an example.
+/// cut off. So are bytes at the end. See [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
 }
 
-/// The entry that `bytes` begin with, for a record that is not in memory as a whole: see [`HEAD`] for how many they are.
+/// The entry that `bytes` begin with, for a record that is not in memory as a whole. They must be a whole entry: see
+/// [`HEAD`] for its length.
 ///
 /// # Errors
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
@@ -108,8 +109,8 @@ impl fmt::Debug for Begin<'_> {
 impl Begin<'_> {
     /// The recorded configuration; `None` if it is not one of this tracker and version.
     ///
-    /// Answers do not depend on the rest of a configuration: that is taken from `rest`. The table is the paper's or the
-    /// one in `rest`, because a record has its entries only.
+    /// `rest` has the settings on which no answer depends, and which a record does not hold. A record holds the entries
+    /// of a table: they must be those of the paper's table or of the table in `rest`.
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

@@ -104,7 +104,7 @@ pub fn replay<T: Recorded>(
 #[derive(Debug)]
 pub struct Player<'a, T: Target> {
     rest: T::Config,
-    /// That of an update without an answer so far.
+    /// The frame of an update that has no answer so far.
     window: Option<Frame<'a>>,
 }
 

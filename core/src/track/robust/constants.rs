@@ -97,8 +97,8 @@ pub(super) const ONE_GAIN: u32 = 256;
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
 /// The least contrast that a search window counts with, in units of 1/16 gray level: 1/4.
 pub(super) const LEAST_WINDOW: u32 = 4;
-/// The light moves by 1/8 of the way to that of a frame.
-/// With 0 it is taken over at once: 0.05 more of the wrong frames are called *tracking*, on half of the recordings.
+/// The light moves by 1/8 of the way to the light of a frame. With 0 it takes that light at once: 0.05 more of the
+/// wrong frames are called *tracking*, on half of the recordings.
 pub(super) const FOLLOWED: u32 = 3;
 /// Alpha for the quality of a target at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;

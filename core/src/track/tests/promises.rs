@@ -5,7 +5,7 @@ use crate::MostWork;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
-/// The level of each pixel of a target, of its ground, or of what covers both.
+/// The pattern of a target, of its background, or of an occluder of both.
 #[derive(Clone, Copy, Debug)]
 enum Look {
     Flat(i32),
@@ -31,7 +31,7 @@ impl Look {
     }
 }
 
-/// Frames of one kind: one, and so many more.
+/// Frames of one kind: 1 + `more`.
 #[derive(Clone, Debug, Default)]
 struct Shot {
     more: i32,
@@ -126,7 +126,7 @@ prop_compose! {
     }
 }
 
-/// The box without what goes beyond so many pixels.
+/// The box, cut on the right and below until it has at most `most` pixels.
 fn at_most(most: u32, target: Rect) -> Rect {
     let width = target.width.min(most.min(65_535) as u16);
     Rect { width, height: target.height.min((most / u32::from(width)).min(65_535) as u16), ..target }
@@ -147,7 +147,7 @@ struct Way {
     shared: bool,
     /// Both are told of this turn of the camera.
     turn: Option<(i32, i32)>,
-    /// An update with another frame, or a lock, has done this part in 256, and the call of this number ends it.
+    /// Another update or a lock does this part in 256 of its work, and the call of this number ends it.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -338,7 +338,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         twins
     }
 
-    /// Both are the same to the last bit.
+    /// Checks that both trackers are equal, bit for bit.
     fn agree(&self) {
         assert!(saved(self.plain.target()) == saved(self.other.target()));
         let bounds = Rect::new(0, 0, self.film.size.0, self.film.size.1);

@@ -30,14 +30,14 @@ fn main() -> ! {
     }
 }
 
-/// Sets the clock of the core. Returns the chip's name, and the clock.
+/// Sets the core clock. Returns the chip's name and the clock in hertz.
 #[cfg(rp2350)]
 fn start(_: &mut Peripherals) -> (&'static str, u32) {
     let _chip = embassy_rp::init(embassy_rp::config::Config::default());
     ("RP2350", embassy_rp::clocks::clk_sys_freq())
 }
 
-/// Sets the clock of the core, from the internal oscillator of 64 MHz, and turns on the caches. Returns the chip's name, and the clock.
+/// Sets the core clock from the internal oscillator of 64 MHz, and turns on the caches. Returns the chip's name and the clock in hertz.
 #[cfg(not(rp2350))]
 fn start(core: &mut Peripherals) -> (&'static str, u32) {
     use embassy_stm32::rcc::{
@@ -67,7 +67,7 @@ fn start(core: &mut Peripherals) -> (&'static str, u32) {
     ("STM32H743", 400_000_000)
 }
 
-/// Measures by the counter of the core (DWT) and prints, in the form of the README of `core/examples/cycles`.
+/// Measures with the cycle counter of the core (DWT) and prints in the form of `core/examples/cycles/README.md`.
 fn print(mut core: Peripherals, chip: &str, hertz: u32) {
     core.DCB.enable_trace();
     DWT::unlock();

@@ -57,7 +57,7 @@ impl<C: Copy> Colors<C> {
 /// are left out; a box that is wholly outside has no name either.
 ///
 /// # Errors
-/// Those of the display.
+/// The errors of the display.
 pub fn draw<D: DrawTarget>(
     display: &mut D,
     bbox: Rect,
@@ -67,7 +67,7 @@ pub fn draw<D: DrawTarget>(
     let area = display.bounding_box();
     let Some(corner) = area.bottom_right() else { return Ok(()) };
     let left_or_above = bbox.right() <= area.top_left.x || bbox.bottom() <= area.top_left.y;
-    // With coordinates far outside, the sums of embedded-graphics would overflow.
+    // Coordinates far outside the frame would overflow in embedded-graphics.
     if left_or_above || bbox.x > corner.x || bbox.y > corner.y {
         return Ok(());
     }

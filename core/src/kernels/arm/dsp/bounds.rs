@@ -29,7 +29,7 @@ struct Memory {
     row: Row,
     /// Bytes in the whole words of a row.
     words: usize,
-    /// Of [`spare`] the points of a row of equal pixels; of [`misses`] see [`entry`].
+    /// For [`spare`]: the points of a row of equal pixels. For [`misses`]: see [`entry`].
     own: usize,
 }
 
@@ -68,8 +68,8 @@ macro_rules! points_of_word {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // Instead of a number of bits: 255 in each byte of the last word that belongs to an earlier column, so that the
-    // column does not get points again.
+    // `none` is a mask here, not a number of bits: 255 in each byte of the last word that belongs to an earlier column,
+    // so that the column does not get points again.
     let mut row = Row::of(pair);
     row.none = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };

@@ -13,7 +13,6 @@ use core::ptr;
 /// Outputs that are computed at a time.
 const OUTPUTS: usize = 2;
 
-/// See [`plain::outputs`].
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();

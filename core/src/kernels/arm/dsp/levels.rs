@@ -5,7 +5,6 @@ use crate::kernels::plain::levels::{MixedRow, Parts};
 use crate::kernels::unrolling::rolled;
 use core::arch::asm;
 
-/// See `plain::deviation`.
 #[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let words = pixels.chunks_exact(LANES);
@@ -37,7 +36,6 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// See `plain::replace`.
 #[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     let (mut old, new) = (old.chunks_exact_mut(LANES), new.chunks_exact(LANES));

@@ -65,7 +65,6 @@ struct Unpacked {
     cells: *const i8,
     stride: usize,
     unpacked: *mut i32,
-    /// Cells in a row.
     width: usize,
     factors: *const i32,
     /// Factors in a row.

@@ -20,7 +20,6 @@ use core::arch::asm;
 /// Columns that `distance` takes at a time. Its loop is unrolled for this many.
 const STRIP: usize = 16 * LANES;
 
-/// The loops of the DSP extension.
 pub(crate) struct Dsp;
 
 impl Loops for Dsp {
@@ -129,7 +128,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
             words = in(reg) words(pair),
             row = in(reg) &raw const row,
             entries = in(reg) entries,
-            // The most that can be reached, including the score of the zeroes that are shifted in.
+            // The largest possible score, including the score of the zeroes that are shifted in.
             full = in(reg) plain::full(pair.width.next_multiple_of(LANES)),
             floor = in(reg) floor,
             reachable = inout(reg) reachable,

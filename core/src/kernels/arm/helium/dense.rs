@@ -11,7 +11,6 @@ use core::ptr;
 /// Outputs that are computed at a time.
 const OUTPUTS: usize = 3;
 
-/// See [`plain::outputs`].
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &mut [i8]) {
     let Layer { inputs, weights, biases, shift } = layer;
     let count = biases.len();
@@ -43,7 +42,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     }
 }
 
-/// Copies as many numbers as both have.
+/// Copies numbers until either slice ends.
 #[inline(always)]
 pub(crate) fn copy(from: &[i8], to: &mut [i8]) {
     // SAFETY: only the first `count` numbers of each are read or written.

@@ -21,8 +21,8 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // The index of a sector plus that of its mirrored sector: this less the one gives the other. Then the offset of
-        // each pixel in `Memory::pixels`.
+        // The sum of the indices of a sector and of its mirrored sector: less one of them, it is the other. Then the
+        // offset of each pixel in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],

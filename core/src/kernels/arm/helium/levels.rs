@@ -3,7 +3,6 @@
 use crate::kernels::plain::levels::{MixedRow, Parts};
 use core::arch::asm;
 
-/// See `plain::deviation`.
 #[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let (mut deviation, mut clipped) = (0, 0);
@@ -34,7 +33,6 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// See `plain::replace`.
 #[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     let mut largest = u32::from(largest);

@@ -16,7 +16,6 @@ const STEP: usize = CHANNELS;
 /// The most neighbouring sums that are computed at a time.
 const MOST: usize = 7;
 
-/// See [`plain::responses`].
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,

@@ -16,7 +16,6 @@ use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The loops of Helium.
 pub(crate) struct Helium;
 
 impl Loops for Helium {

@@ -57,7 +57,7 @@ struct Remaining {
 
 impl Remaining {
     const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
-    /// All groups of a tile: cut off at its end.
+    /// All groups of a tile. The rectangle is cut off at the end of the tile.
     const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
     /// Includes the group that begins at an offset of the tile.
@@ -173,7 +173,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for the `rest` of `tile`, by their number among those of the pass.
+    /// The rows of ranges that a pass needs for the `rest` of `tile`, numbered within the pass.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -216,7 +216,6 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         if scorer.ranges_of_rows(pixels, passes, to) { rows } else { 0 }
     }
 
-    /// The ranges in a row of a tile or of its rest.
     pub(super) fn ranges_in_row(&self, rest: &Tile) -> u32 {
         u32::try_from(self.shape.columns_of(rest.columns)).unwrap_or(u32::MAX / 2)
     }

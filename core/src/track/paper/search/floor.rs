@@ -15,7 +15,7 @@ use core::cmp::Ordering;
 pub(super) struct Leaders<const SPAN: usize> {
     best: Option<Peak>,
     beside: Beside,
-    /// See [`Self::needed`].
+    /// The result of [`Self::needed`].
     needed: u32,
     maxima: Maxima<SPAN>,
 }

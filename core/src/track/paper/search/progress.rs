@@ -148,7 +148,7 @@ pub(super) fn area(scene: &Scene<'_>) -> u32 {
     u32::from(scene.template.width()) * u32::from(scene.template.height())
 }
 
-/// The number of maxima: one per column and one per row of the window.
+/// The number of maxima in use: one per column and one per row of the window.
 pub(super) fn axes(scene: &Scene<'_>) -> u32 {
     let (columns, rows) = scene.window.size();
     words(columns + rows)

@@ -17,7 +17,6 @@ pub(super) struct Maxima<const SPAN: usize> {
 /// A maximum for each offset of the window on an axis.
 struct Row<const SPAN: usize> {
     maxima: [u32; SPAN],
-    /// The number of maxima.
     len: usize,
 }
 

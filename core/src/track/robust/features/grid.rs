@@ -51,12 +51,10 @@ impl Grid {
         Self { columns: 2 * columns, rows: 2 * rows, across, down, step }
     }
 
-    /// Pixels of the template.
     pub(crate) fn pixels(&self) -> u32 {
         u32::from(self.columns) * u32::from(self.rows)
     }
 
-    /// Weights of the filter.
     pub(crate) fn weights(&self) -> usize {
         usize::from(self.across) * usize::from(self.down) * CHANNELS
     }
@@ -73,19 +71,19 @@ impl Grid {
     }
 }
 
-/// The largest grid for a filter of so many cells, and the reach of its search: what the most work of a stage depends
-/// on.
+/// The largest grid for a filter of a given number of cells, and the reach of its search. The most work of a stage
+/// depends on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
     pub(crate) across: u32,
     pub(crate) down: u32,
-    /// In cells.
+    /// The reach of the search, in cells.
     pub(crate) reach: u32,
 }
 
 #[allow(clippy::cast_possible_truncation)] // 10 channels, 1600 pixels
 impl Extent {
-    /// The same filter with another reach.
+    /// This filter with another reach.
     pub(crate) const fn with_reach(self, reach: u16) -> Self {
         Self { reach: reach as u32, ..self }
     }
@@ -94,7 +92,6 @@ impl Extent {
         self.across * self.down * CHANNELS as u32
     }
 
-    /// The most pixels of the template.
     pub(crate) const fn pixels(self) -> u32 {
         let all = self.across * self.down * CELL as u32 * CELL as u32;
         if all < MOST_PIXELS as u32 { all } else { MOST_PIXELS as u32 }

@@ -326,7 +326,6 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// The lower 16 bits.
 #[allow(clippy::cast_possible_truncation)] // as named
 fn low(number: u32) -> u16 {
     number as u16

@@ -15,7 +15,6 @@ use crate::similarity::PAPER;
 /// exp(-256 / 255), in units of 1/65536.
 const LOWER: u32 = 24_015;
 
-/// A Gaussian on one axis.
 #[derive(Clone, Copy)]
 pub(crate) struct Gaussian {
     /// 255 / sigma^2 in units of 2^-24.

@@ -228,7 +228,6 @@ fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
     pairs.map(product).sum()
 }
 
-/// A step of learning.
 #[derive(Clone, Copy)]
 pub(crate) struct Learning {
     /// The target's place from the middle of the window, in units of 1/256 cell.

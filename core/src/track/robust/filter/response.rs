@@ -47,7 +47,7 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
 /// The peak: the largest counted response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Peak {
-    /// From the middle, in units of 1/256 cell.
+    /// Place from the middle, in units of 1/256 cell.
     pub(crate) x: i32,
     pub(crate) y: i32,
     /// The counted response there, in units of 1/16384.
@@ -68,7 +68,7 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
-    /// Sets the responses of weights that are all 0.
+    /// Sets all responses to 0, which weights of 0 have.
     pub(crate) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }

@@ -43,7 +43,6 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
 /// The features at one scale.
 pub(crate) type Cells = Vec<i8, CELLS>;
 
-/// A scale search.
 #[derive(Clone, Copy)]
 pub(crate) struct ScaleSearch {
     place: Place,
@@ -52,11 +51,10 @@ pub(crate) struct ScaleSearch {
     best: u32,
     /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
     number: usize,
-    /// Whether its features are known.
+    /// True if the features at the present scale are known.
     sampled: bool,
 }
 
-/// The inputs of a scale search.
 pub(crate) struct Tools<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) bounds: Rect,

@@ -13,7 +13,6 @@ use super::network::Outputs;
 use crate::image::FineRect;
 use crate::track::saved::{Reader, Writer};
 
-/// A factor of 1.
 const ONE: i32 = 1 << 16;
 /// The least and the largest factor of width and height: 1/2 and 2.
 const LEAST: i32 = ONE / 2;
@@ -23,7 +22,6 @@ const FARTHEST: i32 = 1 << 11;
 /// The largest estimate that counts: 1.
 const MOST_ESTIMATE: i32 = 1 << 12;
 
-/// The correction of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Correction {
     /// The shift of the centre to the right and down, in units of 1/4096 of the corrected side.
@@ -36,7 +34,6 @@ impl Correction {
     /// The correction after a lock.
     pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
-    /// Adds an estimate.
     pub(crate) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
         let bounded = |estimate: i32| estimate.clamp(-MOST_ESTIMATE, MOST_ESTIMATE);
         for (centre, new) in self.centre.iter_mut().zip([right, down]) {
@@ -55,7 +52,6 @@ impl Correction {
         self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));
     }
 
-    /// The corrected box.
     #[inline(never)]
     pub(crate) fn correct(&self, target: FineRect) -> FineRect {
         let [right, down] = self.centre;

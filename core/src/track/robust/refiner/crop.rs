@@ -19,7 +19,6 @@ use heapless::Vec;
 pub(super) const SIDE: usize = ROWS as usize;
 /// `SIDE` in the type of a lattice's columns and rows.
 const ROWS: u16 = 32;
-/// Samples of a crop.
 pub(super) const SAMPLES: usize = SIDE * SIDE;
 /// Units of work for each sample that is normalised.
 const NORMALISED: u32 = 16;

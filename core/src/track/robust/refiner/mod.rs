@@ -54,7 +54,7 @@ impl Review {
     /// The review after a lock.
     pub(super) const NONE: Self = Self { correction: Correction::NONE, opinion: Opinion::BEST };
 
-    /// Follows an exact match of the early template.
+    /// Updates the review in a frame in which the early template matches exactly.
     pub(super) fn agree(&mut self) {
         self.correction.fade();
         self.opinion.agree();
@@ -68,7 +68,6 @@ impl Review {
         }
     }
 
-    /// The corrected box.
     pub(super) fn correct(&self, target: FineRect) -> FineRect {
         self.correction.correct(target)
     }

@@ -91,7 +91,6 @@ impl Convolution {
     }
 }
 
-/// Layer `number`.
 fn layer(number: usize, shift: u32) -> Layer<'static> {
     let (mut biases, mut weights) = (BIASES.as_slice(), WEIGHTS.as_slice());
     for &(inputs, outputs) in LAYERS.iter().take(number) {
@@ -261,7 +260,6 @@ mod tests {
         }
     }
 
-    /// What `weights.json` says of the file.
     #[test]
     fn the_recipe_is_that_of_these_weights() {
         let recipe = include_str!("weights.json");

@@ -95,7 +95,7 @@ pub(crate) struct Comparison {
     contrast: Contrast,
     /// The contrast of the search window, in units of 1/16 gray level.
     window: u32,
-    /// The gain that it lets expect, and that of the last relighting, in units of 1/256.
+    /// The gain that is expected by the window's contrast, and the gain of the last relighting, in units of 1/256.
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,
@@ -140,7 +140,6 @@ impl Comparison {
         &self.table
     }
 
-    /// Begins the view of a place.
     #[inline(never)]
     pub(crate) fn begin_view(&mut self, place: &Place, grid: &Grid, bounds: Rect, sampling: &mut Sampling) {
         Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
@@ -208,7 +207,6 @@ fn patch<'a>(view: &'a [u8], grid: &Grid, alignment: Alignment) -> Option<Image<
     view.crop(Rect::new(left, top, columns, rows))
 }
 
-/// The verification of a candidate.
 #[derive(Clone, Copy)]
 pub(crate) struct Verification {
     candidate: Candidate,

@@ -40,7 +40,6 @@ pub(crate) fn measuring(cells: &[i8]) -> u32 {
     MEASURED * count(cells)
 }
 
-/// The number of cells.
 fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
@@ -79,7 +78,6 @@ impl Light {
     }
 }
 
-/// The contrast of a search window.
 #[inline(never)]
 pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     let grays = || rolled(cells.as_chunks::<CHANNELS>().0.iter().map(|&[.., gray]| i32::from(gray)));

@@ -10,7 +10,6 @@ use crate::image::Image;
 use crate::kernels::rolled;
 use heapless::Vec;
 
-/// The early template.
 pub(crate) struct Template {
     mean: Vec<u16, MOST_PIXELS>,
 }
