@@ -38,7 +38,7 @@ def intersection_over_union(a, b):
 
 
 def correction(box, truth):
-    """What leads from `box` to `truth`: dx, dy in widths and heights of the box, log width, log height. What the network learns."""
+    """The correction from `box` to `truth`, which the network learns: dx, dy in widths and heights of the box, log width, log height."""
     dx, dy = (truth[:2] - box[:2]) / box[2:]
     return np.array([dx, dy, math.log(truth[2] / box[2]), math.log(truth[3] / box[3])], np.float32)
 

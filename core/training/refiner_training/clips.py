@@ -14,7 +14,7 @@ SMALLEST_SIDE = 3
 
 @dataclass(frozen=True)
 class Source:
-    """Where a clip is read from. Small, so that it goes to other processes."""
+    """The files of a clip. Small, so that it can be sent to other processes."""
 
     truth: Path
     frames: Path

@@ -1,7 +1,7 @@
-"""What the network looks at: a box and its surroundings, 32x32 pixels, with mean and contrast removed.
+"""Crops, the network's view of a target: a box and its surroundings, 32x32 pixels, with mean and contrast removed.
 
 Pixel i of a crop covers the place  centre - 1.75 * side / 2 + (i + 0.5) * 1.75 * side / 32  of the frame, from edge to edge, in x as in y.
-Width and height are scaled each for itself, so every box becomes a square.
+Width and height are scaled separately, so every box becomes a square.
 """
 
 import cv2

@@ -1,4 +1,4 @@
-"""What is wrong with the input, in one line for people."""
+"""Errors of the input, in one line for people."""
 
 
 class BadInput(Exception):

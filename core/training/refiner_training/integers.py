@@ -22,7 +22,7 @@ def forward(parameters, inputs):
 
 
 def patches(values, stride, padding):
-    """What each output of a convolution sees: (samples, rows, columns, 9 * channels), in the order ky, kx, channel."""
+    """The inputs of each output of a convolution: (samples, rows, columns, 9 * channels), in the order ky, kx, channel."""
     padded = np.pad(values, ((0, 0), (1, 1), (1, 1), (0, 0)), constant_values=padding)
     height, width = values.shape[1:3]
     seen = [padded[:, y : y + height : stride, x : x + width : stride] for y in range(3) for x in range(3)]

@@ -17,7 +17,7 @@ class Spread:
         return Spread(self.size * factor, self.aspect * factor, self.centre * factor)
 
 
-# What the tracker errs by, or some more.
+# The tracker's own errors, or slightly more.
 WIDE = Spread(0.21, 0.15, 0.11)
 # In this share of the draws, errors that are 1.6 times larger.
 WIDER_SHARE, WIDER_FACTOR = 0.15, 1.6

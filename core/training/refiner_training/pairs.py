@@ -5,7 +5,7 @@ Half of the pairs that begin in the first frame have the tracker's own box, wher
 
 from . import boxes, crops, offsets
 
-# Of the pairs, those that begin in the first frame, as all do when it tracks; and those whose second frame may be far.
+# Shares of the pairs that begin in the first frame, as all do in tracking, and of those whose second frame may be far.
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5

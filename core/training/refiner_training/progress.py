@@ -1,4 +1,4 @@
-"""How far a stage is, on one line of standard error. Silent if that is not a terminal."""
+"""The progress of a stage, on one line of standard error. Silent if that is not a terminal."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""What made a weights file, as JSON beside it: enough to make it again, and to see whether something differs."""
+"""The recipe of a weights file, as JSON beside it: enough to make it again, and to see whether something differs."""
 
 import hashlib
 import importlib.metadata

@@ -1,4 +1,4 @@
-"""What the weights are worth before any tracker runs: mean absolute errors of boxes before and after one correction, with the file's integers."""
+"""Measures the weights before any tracker runs: mean absolute errors of boxes before and after one correction, with the file's integers."""
 
 import numpy as np
 

@@ -15,7 +15,7 @@ CHUNK = 2500
 
 
 class Kind(IntEnum):
-    """Where the error of a sample's box comes from."""
+    """The origin of the error of a sample's box."""
 
     JITTERED = 0  # a pair of frames, drawn at random
     TRACKED = 1  # a pair of frames, the tracker's own

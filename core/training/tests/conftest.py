@@ -1,4 +1,4 @@
-"""What the tests share: random weights, and a small made recording with a stand-in for host-sim."""
+"""Fixtures of the tests: random weights, and a small made recording with a stand-in for host-sim."""
 
 import sys
 from pathlib import Path
