@@ -1,4 +1,4 @@
-//! A target that leaves: frames that show what is beside it, then the recording, shifted, so that the target is back elsewhere.
+//! A target that leaves: frames of the scene beside the target, then the recording, shifted, so that the target returns elsewhere.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;

@@ -2,7 +2,7 @@
 //!
 //! The target has no noise, but one pixel that tells whether the template was updated. It stands at both sides of each end of the zone of updates,
 //! leaves the picture and returns. A twin, of which some pixels differ, then stands in the picture. With many such pixels the target leads by more
-//! than a hundred pixels, but not by the ratio asked of a returning target; with fewer it is lost, and later found again.
+//! than a hundred pixels, but not by the ratio that a returning target needs; with fewer it is lost, and later found again.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 
@@ -67,7 +67,7 @@ mod tests {
     use smr_core::unstable::{Peaks, peaks};
     use smr_core::{Answer, State, Tracker};
 
-    /// Each rule decides in the frame that the script has for it.
+    /// Each rule decides in the frame that `SCRIPT` has for it.
     #[test]
     fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
         let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();

@@ -1,4 +1,4 @@
-//! Boxes as people annotate them: the box itself, and the text files that lie beside recordings.
+//! Annotated boxes: the box itself, and the text files beside recordings.
 //!
 //! | file | form | a line |
 //! |---|---|---|

@@ -15,7 +15,7 @@ enum Thing {
     Process(Arc<Mutex<Child>>),
 }
 
-/// All registered things, by the number of their [`Kept`].
+/// All registered files, folders and programs, by the number of their [`Kept`].
 static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 
 /// True after a signal that ends this program.
@@ -45,7 +45,7 @@ fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
-/// Locks a mutex even after a thread panicked with it: the things in it are still to be removed.
+/// Locks a mutex even after a thread panicked with it: the registered files must still be removed.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -223,7 +223,7 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// Waits for the end of this program after a signal, which caused the errors. Call it before an error is told.
+/// Waits for the end of this program after a signal, which caused the errors. Call it before an error is printed.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();

@@ -188,7 +188,7 @@ impl Said {
 
     /// Parses a line such as `[h264 @ 0x55f520328f40] [error] missing picture`: speaker, level, words.
     fn add(&mut self, mut line: &str, file: &str) -> Option<Shown> {
-        // Some speakers name themselves twice.
+        // Some parts of ffmpeg print their name twice.
         while let Some((speaker, words)) = line.split_once("] ")
             && speaker.starts_with('[')
             && speaker.contains(" @ 0x")

@@ -1,4 +1,4 @@
-//! Recordings that a path on the command line stands for: itself, or the recordings in that folder.
+//! The recordings of a path on the command line: the path itself, or the recordings in that folder.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;

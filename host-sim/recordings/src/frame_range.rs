@@ -34,12 +34,10 @@ impl FrameRange {
         self.first
     }
 
-    /// Returns the last frame; `None` means to the end.
     pub const fn last(&self) -> Option<usize> {
         self.last
     }
 
-    /// Returns the number of frames of the range in a recording of `length` frames.
     pub fn length_of(&self, length: usize) -> usize {
         length.min(self.last.unwrap_or(length)).saturating_sub(self.first - 1)
     }

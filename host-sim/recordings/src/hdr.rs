@@ -7,7 +7,8 @@ pub(super) enum Transfer {
 }
 
 /// Maps light to levels of a screen. L is the light of the brightest of red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408);
-/// the screen shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2. The other two are scaled alike. Colors that the screen (BT.709) lacks are cut.
+/// the screen shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2. The other two colors are scaled by the same factor. Colors that the screen
+/// (BT.709) lacks are cut.
 pub(super) struct Tones {
     transfer: Transfer,
     /// Light of each 12-bit level, as a multiple of white; for HLG the light of the scene, from 0 to 1.

@@ -204,7 +204,7 @@ impl Read {
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }
-        // The two fields of a frame may be packets of their own, half as far apart as frames.
+        // The two fields of a frame may be two packets, whose times are half as far apart as those of frames.
         let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let are_all = tried.len() == times.len()
             || tried.len() == TRIED && tried.last() <= times.get(TRIED - 1).map(|at| at + SAME).as_ref();

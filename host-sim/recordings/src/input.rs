@@ -26,7 +26,6 @@ pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --js
 /// Longest silence of a pipe or a device.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Reads a file as text.
 pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     let text = String::from_utf8(bytes(file, kind)?);
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))

@@ -76,7 +76,6 @@ pub type GrayFrame = Raster<u8>;
 /// One frame in red, green and blue, on which boxes are drawn.
 pub type ColorFrame = Raster<[u8; 3]>;
 
-/// A frame of a recording.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Number in the recording, from 1; a live source also counts the frames that it dropped.
@@ -262,7 +261,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let has_levels = matches!(sequence.source, Source::Pictures(_));
     ensure!(options.levels.is_none() || has_levels, "--levels is for 16-bit pictures: {} is none", sequence.name);
     sequence.init = options.init.or(sequence.init);
-    // The name stands in tables that have one line for each recording.
+    // Tables have one line for each recording, so the name must be one line.
     sequence.name = messages::line(&sequence.name);
     Ok(sequence)
 }

@@ -1,4 +1,4 @@
-//! Text for people: errors in plain words, not in those of the system or of a library, without control characters, and the names of choices.
+//! Text for people: errors in plain words instead of the system's or a library's, without control characters, and the names of choices.
 
 use clap::ValueEnum;
 use std::io::{self, ErrorKind};

@@ -1,7 +1,7 @@
 //! The worst case of a search that excludes offsets: pictures in which nothing resembles anything, so nothing is excluded.
 //!
-//! Every pixel of every frame is random by itself. The box stands in the middle throughout, with room around it for the
-//! paper's window wherever an update has moved it within another.
+//! Every pixel of every frame is random and independent. The box stays in the middle, with room around it for a second
+//! window of the paper's tracker wherever an update moves it within the first.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::random::Random;

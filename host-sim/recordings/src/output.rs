@@ -59,7 +59,7 @@ impl Output {
     }
 }
 
-/// For encoders, which write by themselves; these errors do not name the file.
+/// Encoders write by this trait. Its errors do not name the file.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)

@@ -13,12 +13,11 @@ const HEIGHT: u16 = 48;
 const CELL: i32 = 4;
 
 const FLAT: i32 = 0;
-/// A checkerboard.
 const BOARD: i32 = 1;
 /// A cone in the dark.
 const CONE: i32 = 2;
 
-/// The pattern of each frame, and how far it, or the top of the cone, is moved to the right and down.
+/// The pattern of each frame, and its shift to the right and down; for a cone the place of its top.
 const SCRIPT: [i32; 57] = [
     BOARD, 0, 0, BOARD, 4, 0, BOARD, 4, 4, BOARD, 6, 4, BOARD, 6, 6, BOARD, 2, 6, FLAT, 0, 0, FLAT, 0, 0, BOARD, 2, 2,
     BOARD, 6, 2, BOARD, 5, 1, BOARD, 5, 5, FLAT, 0, 0, BOARD, 1, 5, CONE, 32, 24, CONE, 32, 24, CONE, 35, 22, CONE, 30,

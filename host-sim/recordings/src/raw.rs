@@ -11,7 +11,7 @@ pub(super) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
 }
 
-/// The frames, and how many whole ones there are (unknown of a pipe).
+/// Opens a dump. Returns its frames, and the number of whole ones (unknown for a pipe).
 pub(super) fn open(
     file: &Path,
     size: (u16, u16),
@@ -34,7 +34,7 @@ pub(super) fn open(
 
 fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<GrayFrame>> {
     let expected = usize::from(width) * usize::from(height);
-    // Grows with what is there: a size typed wrongly must not take all memory.
+    // Memory grows with the bytes that come: a mistyped size must not take all memory.
     let mut pixels = Vec::new();
     let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
     if found != 0 && found != expected {

@@ -34,7 +34,6 @@ const KINDS: [Kind; 5] = [
     Kind { name: "noisy", grain: (8, 4), levels: (10, 225), noise: 6 },
 ];
 
-/// Number of the recordings.
 pub const COUNT: usize = KINDS.len();
 
 /// Makes the recording of this number, below [`COUNT`].

@@ -34,7 +34,6 @@ impl Source {
         if let Self::Video(file) = self { Some(file) } else { None }
     }
 
-    /// Returns the file names of pictures.
     pub fn picture_names(&self) -> Vec<String> {
         let Self::Pictures(pictures) = self else { return Vec::new() };
         pictures.iter().filter_map(images::Picture::name).collect()
@@ -45,7 +44,6 @@ impl Source {
         index::count(self.video()?, patience)
     }
 
-    /// Returns the counts of a live source.
     pub fn live(&self) -> Option<Arc<Arrivals>> {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
@@ -114,7 +112,7 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
 /// A recording that can be read from any of its frames on.
 ///
 /// Pictures and Y4M are read by number. A video is read from the nearest place where ffmpeg can begin, as long as each
-/// frame from there is at its time in the index and ffmpeg does not complain; else from its beginning, as raw dumps.
+/// frame from there is at its time in the index and ffmpeg does not complain; else from its beginning. Raw dumps are always read from the beginning.
 pub struct Seekable {
     path: PathBuf,
     options: OpenOptions,

@@ -21,7 +21,7 @@ pub struct Start {
 pub struct Target {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// At least one box, in the order of their frames, the first a box. `None`: it is gone until the next one.
+    /// At least one entry, in the order of frames; the first is a box. `None`: the target is gone until the next box.
     pub starts: Vec<(usize, Option<BoundingBox>)>,
 }
 

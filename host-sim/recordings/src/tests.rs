@@ -4,7 +4,7 @@ use super::*;
 use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 
-/// The files that stand in a text: `NAME=TEXT` with `|` for ends of lines, `LINK->TARGET`, and pictures of 4x3 pixels whose number is their level.
+/// Makes a folder from a text: `NAME=TEXT` with `|` for ends of lines, `LINK->TARGET`, and pictures of 4x3 pixels whose number is their level.
 pub fn folder(files: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for file in files.split(' ').filter(|file| !file.is_empty()) {
@@ -32,7 +32,7 @@ fn message<T>(result: Result<T>) -> String {
     format!("{:#}", result.err().expect("an error"))
 }
 
-/// The good frames, and the error after them, in which `@` is the folder.
+/// Returns the good frames, and the error after them, with `@` in place of the folder.
 fn read(path: &Path, options: &OpenOptions) -> (Vec<GrayFrame>, String) {
     let (mut good, mut error) = (Vec::new(), String::new());
     let opened = open(path, options).map(|sequence| sequence.frames);
@@ -51,7 +51,7 @@ fn levels(frames: &[GrayFrame]) -> Vec<u8> {
     frames.iter().map(|frame| frame.pixels[0]).collect()
 }
 
-/// Reads a file with these bytes: the first pixels of its frames are these, and then comes this error, in which `...` is anything.
+/// Checks that a file with these bytes gives frames with these first pixels, and then this error; `...` stands for any text.
 #[track_caller]
 fn reads(name: &str, size: Option<(u16, u16)>, bytes: &[u8], expected: &[u8], error: &str) {
     let folder = folder("");
@@ -263,7 +263,7 @@ mod pictures {
         }
     }
 
-    /// "Damaged" is said of damage only.
+    /// Only damaged files are called damaged.
     #[test]
     fn what_is_damaged_or_not_read_is_named() {
         let jpeg_as = |marker: u8, precision: u8, height: u8| {
@@ -375,7 +375,7 @@ mod pictures {
         }
     }
 
-    /// Pictures of webcams and frames cut out of AVI lack all tables, or some.
+    /// Pictures of webcams, and frames cut out of AVI, lack some or all tables.
     #[test]
     fn huffman_tables_that_are_missing_are_the_standard_ones() {
         let whole = jpeg();

@@ -25,7 +25,7 @@ pub(super) fn is_video(file: &Path) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Gray,
-    /// For people; no side is longer than this.
+    /// In color, to be looked at; no side is longer than this.
     Color(u16),
     Times,
 }
@@ -107,7 +107,7 @@ pub(super) struct Pictures {
 /// Options by which times begin with the file, not with the first picture that is read.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// Seconds from the wanted time within which a seek counts as right: files in milliseconds round by half of that.
+/// A seek is right if it ends within this many seconds of the wanted time: files in milliseconds round by up to 0.0005.
 /// Afterwards `Index::has` tests the time of each picture to the microsecond.
 const NEAR: f64 = 0.0006;
 

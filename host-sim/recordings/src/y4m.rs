@@ -9,7 +9,7 @@ use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Most bytes of a line: the header of the stream, or that of a frame.
+/// Most bytes of a line: the header of the stream or of a frame.
 const LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {

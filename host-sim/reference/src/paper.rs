@@ -6,7 +6,7 @@
 //!
 //! Every score is summed twice. The *exact* sum adds p as f64 has it. The *rounded* sum adds p rounded to whole units of
 //! 1/65535, the grid on which smr-core works; both are in that unit. Decisions follow the rounded sums, so that the two
-//! trackers walk through a recording side by side; what the exact sums would have decided stands in [`Step::exact_peak`].
+//! trackers walk through a recording side by side; [`Step::exact_peak`] has the decision of the exact sums.
 
 use rayon::prelude::*;
 
@@ -37,33 +37,33 @@ pub struct Numbers {
     pub least_alpha: f64,
     /// Ratios of peak to runner-up that a frame needs, each .0 / .1
     pub gate: GateNumbers,
-    /// Give the runner-up in every frame, not only where the gate's decision depends on it.
+    /// Search the runner-up in every frame, not only where the gate's decision depends on it.
     pub runner_up_always: bool,
 }
 
 /// Each ratio is .0 / .1, compared crosswise: products of whole numbers are exact in f64, 1.02 is not.
 #[derive(Clone, Debug)]
 pub struct GateNumbers {
-    /// Normally.
+    /// While the target is tracked inside the frame.
     pub tracking: (f64, f64),
-    /// When the box is over the border.
+    /// If the box is over the border.
     pub border: (f64, f64),
-    /// Once it has been there.
+    /// After a box was over the border.
     pub been_at_border: (f64, f64),
-    /// To come back from lost.
+    /// To find a lost target again.
     pub lost: (f64, f64),
-    /// In pixels' worth of 1.0.
+    /// The lead over the runner-up that is enough without a ratio, in fully similar pixels.
     pub lead: f64,
-    /// The least score of a pixel on average, in units of 1/65535. Where it is 0 nothing is asked of the contrast.
+    /// The least mean similarity of a pixel, in units of 1/65535. If it is 0, the contrast is not checked either.
     pub least_ratio: f64,
-    /// The least contrast of what is seen, as a part of the template's, and the largest part of it that may be cut off at black or white
-    /// beyond those pixels that are so in the template.
+    /// The least contrast of a patch, as a fraction of the template's; and the largest fraction of its pixels that may be clipped to
+    /// black or white, beyond those clipped in the template.
     pub least_contrast: f64,
     pub most_cut_off: f64,
 }
 
 impl Numbers {
-    /// The paper's, and its authors' program's.
+    /// The numbers of the paper and of its authors' program.
     pub fn paper() -> Self {
         Self {
             scale: 255.0,
@@ -147,7 +147,7 @@ pub struct Step {
     pub runner_up_asked: bool,
     pub alpha: f64,
     pub decision: Decision,
-    /// The place of the target after it: left and top.
+    /// Left and top of the target after the frame.
     pub position: (i64, i64),
 }
 
@@ -201,7 +201,6 @@ impl Picture {
     }
 }
 
-/// The tracker in f64.
 pub struct Reference {
     numbers: Numbers,
     /// p by difference, evaluated once for each of the 256 differences that bytes can have.
@@ -342,8 +341,8 @@ impl Reference {
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if the patch at a place inside the frame can show the template: it has a part of its contrast, and not many more pixels
-    /// at 0 or 255. Asked only if there is a least ratio.
+    /// True if the patch at a place inside the frame can show the target: it has a part of the template's contrast, and not many
+    /// more pixels at 0 or 255. Checked only if there is a least ratio.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);
@@ -386,7 +385,7 @@ fn whole(difference: f64) -> usize {
     difference as usize
 }
 
-/// A number of something, or its place.
+/// Converts a count or a position to an index.
 pub(super) fn index(value: i64) -> usize {
     usize::try_from(value).expect("places and numbers of things are not negative")
 }

@@ -10,7 +10,7 @@ impl Random {
         i64::try_from(product >> 64).unwrap_or(0)
     }
 
-    /// A place in a list of so many entries.
+    /// A random index of a list with this many entries.
     pub fn place(&mut self, entries: usize) -> usize {
         let product = u128::from(self.next()) * entries as u128;
         usize::try_from(product >> 64).unwrap_or(0)

@@ -38,7 +38,7 @@ pub struct Solid {
     paint: Paint,
 }
 
-/// Returns the color at a place of a solid with this normal, both in the solid's own axes; the texture is that of leaves.
+/// Returns the color at a place of a solid with this normal, both in the solid's own axes; `leaves` is the texture of leaves.
 pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) -> Triple;
 
 /// Place where a ray enters a solid.

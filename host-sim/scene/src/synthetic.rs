@@ -11,7 +11,7 @@
 //! | 130 to 167 | the post leaves to the right, the target goes to the left edge |
 //! | 168 to 178 | the target leaves the picture; from 173 on more than half of it is outside: no truth |
 //! | 179 to 195 | it is wholly outside |
-//! | 196 to 203 | it comes back, in the light it left in; from 200 on by more than half |
+//! | 196 to 203 | it comes back, in the same light as before; from 200 on more than half of it is inside |
 //! | 204 to 239 | it moves on to the middle, while the light falls |
 
 use super::random::Random;
@@ -19,9 +19,7 @@ use super::texture::Texture;
 use super::{PIXEL, Sides};
 
 pub const LENGTH: usize = 240;
-/// Width of a frame in pixels.
 pub const WIDTH: u16 = 160;
-/// Height of a frame in pixels.
 pub const HEIGHT: u16 = 120;
 
 const TARGET_WIDTH: i32 = 24 * PIXEL;

@@ -3,7 +3,7 @@
 use super::Numbers;
 use super::gaussian::ONE;
 
-/// From the best to the worst.
+/// The decisions, from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decision {
     Tracking,
@@ -11,12 +11,12 @@ pub enum Decision {
     Lost,
 }
 
-/// The agreement plus the response, which counts 1/2 at most.
+/// Evidence: the agreement plus the response, of which at most 1/2 counts.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }
 
-/// The most evidence there can be. The mean begins with it.
+/// The largest evidence, with which the mean begins.
 pub const FULL: f64 = 98304.0;
 
 /// The running mean after a frame. It may be at most [`Numbers::most_lead`] above the evidence of that frame.

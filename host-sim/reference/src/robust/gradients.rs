@@ -9,7 +9,7 @@ const DIRECTIONS: usize = 9;
 /// Bytes of a cell.
 pub const CHANNELS: usize = DIRECTIONS + 1;
 
-/// Cells row by row, all bytes of one after the other's.
+/// Cells row by row, `CHANNELS` bytes each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     pub across: i64,
@@ -37,7 +37,7 @@ impl Cells {
 
 #[derive(Clone)]
 struct Sums {
-    /// In gray levels a pixel, by direction.
+    /// The gradient by direction, in gray levels per pixel.
     gradient: [f64; DIRECTIONS],
     gray: f64,
 }
@@ -69,7 +69,7 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     let side = numbers.cell;
     for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (1 + column * side + x, 1 + row * side + y))) {
         let (right, down) = (pixel(x + 1, y) - pixel(x - 1, y), pixel(x, y + 1) - pixel(x, y - 1));
-        // Light to dark counts as dark to light.
+        // Opposite gradients count alike.
         let turned = down < 0.0 || (down == 0.0 && right < 0.0);
         split(&mut sums.gradient, if turned { (-right, -down) } else { (right, down) });
         sums.gray += pixel(x, y);
@@ -87,16 +87,16 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
         let (x, y) = (nearest(angle.cos() / step.sin(), 256.0), nearest(angle.sin() / step.sin(), 256.0));
         x * below - y * right
     };
-    // The first that the gradient does not reach is the second of the two; beyond the last one there is none.
+    // The second direction is the first one that the gradient does not reach. Beyond the last direction there is none.
     let second = (1..DIRECTIONS).find(|&number| cross(number) < 0.0).unwrap_or(DIRECTIONS);
     gradient[second - 1] -= cross(second).min(0.0);
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Gradients over their norm around, rounded down and at most 127; gray over the cell, less 128.
+/// Features: gradients over the norm of the cells around, rounded down, at most 127; and the mean gray of the cell, less 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
-    // How much a quarter of a gray level is of a byte, on a grid of 2^-16.
+    // A quarter of a gray level in units of a feature, on a grid of 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
     let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;

@@ -17,7 +17,7 @@ pub struct Filter {
     pub weights: Vec<f64>,
 }
 
-/// Numbers as they are multiplied with features: each, times `divisor`, is about the number that was coded.
+/// Numbers coded for products with features. A coded number times `divisor` is about the original one.
 pub struct Coded {
     pub numbers: Vec<f64>,
     pub divisor: f64,
@@ -29,7 +29,7 @@ impl Coded {
         Self { numbers: numbers.iter().map(|number| nearest(number / divisor, 1.0)).collect(), divisor }
     }
 
-    /// The sum of their products with cells, the first of which is that at (`x`, `y`).
+    /// The sum of their products with the cells, of which the first is at (`x`, `y`).
     fn sum(&self, shape: &Shape, cells: &Cells, x: i64, y: i64) -> f64 {
         let rows = self.numbers.chunks(index(shape.across) * CHANNELS).zip(y..);
         let product = |(weights, row): (&[f64], i64)| {
@@ -71,8 +71,8 @@ impl Filter {
         }
     }
 
-    /// One step, of `part` of the best length, which is measured at offsets up to `reach`. The direction is each gradient times the learning window at its cell, and a part of the
-    /// direction before. That part is the quotient of both descents, in units of 1/65536.
+    /// Takes a step of `part` of the best length, which is measured at offsets up to `reach`. Its direction is each gradient times the learning window at its
+    /// cell, plus a fraction of the direction before. That fraction is the quotient of both descents, in units of 1/65536.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -83,7 +83,7 @@ impl Filter {
     ) -> Step {
         let errors = Coded::new(&errors(numbers, shape, sample), numbers.most_gathered);
         let correlated = correlated(numbers, shape, sample.cells, &errors.numbers);
-        // Weights are in 1/65536 of what errors are in.
+        // The unit of weights is 1/65536 of the unit of errors.
         let gradient = |(weight, sum): (&f64, &f64)| numbers.regularisation * weight + sum * errors.divisor * 65536.0;
         let gradients: Vec<f64> = self.weights.iter().zip(&correlated).map(gradient).collect();
         let before = before.filter(|before| before.descent != 0.0);
@@ -126,8 +126,8 @@ pub struct Step {
 
 /// The best length of a step (exact line search), in units of 2^-44: the descent over the curvature along the direction.
 ///
-/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. Nine
-/// binary places of a response are left out, rounded down. There are `all` offsets, and responses to some of them.
+/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. The
+/// lowest nine bits of a response are dropped. `all` is the number of offsets, some of which have a response.
 fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();

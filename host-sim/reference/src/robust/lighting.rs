@@ -1,4 +1,4 @@
-//! Lighting: a template with the brightness and the contrast of what is seen.
+//! Lighting: gives the template the brightness and the contrast of the patch.
 
 use super::Numbers;
 use super::gradients::Cells;
@@ -12,7 +12,7 @@ fn mean_and_deviation(patch: &Patch) -> (f64, f64) {
     (mean, patch.pixels.iter().map(|pixel| (pixel - mean).abs()).sum())
 }
 
-/// The threshold alpha of a comparison: the mean absolute deviation of what is seen or of the template with this gain, whichever is less,
+/// The threshold alpha of a comparison: the mean absolute deviation of the patch, or that of the template with this gain if it is less,
 /// rounded down, within bounds.
 pub fn threshold(numbers: &Numbers, template: &Patch, seen: &Patch, gain: f64) -> f64 {
     let deviation = mean_and_deviation(seen).1.min((mean_and_deviation(template).1 * gain).floor());
@@ -56,7 +56,7 @@ pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) 
 
 /// The contrast of `seen` over that of `template`, on a grid of 1/256.
 pub fn free_gain(template: &Patch, seen: &Patch) -> f64 {
-    // Of a template without contrast nothing but its mean is left, whatever the gain.
+    // A template without contrast keeps only its mean, whatever the gain.
     down(mean_and_deviation(seen).1 / mean_and_deviation(template).1.max(1.0), FINE)
 }
 

@@ -41,20 +41,20 @@ pub struct Step {
     /// The features of the search window, and the filter's responses to them.
     pub cells: Cells,
     pub responses: Vec<f64>,
-    /// At the place of the answer.
+    /// The filter's response at the answered place.
     pub response: f64,
     pub ratio: f64,
     pub decision: Decision,
     pub confidence: f64,
     pub scale: f64,
-    /// The box: left, top, width, height; and its edges rounded, as left, top, width, height.
+    /// The box (left, top, width, height), and the box with its edges rounded.
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
     pub learned: bool,
-    /// Windows of the sweep were searched.
+    /// True if windows of the sweep were searched.
     pub swept: bool,
     pub found: bool,
-    /// The target was lost and is not any more: the sweep found it, or it came back where it was followed.
+    /// True if a lost target was found again: by the sweep, or where it was followed.
     pub found_again: bool,
 }
 
@@ -69,7 +69,7 @@ struct Candidate {
     /// The contrast of the window, and the gain of the early template in the light of the patch.
     window: f64,
     gain: f64,
-    /// The contrast there is enough for the target.
+    /// True if the patch has enough contrast to show the target.
     can_show: bool,
 }
 
@@ -79,7 +79,6 @@ impl Candidate {
     }
 }
 
-/// The tracker in f64.
 pub struct Reference {
     numbers: Numbers,
     similarity: Similarity,
@@ -87,15 +86,15 @@ pub struct Reference {
     target_size: (i64, i64),
     shape: Shape,
     place: Place,
-    /// In pixels a frame: right and down.
+    /// The velocity to the right and down, in pixels per frame.
     velocity: (f64, f64),
     filter: Filter,
-    /// A running mean on the grid of 1/256.
+    /// The early template: a running mean on the grid of 1/256.
     early: Patch,
     /// The gain of the early template for each gray level of contrast in the search window.
     light: f64,
     mean_evidence: f64,
-    /// The scale in the last frame with the decision tracking.
+    /// The scale in the last frame whose decision was *tracking*.
     tracked_scale: f64,
     next_window: i64,
     refiner: Option<Refiner>,
@@ -164,7 +163,7 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // Up to the next pixel of the grid beyond the search and the margin of the view, at the larger scale.
+            // The region ends at the next grid pixel beyond the search and the view's margin, at the larger scale.
             let [_, larger] = self.other_scales(centre.scale);
             let Numbers { cell, margin, .. } = self.numbers;
             let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
@@ -288,7 +287,7 @@ impl Reference {
         sweep > 0 && lost_below > 0.0 && self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
     }
 
-    /// That of the mean evidence, or of the network's opinion if that is worse.
+    /// The worse of two decisions: by the mean evidence, and by the network's opinion.
     fn decision(&self) -> Decision {
         let opinion = self.refiner.as_ref().map_or(Decision::Tracking, |refiner| refiner.decision(&self.numbers));
         decision(&self.numbers, self.mean_evidence).max(opinion)

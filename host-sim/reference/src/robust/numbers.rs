@@ -20,11 +20,11 @@ pub struct Numbers {
     pub cell: i64,
     /// The filter covers .0 / .1 of the box on each axis.
     pub cover: (f64, f64),
-    /// The filter's size in cells: the least and the most on a side, the most in all.
+    /// The filter's size in cells: least and most on a side, and most in all.
     pub least_side: i64,
     pub most_side: i64,
     pub most_cells: i64,
-    /// Features: what is added to a norm, in gray levels; the gain of a gradient over its norm.
+    /// Features: the floor that is added to a norm, in gray levels; the gain of a gradient over its norm.
     pub norm_floor: f64,
     pub norm_gain: f64,
     /// Search radius, which is also the radius of learning, in cells.
@@ -58,12 +58,12 @@ pub struct Numbers {
     pub early_rate: f64,
     /// Similarity: p = exp(-d / similarity_scale).
     pub similarity_scale: f64,
-    /// The most that the gain of the template's contrast differs from the expected one, as a factor, and the bounds of the latter.
+    /// The largest factor between the gain of the template's contrast and the expected gain, and the bounds of the expected gain.
     pub most_change: f64,
     pub gain_bounds: (f64, f64),
-    /// The least contrast that a search window counts with, in gray levels.
+    /// The least contrast of a search window, in gray levels.
     pub least_window: f64,
-    /// The part by which the light follows that of a frame.
+    /// The rate at which the light follows the light of a frame.
     pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
     /// A patch can show the target if its contrast is at least this fraction of the expected one and at least this many gray levels, and at most
@@ -74,7 +74,7 @@ pub struct Numbers {
     /// Verification: tiles on a side, and which of their sorted ratios counts (1 is the least).
     pub tiles_across: i64,
     pub counted_ratio: usize,
-    /// Alignment: the most on each axis, and the step of the first nine, in pixels of the grid.
+    /// Alignment: the farthest one on each axis, and the distance of the first nine, in pixels of the grid.
     pub margin: i64,
     pub coarse_step: i64,
     /// The agreement from which place and size are refined.
@@ -99,8 +99,8 @@ pub struct Numbers {
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// The target is given up after so many frames in a row with an opinion below `opinion_uncertain_below`. Then the opinion of a target that is
-    /// found.
+    /// Frames in a row with an opinion below `opinion_uncertain_below` after which the target is given up. Then the opinion that a target has
+    /// when it is found.
     pub opinion_patience: i64,
     pub opinion_found: f64,
     /// The evidence from which a frame is learned.

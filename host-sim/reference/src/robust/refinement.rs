@@ -8,7 +8,7 @@ use super::verification::Similarity;
 
 /// The best alignment of the early template in a view.
 pub struct Aligned {
-    /// From the view's middle, in pixels of the grid.
+    /// Place from the view's middle, in pixels of the grid.
     pub x: i64,
     pub y: i64,
     pub seen: Patch,
@@ -37,15 +37,15 @@ pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: 
     Aligned { x: best.0, y: best.1, seen: cut(best.0, best.1) }
 }
 
-/// Right and down in pixels of the grid, in steps of 1/64; the growth in steps of 1/65536.
+/// The move to the right and down in steps of 1/64 pixel of the grid; the growth in steps of 1/65536.
 pub struct Step {
     pub x: f64,
     pub y: f64,
     pub growth: f64,
 }
 
-/// The Gauss-Newton step from the early template to what is seen: the least squares of difference + slope * (x, y) + outward * growth. The
-/// slope is that of the mean of both pictures.
+/// The Gauss-Newton step from the early template to the patch: the least squares of difference + slope * (x, y) + outward * growth. The
+/// slope is taken from the mean of both pictures.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];

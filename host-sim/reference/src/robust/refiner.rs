@@ -1,26 +1,26 @@
 //! The refiner: the box corrected by a learned network of four convolutions and two full layers, and its opinion of the box.
 //!
-//! The weights are those that training wrote (`weights.bin`), given by the caller; all arithmetic is written anew. A layer's sum is exact in f64, then rounded down on a grid.
+//! The caller passes the weights that training wrote (`weights.bin`). All arithmetic is written anew: a layer's sum is exact in f64, then rounded down.
 
 use super::Numbers;
 use super::confidence::{Decision, decided};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
 use super::sampling::{Lattice, Picture};
 
-/// Samples on a side of a crop, and how much wider it is than the box.
+/// Samples on a side of a crop, and the side of a crop over that of the box.
 const SIDE: i64 = 32;
 const WIDER: f64 = 1.75;
-/// An input at the mean of its crop.
+/// The input that stands for the mean of a crop.
 const MEAN: f64 = 64.0;
-/// The network's estimates lie on a grid of this.
+/// The grid of the network's estimates, in parts of 1.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: side of the outputs, step, input channels, outputs, and what sums are divided by. A full layer has one pixel.
+/// Layers: side of the outputs, step, input channels, outputs, and the divisor of the sums. A full layer has one pixel.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULL: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
 
-/// Numbers on a square of pixels with channels; beyond its edge they are `beyond`.
+/// Numbers on a square of pixels with channels. Outside the square they are `beyond`.
 struct Map {
     side: i64,
     channels: i64,
@@ -45,7 +45,7 @@ impl Bytes<'_> {
         biases.chunks(4).map(|bias| f64::from(i32::from_le_bytes(bias.try_into().expect("four bytes")))).collect()
     }
 
-    /// For each output its weights. A row is filled up to a multiple of four.
+    /// Reads the weights of each output. A row is padded to a multiple of four.
     fn weights(&mut self, outputs: i64, inputs: i64) -> Vec<Vec<f64>> {
         let row = index((inputs + 3) / 4 * 4);
         let (weights, rest) = self.0.split_at(index(outputs) * row);
@@ -81,7 +81,7 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     for (inputs, outputs, divisor) in FULL {
         let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, inputs));
         let sums = biases.iter().zip(&weights).map(|(bias, row)| bias + dot(row, &numbers));
-        // The last layer's sums are the outputs.
+        // The sums of the last layer are its outputs.
         numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
     }
     numbers.iter().map(|sum| sum / ESTIMATE).collect()
@@ -98,7 +98,7 @@ fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
     Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
 }
 
-/// The crop of a box: 64 at its mean, and 16 more for each standard deviation.
+/// The crop of a box: the mean becomes 64, and each standard deviation adds 16.
 fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     let pixels = lattice(target).sample(numbers, frame).pixels;
     let mean = nearest(pixels.iter().sum::<f64>() / real(SIDE * SIDE), 1.0);
@@ -107,13 +107,13 @@ fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     pixels.iter().map(|pixel| (((pixel - mean) * gain / 4096.0).floor() + MEAN).clamp(0.0, 127.0)).collect()
 }
 
-/// The first frame's target, and the correction that is carried along.
+/// The crop of the first frame's target, and the correction that is carried from frame to frame.
 pub struct Refiner {
     weights: &'static [u8],
     first: Vec<f64>,
     centre: [f64; 2],
     sides: [f64; 2],
-    /// The running mean of trust: how little the network expects to err.
+    /// The running mean of trust. Trust is high if the network expects small errors.
     opinion: f64,
     /// The last frames in a row in which the opinion was bad.
     doubted: i64,
@@ -135,8 +135,8 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Looks at the corrected box, and follows the network's trust in it. If the frame was learned, it also corrects the correction: by a
-    /// quarter of the network's estimate, less a sixteenth of all.
+    /// Compares the corrected box with the first target, and updates the opinion. If the frame was learned, the correction also takes a
+    /// quarter of the network's estimate and then loses a sixteenth.
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
         let estimates = network(self.weights, &self.first, &present);
@@ -162,7 +162,7 @@ impl Refiner {
         self.doubted = if self.opinion < numbers.opinion_uncertain_below { self.doubted + 1 } else { 0 };
     }
 
-    /// The target is lost after a bad opinion in many frames in a row.
+    /// True if the opinion was bad in so many frames in a row that the target counts as lost.
     pub fn gives_up(&self, numbers: &Numbers) -> bool {
         self.doubted >= numbers.opinion_patience
     }
@@ -176,7 +176,7 @@ impl Refiner {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
 
-    /// Place and size are exact without a correction: it fades by a quarter, and there is full trust.
+    /// For an exact place and size: the correction fades by a quarter, and the trust is full.
     pub fn fade(&mut self, numbers: &Numbers) {
         self.follow(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));

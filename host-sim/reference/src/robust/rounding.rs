@@ -1,4 +1,4 @@
-//! The grids on which the method's numbers lie, and how they get there.
+//! The grids of the method's numbers, and rounding to them.
 //!
 //! A grid is given by its parts of 1; all are powers of two. Numbers on them are exact in f64, and so are their sums and
 //! products here, which stay below 2^53.
@@ -17,17 +17,17 @@ pub const LIGHT: f64 = 16384.0;
 /// Parts of a pixel of the grid.
 pub const SUB: f64 = 64.0;
 
-/// The next number on the grid that is not above.
+/// Rounds down to the grid.
 pub fn down(value: f64, parts: f64) -> f64 {
     (value * parts).floor() / parts
 }
 
-/// The next number on the grid that is not farther from 0.
+/// Rounds toward 0 to the grid.
 pub fn to_zero(value: f64, parts: f64) -> f64 {
     (value * parts).trunc() / parts
 }
 
-/// The nearest number on the grid; of two, the larger.
+/// Rounds to the nearest number on the grid; of two, to the larger.
 pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
 }
@@ -39,7 +39,7 @@ pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64
 }
 
-/// The least power of two that makes a whole number, divided by it and rounded to the nearest, at most `most`.
+/// The least power of two by which a whole number, divided and rounded to the nearest, is at most `most`.
 pub fn divisor(largest: f64, most: f64) -> f64 {
     let mut divisor = 1.0;
     while (largest / divisor).floor() + 1.0 > most {
@@ -48,13 +48,13 @@ pub fn divisor(largest: f64, most: f64) -> f64 {
     divisor
 }
 
-/// A whole number, as such.
+/// Converts a whole number to an integer.
 #[allow(clippy::cast_possible_truncation)] // they are far below 2^53
 pub fn whole(value: f64) -> i64 {
     value as i64
 }
 
-/// A whole number, to compute with.
+/// Converts an integer to f64.
 #[allow(clippy::cast_precision_loss)] // they are far below 2^53
 pub fn real(value: i64) -> f64 {
     value as f64

@@ -1,4 +1,4 @@
-//! The grid: how the frame is resampled, so that the target has about as many pixels whatever its size.
+//! The grid: resamples the frame, so that a target of any size has about the same number of pixels.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
@@ -18,7 +18,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// A part of it; `None` if it reaches outside.
+    /// Cuts out a part; `None` if it reaches outside.
     pub fn cut(&self, x: i64, y: i64, columns: i64, rows: i64) -> Option<Self> {
         let inside = x >= 0 && y >= 0 && x + columns <= self.columns && y + rows <= self.rows;
         let pixels = || (y..y + rows).flat_map(|row| self.row(x, row, columns)).copied().collect();
@@ -44,8 +44,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// For a box of so many frame pixels: step = sqrt(area / pixels); the filter covers `cover` times the box. Sides are rounded,
-    /// the template's to even numbers; the longer one is cut until all has room.
+    /// The shape for a box of `width` x `height` frame pixels: step = sqrt(area / pixels); the filter covers `cover` times the
+    /// box. Sides are rounded, the template's to even numbers; the longer one is cut until all has room.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
         let area = real(width * height);
         let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
@@ -65,7 +65,7 @@ impl Shape {
     }
 }
 
-/// Two sides, the longer one cut, of equals the second, until their product is at most `most`.
+/// Shortens the longer side, of equal ones the second, until the product of both is at most `most`.
 fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     while across * down > most {
         if across > down {
@@ -111,7 +111,7 @@ impl Lattice {
         Patch { columns: self.columns, rows: self.rows, pixels }
     }
 
-    /// The frame pixels that are read: left, top, right, bottom.
+    /// The frame pixels that sampling reads: left, top, right, bottom.
     pub fn region(&self, numbers: &Numbers, frame_size: (i64, i64)) -> [i64; 4] {
         let block = self.block(numbers);
         let extent = |centre: f64, step: f64, count: i64, size: i64| {
@@ -134,25 +134,25 @@ impl Lattice {
     }
 }
 
-/// A block of side x side pixels, and which of them are read on either axis, from its first pixel.
+/// A block of side x side pixels, and the pixels of it that are read on either axis, from its first one.
 struct Block {
     side: i64,
     read: Vec<i64>,
 }
 
 impl Block {
-    /// The block is cut into so many equal parts on each axis, and the pixel in the middle of each is read: of two, the second.
+    /// Divides the block into `parts` equal parts on each axis, and reads the pixel in the middle of each: of two, the second.
     fn new(side: i64, parts: i64) -> Self {
         let middle = |part: i64| whole((real(side) * (real(part) + 0.5) / real(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }
     }
 
-    /// The middle of what is read, from the block's first pixel.
+    /// The middle of the pixels that are read, from the block's first pixel.
     fn middle(&self) -> f64 {
         mean(self.read.iter().map(|&at| real(at)))
     }
 
-    /// The mean of what is read, to whole gray levels; where the frame ends within the block, its edge goes on.
+    /// The mean of the pixels that are read, in whole gray levels. Where the frame ends within the block, its edge is repeated.
     fn mean(&self, frame: &Picture<'_>, column: i64, row: i64) -> f64 {
         let pixel = |x: i64, y: i64| {
             let (x, y) = (x.min(frame.width - 1), y.min(frame.height - 1));
@@ -168,7 +168,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// The samples of one axis, positions in blocks; beyond the first and the last whole block these go on.
+/// The samples of one axis, positions in blocks. Beyond the edges the first and the last whole block are repeated.
 fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Between> {
     let first_pixel = centre - down(real(count - 1) * step / 2.0, POSITION);
     let side = real(block.side);

@@ -1,10 +1,10 @@
-//! Places: where the target is and how large, where it is expected, and where it is looked for when it is lost.
+//! Places: the target's own, the expected one, and those of the sweep for a lost target.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, nearest, real, whole};
 use super::sampling::{Lattice, Shape};
 
-/// The target's middle and its size against that of the first box.
+/// The target's middle, and its size relative to the first box.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     pub x: f64,
@@ -13,24 +13,24 @@ pub struct Place {
 }
 
 impl Place {
-    /// Its middle not beyond the frame's pixels.
+    /// Moves the middle into the frame.
     pub fn inside(self, (width, height): (i64, i64)) -> Self {
         let within = |at: f64, size: i64| at.clamp(0.0, real(size) - 1.0);
         Self { x: within(self.x, width), y: within(self.y, height), ..self }
     }
 
-    /// So far from here, rounded down on each axis.
+    /// Moves the place, rounded down on each axis.
     pub fn moved(self, right: f64, below: f64) -> Self {
         Self { x: self.x + down(right, POSITION), y: self.y + down(below, POSITION), ..self }
     }
 
-    /// The filter's cells, `reach` more on each side, and a pixel more for the gradients.
+    /// The search window: the filter's cells, `reach` more on each side, and one pixel more for the gradients.
     pub fn window(self, numbers: &Numbers, shape: &Shape, reach: i64) -> Lattice {
         let side = |cells: i64| (cells + 2 * reach) * numbers.cell + 2;
         self.lattice(shape, side(shape.across), side(shape.down))
     }
 
-    /// The template, and a margin on each side.
+    /// The view: the template, and a margin on each side.
     pub fn view(self, numbers: &Numbers, shape: &Shape) -> Lattice {
         self.lattice(shape, shape.columns + 2 * numbers.margin, shape.rows + 2 * numbers.margin)
     }

@@ -1,4 +1,4 @@
-//! Agreement: the early template in the light of the frame against what is seen, tile by tile.
+//! Agreement: compares the early template, in the light of the frame, with the patch, tile by tile.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
@@ -6,7 +6,7 @@ use super::rounding::{index, real, whole};
 use super::sampling::Patch;
 use crate::paper::{UNITS, similarity};
 
-/// p by difference, for each of the 256 that bytes can have.
+/// p by difference, for each of the 256 differences of bytes.
 pub struct Similarity(Vec<f64>);
 
 impl Similarity {
