@@ -38,7 +38,7 @@ struct Counts {
     right_again: Option<usize>,
 }
 
-/// A goal: words for missing it, and a check that is true if a recording misses it.
+/// A goal: its words in the list of misses, and a check that is true if a recording misses the goal.
 type Goal = (&'static str, fn(&Counts) -> bool);
 
 const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > TRACKING);

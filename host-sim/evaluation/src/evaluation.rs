@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Contestant {
-    /// Name in tables and in JSON.
     pub name: String,
     /// The tracker that was run here; `None` for the result file of another tracker.
     pub origin: Option<Origin>,
@@ -129,13 +128,13 @@ impl Evaluation {
 
     /// Makes tables of all scores and their means over recordings, and one of correct frames beside the paper's.
     ///
-    /// Methods stand first, in the order in which they were asked for; then the files of others, in natural order.
+    /// Methods come first, in the user's order, then the files of other trackers, in natural order.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();
         let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence")]);
         let mut measured = Table::new(TableName::Measured, 2, [names, figures, origin.clone()].concat());
-        // For people, means are remarks below the measured rows.
+        // People see the means as remarks below the measured rows.
         let names = Head::list(&[("tracker", ""), ("recordings", "")]);
         let with_errors = Head::with_errors(with_mean().map(|figure| figure.key));
         let mut means_of_all = Table::new(TableName::Means, 0, [names, with_errors, origin].concat());

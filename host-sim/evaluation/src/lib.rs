@@ -1,9 +1,9 @@
 //! Evaluation: trackers run over recordings, and their answers scored against ground truth.
 //!
-//! Trackers are those of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. A [`Follower`]
-//! follows a target frame by frame; a [`Run`] is the record of that, and all figures are made from it. [`Evaluation`] scores by the protocols of
-//! the paper, OTB and VOT, also the answers of other trackers. Of the same driver are [`robustness`], which starts anywhere, [`faults`], and
-//! [`covers`]. Results are [`Tables`] for programs and people.
+//! Trackers are those of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. A [`Follower`] follows
+//! a target frame by frame; a [`Run`] is the record of that, and all figures are made from it. [`Evaluation`] scores by the protocols of the
+//! paper, OTB and VOT, also the answers of other trackers. [`robustness`] (from several starts), [`faults`] and [`covers`] use the same driver.
+//! Results are [`Tables`] for programs and people.
 
 mod baseline;
 pub mod covers;
@@ -41,7 +41,7 @@ pub const MOST_PIXELS: usize = 65536;
 /// The most offsets of a window on an axis: the whole of a frame of up to about 4000x4000 pixels.
 pub const MOST_OFFSETS: usize = 4096;
 
-/// A target of the paper's tracker, as large as it can be.
+/// The paper's tracker with its largest capacities.
 pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;
 
 #[cfg(test)]

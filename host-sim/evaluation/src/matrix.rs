@@ -17,12 +17,10 @@ use std::sync::Arc;
 const MOST_BYTES: u64 = 1 << 30;
 const MIB: u64 = 1 << 20;
 
-/// Results of a measurement.
 pub struct Measured {
     pub tables: Result<Tables>,
     /// Errors of runs and recordings that could not be measured; none after a signal has asked to stop.
     pub failures: Vec<Error>,
-    /// Remarks on the recordings.
     pub notes: Vec<String>,
     /// True if there is no result.
     pub is_empty: bool,

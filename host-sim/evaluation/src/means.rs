@@ -6,7 +6,6 @@ fn over(recordings: &[Vec<f64>], of: fn(&[f64]) -> f64) -> Vec<f64> {
     (0..recordings.first().map_or(0, Vec::len)).map(|figure| of(&values(figure))).collect()
 }
 
-/// Returns the mean of each figure.
 pub fn means(recordings: &[Vec<f64>]) -> Vec<f64> {
     over(recordings, mean)
 }

@@ -9,10 +9,8 @@ use smr_recordings::BoundingBox;
 pub trait Method {
     fn kind(&self) -> MethodKind;
 
-    /// Locks on the target in the box `target`.
     fn lock(&mut self, frame: &Frame<'_>, target: Rect) -> Result<()>;
 
-    /// Looks for the target in the next frame.
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
     /// Returns how well the target differs from its surroundings; `None` before the first lock, and from the baselines.
@@ -47,7 +45,7 @@ pub struct Evidence {
     pub confidence: f64,
     pub ratio: f64,
     pub runner_up_ratio: Option<f64>,
-    /// In gray levels, rounded up, as the tracker uses it.
+    /// The threshold alpha in gray levels, rounded up as the tracker uses it.
     pub alpha: Option<u16>,
     pub scale: f64,
     pub found_again: bool,

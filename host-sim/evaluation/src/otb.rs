@@ -64,7 +64,6 @@ impl Curves {
         (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })
     }
 
-    /// Returns the area under the success curve.
     pub fn auc(&self) -> f64 {
         area(&self.success)
     }

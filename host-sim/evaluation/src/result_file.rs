@@ -15,8 +15,8 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// Reads the answers for `frames` frames, those of `part` if only a part of the recording is shown. A file that ends early has no
-    /// answer from there on; lines beyond the last frame are ignored. Published files have both faults.
+    /// Reads the answers for `frames` frames, or for the frames of `part` if only a part of the recording is shown. A file that ends
+    /// early has no answer from there on; lines beyond the last frame are ignored. Published files have both faults.
     /// Errors: The file cannot be read.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
         let mut answers = part.unwrap_or(FrameRange::from(1)).of(Form::Tld.read(path)?);

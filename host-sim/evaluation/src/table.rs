@@ -39,8 +39,8 @@ impl TableName {
     }
 }
 
-/// A column of a table of `T`: its key (empty: not for programs), its heading (empty: not for people), the decimals of
-/// fractions for people, and its value.
+/// A column of a table of `T`: its key for programs and its heading for people (each empty if they do not get the
+/// column), the decimals of fractions for people, and its value.
 pub type Column<T> = (&'static str, &'static str, usize, fn(&T) -> Value);
 
 /// A column without its values.

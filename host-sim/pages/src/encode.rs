@@ -66,11 +66,10 @@ pub fn pgm(GrayFrame { width, height, pixels }: &GrayFrame) -> Vec<u8> {
     [format!("P5\n{width} {height}\n255\n").as_bytes(), pixels].concat()
 }
 
-/// The quality of a JPEG that is looked at for itself, of 100. A page with many frames must stay small.
+/// JPEG quality, of 100: good for a picture that is looked at alone, enough for a page with many frames, which must stay small.
 pub(crate) const GOOD: u8 = 88;
 pub(crate) const ENOUGH: u8 = 75;
 
-/// The frame in its colors as a JPEG.
 pub(crate) fn color_jpeg(frame: &ColorFrame, quality: u8) -> Result<Vec<u8>> {
     let ColorFrame { width, height, ref pixels } = *frame;
     // Without colors it takes fewer bytes.

@@ -2,7 +2,7 @@
 //!
 //! [`report`] makes the HTML page of a recording and the paper's figures. [`export`] writes recordings as files: pictures, Y4M, C arrays, the
 //! layouts of toolkits, and videos with boxes drawn. [`window`] serves `host-sim view`. Trackers run by `smr-evaluation`, and differences are those
-//! of `smr-reference`. What is written where is said by the caller.
+//! of `smr-reference`. The caller says where files are written.
 
 pub mod colors;
 mod encode;

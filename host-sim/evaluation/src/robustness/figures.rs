@@ -15,7 +15,7 @@ pub(crate) struct RunFigures {
     counts: Figures,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
-    /// Number of updates: all frames but the one of the lock.
+    /// Number of updates: all frames except the frame of the lock.
     updates: u64,
     /// Comparisons of all updates; `None` if they were not counted in one of them.
     work: Option<u64>,
@@ -187,7 +187,7 @@ mod tests {
         Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
     }
 
-    /// Makes a run whose first frame is the one of the lock; `states` are those of the other frames.
+    /// Makes a run that locks in its first frame; `states` are the states in the other frames.
     fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
         let states = std::iter::once(&State::Tracking).chain(states);
         let (confidence, ratio, scale) = (0.5, 1.0, 1.0);

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 struct Row<'a> {
     variant: &'a Variant,
     sequence: String,
-    /// The folder that the recording lies in, among others.
+    /// The folder that holds the recording, and others that belong to it.
     folder: PathBuf,
     figures: Figures,
     starts: Vec<(Case, Score)>,
@@ -83,7 +83,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let names = Head::list(&[("tracker", ""), ("sequence", ""), ("folder", "")]);
     let mut starts = Table::new(TableName::Starts, 0, [names, Head::all(START)].concat());
     let names = Head::list(&[("tracker", ""), ("folder", ""), ("recordings", "")]);
-    // For people, means are remarks below the measured rows.
+    // People see the means as remarks below the measured rows.
     let mut figures = figures;
     figures.iter_mut().for_each(Head::hide);
     let errors = HEADLINE.map(|(key, _)| Head::error(key)).to_vec();

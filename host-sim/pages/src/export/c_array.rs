@@ -24,7 +24,7 @@ pub(super) fn identifier(name: &str) -> String {
     let allowed = |letter: char| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' };
     let plain: String = name.chars().map(allowed).collect();
     let is_name = plain.starts_with(|first: char| first.is_ascii_alphabetic());
-    // `_t` is POSIX's, `smr_` that of smr.h.
+    // POSIX reserves `_t`, and smr.h uses `smr_`.
     let is_taken = plain.ends_with("_t") || plain.starts_with("smr_");
     let is_free = !is_taken && TAKEN.split_whitespace().all(|taken| taken != plain);
     if is_name && is_free { plain } else { format!("frames_{plain}") }

@@ -45,7 +45,7 @@ impl Ffmpeg {
         thread::spawn(move || {
             for frame in to_write {
                 for chunk in frame.chunks(CHUNK) {
-                    // An ffmpeg that has ended gives the reason itself.
+                    // If ffmpeg has ended, its own message gives the reason.
                     let Ok(()) = pipe.write_all(chunk) else { return };
                     count.fetch_add(1, Ordering::Relaxed);
                 }

@@ -12,7 +12,7 @@ use embedded_graphics::{Drawable, Pixel, draw_target::DrawTarget};
 use smr_recordings::{BoundingBox, ColorFrame};
 use std::convert::Infallible;
 
-/// A frame that is drawn on. What is outside is not drawn.
+/// A frame to draw on. Drawings outside it are cut off.
 pub struct Overlay {
     width: u32,
     height: u32,
@@ -47,10 +47,10 @@ impl Overlay {
         self.width.min(self.height) / 240 + 1
     }
 
-    /// Draws lines around the box, and a dark line outside for any ground. The box stays free: targets are small.
+    /// Draws lines around the box, with a dark line outside, so that they are seen on any ground. Nothing is drawn in the box: targets are small.
     pub fn outline(&mut self, target: &BoundingBox, color: Color) {
         let Some(rect) = target.to_rect() else { return };
-        // Far outside the frame, nothing is seen anyway.
+        // Lines far outside the frame are invisible anyway.
         let place = Point::new(rect.x.clamp(-100_000, 100_000), rect.y.clamp(-100_000, 100_000));
         let area = Rectangle::new(place, Size::new(rect.width.into(), rect.height.into()));
         let dot = self.dot();
@@ -73,7 +73,7 @@ impl Overlay {
         self.line(&corners, dot, color, f64::from(5 * dot));
     }
 
-    /// Draws a line through `points`. Dashes and gaps are so long, and go on around the corners.
+    /// Draws a line through `points`. Dashes and gaps have the same length, and go on around the corners.
     fn line(&mut self, points: &[(f64, f64)], width: u32, color: Color, dash: f64) {
         let style = PrimitiveStyle::with_stroke(rgb(color), width);
         let mut before = 0.0;
@@ -114,7 +114,7 @@ impl Overlay {
         self.picture(place(target.x, most(self.width, width)), place(top, most(self.height, height)), &label);
     }
 
-    /// Draws a picture, so much larger as lines are wider.
+    /// Draws a picture, enlarged by the width of lines.
     fn picture(&mut self, left: u32, top: u32, picture: &Self) {
         let dot = self.dot();
         for y in 0..picture.height * dot {

@@ -19,7 +19,7 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Frames a second: a recording does not say how many it has.
+/// Frames a second in files, because a recording has no rate.
 const RATE: u32 = 25;
 
 /// A file, a folder of pictures, or the layout of a toolkit.
@@ -94,7 +94,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins the recording `name`: one file if `out` has the extension of one, else a folder, which also holds boxes.
+    /// Begins the recording `name`: one file if `out` has the extension of a file of all frames, else a folder, which also holds boxes.
     pub fn create(out: &Path, format: Format, name: &str, start: Option<BoundingBox>) -> Result<Self> {
         let mut writer =
             Self { name: name.to_owned(), format, start, file: None, folder: None, written: Written::default() };
@@ -104,7 +104,7 @@ impl Writer {
         }
         let is_listed = matches!(format, Format::Vot | Format::Got10k);
         writer.written.list = is_listed.then(|| out.with_file_name("list.txt"));
-        // Files already there would become part of the recording, or be lost.
+        // The folder must be empty: its files would become part of the recording, or be lost.
         let folder = Folder::create(out)?;
         if let Some((inner, _)) = picture(format, 1).split_once('/') {
             folder.folder(inner)?;
@@ -147,8 +147,8 @@ impl Writer {
         self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&picture, bytes))
     }
 
-    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both TLD), or the toolkit's files: of
-    /// `truth`, if it has an entry for each frame and a box in the first, else of the box to start from alone.
+    /// Ends the recording. A folder gets `init.txt` and, with `truth`, `gt.txt` (both TLD), or the toolkit's files.
+    /// These hold `truth` if it has an entry for each frame and a box in the first, else only the box to start from.
     pub fn finish(mut self, truth: Option<&[Option<BoundingBox>]>) -> Result<Written> {
         if self.format == Format::H && self.written.frames > 0 {
             let foot = c_array::foot(&self.name);

@@ -1,4 +1,4 @@
-//! Difference of a winner from its template, pixel by pixel, |F - G|, and its picture, in which pixels that count are green.
+//! The difference |F - G| of the best patch and its template, pixel by pixel, and its picture, in which pixels that count are green.
 
 use crate::colors::Color;
 use crate::encode::palette_png;
@@ -6,7 +6,7 @@ use anyhow::Result;
 use smr_core::Rect;
 use smr_recordings::GrayFrame;
 
-/// The absolute difference of every pixel of a box to the template's, which may have another resolution than the frame.
+/// |F - G| of every pixel of a box. The template may have another resolution than the frame.
 pub(super) struct Difference {
     pub pixels: GrayFrame,
     pub template: GrayFrame,
@@ -53,7 +53,7 @@ pub(super) fn patch(levels: &GrayFrame) -> Result<Vec<u8>> {
     palette_png(levels, coarse)
 }
 
-/// Differences, brighter than they are, because most are small. Those below `alpha` count, and are green.
+/// Shows differences brighter than they are, because most are small. Those below `alpha` count, and are green.
 pub(super) fn differences(levels: &GrayFrame, alpha: Option<u16>) -> Result<Vec<u8>> {
     palette_png(levels, |level| match alpha {
         Some(alpha) if u16::from(level) < alpha => counting_color(level),

@@ -1,4 +1,4 @@
-//! Methods on their way through a recording: what is known of every frame, and the pictures of those to show.
+//! Runs methods through a recording. A film has the answers for every frame, and the pictures of some.
 
 use super::player_frames::Pictures;
 use super::search::{self, Looking, Sight};
@@ -12,34 +12,33 @@ use std::path::PathBuf;
 
 pub struct Film {
     pub name: String,
-    /// With several targets each method stands once for each target, under the name of both.
+    /// The methods. With several targets, each method is here once for each target, under both names.
     pub methods: Vec<Variant>,
-    /// The place of the target of each method.
+    /// The index of each method's target.
     pub(super) of: Vec<usize>,
     pub(super) size: (u16, u16),
     pub(super) targets: Vec<Locked>,
     pub(super) padding: u16,
-    /// One a frame.
     pub moments: Vec<Moment>,
-    /// When each frame is shown, in seconds, as far as that is known: of a video.
+    /// Times of a video's frames in seconds, as far as they are known.
     pub(super) times: Vec<Option<f64>>,
     pub(super) stills: Vec<Still>,
     pub(super) truth: Option<Vec<Option<BoundingBox>>>,
     pub(super) pictures: Option<Pictures>,
     pub(super) files: Vec<ResultFile>,
-    /// The place of each file among all on the page.
+    /// The index of each result file among all on the page.
     pub(super) places: Vec<usize>,
     pub(super) first: usize,
     /// Remarks for the reader: methods that were left out, and why.
     pub notes: Vec<String>,
 }
 
-/// A target, and where it is locked on.
+/// A target and its locks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Locked {
-    /// `None` if it is the only one, and was given none.
+    /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// The index of a frame, and the box in it; `None`: it is gone until the next one.
+    /// The indices of frames, each with the box to lock on; `None`: the target is gone until the next box.
     pub starts: Vec<(usize, Option<Rect>)>,
 }
 
@@ -49,7 +48,6 @@ impl Locked {
         Ok(Self { name: target.name, starts })
     }
 
-    /// The first box.
     pub fn start(&self) -> Rect {
         self.starts[0].1.unwrap_or_default()
     }
@@ -76,26 +74,25 @@ pub enum Refusal {
 
 /// Answers of all methods for one frame.
 pub struct Moment {
-    /// Before the first box of a target, and while it is gone, there is no answer: it is lost.
+    /// A report for each method. It is *lost* before the first box of a target, and while the target is gone.
     pub reports: Vec<Report>,
-    /// The box that is drawn of each: when lost, the last one that was believed, or the one that is followed meanwhile.
+    /// The box to draw for each method: when lost, the last accepted one, or the one that the tracker follows meanwhile.
     pub(super) lasts: Vec<BoundingBox>,
 }
 
 pub(super) struct Still {
-    /// The first is 0.
+    /// Index of the frame, from 0.
     pub index: usize,
     pub frame: GrayFrame,
-    /// Sight of each method.
     pub sights: Vec<Sight>,
 }
 
-/// Runs all `methods` on all `targets` of the sequence, without any on the box beside it; a method that does not start on a box meets
-/// `refusal`. Frames stream: only the `stills`, of which the first is 0, are kept, and with `budget` small pictures of all in so many bytes.
-/// `progress` is called after each.
+/// Runs all `methods` on all `targets` of the sequence, or on the box beside it if there are no targets. `refusal` is for a method that
+/// refuses its box. Frames stream: only the `stills` (indices from 0) are kept and, with `budget`, small pictures of all frames in this many
+/// bytes. `progress` is called after each frame.
 ///
-/// Ground truth is of one target: of several there is none.
-/// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still, or a frame with a box, that there is not.
+/// A film of several targets has no ground truth.
+/// Errors: No method, no box to start from, a frame that cannot be read or tracked, or a still or a box in a frame that does not exist.
 pub fn watch(
     sequence: Sequence,
     mut targets: Vec<Target>,
@@ -182,7 +179,7 @@ fn pairs(targets: &[Locked], methods: &[Variant], first: usize) -> Result<Vec<Pa
     all.map(pair).collect()
 }
 
-/// Leaves out the methods, but not the `first`, that do not start on a box, and tells why.
+/// Leaves out methods, but not the `first`, that refuse their box, and notes why.
 fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first: MethodKind) -> Vec<String> {
     let mut notes = Vec::new();
     pairs.retain_mut(|Pair { follower, variant, target }| {
@@ -199,14 +196,13 @@ fn leave_out(pairs: &mut Vec<Pair>, frame: &GrayFrame, targets: &[Locked], first
 }
 
 impl Film {
-    /// The pictures of the player: how many there are, and the longest side of one in pixels; `None` if none were asked for.
+    /// The player's pictures: their number, and the longest side of one in pixels; `None` without pictures.
     pub fn pictures(&self) -> Option<Value> {
         let pictures = self.pictures.as_ref()?;
         Some(json!({ "frames": pictures.kept.len(), "longest_side": pictures.side() }))
     }
 
-    /// Puts the result files of other trackers beside the methods. The files are of the whole recording, the film maybe of a
-    /// `part` of it.
+    /// Adds the result files of other trackers. The files are of the whole recording, the film may be of a `part` of it.
     pub fn compare(&mut self, files: &[PathBuf], part: Option<FrameRange>) -> Result<()> {
         for path in files {
             self.files.push(ResultFile::read(path, part, self.moments.len())?);
@@ -215,7 +211,7 @@ impl Film {
     }
 
     /// Scores of all methods by the protocol of the recordings; `None` without ground truth.
-    /// Errors: The ground truth is not that of so many frames.
+    /// Errors: The ground truth has another length.
     pub fn evaluation(&self) -> Result<Option<Evaluation>> {
         let Some(truth) = &self.truth else { return Ok(None) };
         let score = |(index, variant): (usize, &Variant)| {
@@ -237,7 +233,7 @@ impl Film {
         self.targets[self.of[method]].is_there(index)
     }
 
-    /// Pixels of the padding that are shown around the frame: a wide padding would leave little room for it.
+    /// Pixels of the padding that are shown around the frame. A wide padding would leave little room for the frame.
     pub(super) fn margin(&self) -> u16 {
         self.padding.min(self.size.0.max(self.size.1) / 4)
     }
@@ -255,7 +251,7 @@ impl Film {
         overhang
     }
 
-    /// The time of a frame, as in 0:12.4 and 1:02:03.4.
+    /// Formats the time of a frame as 0:12.4 or 1:02:03.4.
     pub(super) fn clock(&self, index: usize) -> Option<String> {
         let tenths = (self.times[index]?.max(0.0) * 10.0).round();
         let (seconds, minutes) = (tenths / 10.0 % 60.0, (tenths / 600.0).floor());
@@ -311,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Else it would be no first picture to show.
+    /// The demonstration shows this difference.
     #[test]
     fn the_robust_tracker_follows_the_car_in_the_street_and_the_papers_does_not() {
         let street = smr_recordings::open(Path::new("street"), &OpenOptions::default()).unwrap();

@@ -16,20 +16,19 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("page.css");
 const PAGE: &str = include_str!("page.html");
 
-/// Frames that a method must have been elsewhere to have parted: less is a stumble.
+/// Frames for which a method must be elsewhere to have left the target. A shorter time is a stumble.
 const LEAST_PARTING: usize = 10;
 
 /// Text of the foot of the page.
 pub struct About {
     pub title: String,
     pub command_line: String,
-    /// All that the methods were built with, as JSON.
+    /// The options of the methods, as JSON.
     pub options: String,
 }
 
-/// The page, of at most `budget` bytes: frames get smaller, then fewer, until it is.
-/// Errors: No film, ground truth that is not of so many frames, a picture that cannot be encoded, or figures alone that
-/// take more than the budget.
+/// Makes the page, in at most `budget` bytes: frames get smaller, then fewer, until it fits.
+/// Errors: No film, ground truth of another length, a picture that cannot be encoded, or figures that alone take more than the budget.
 pub fn page(films: &mut [Film], about: &About, budget: usize) -> Result<String> {
     ensure!(!films.is_empty(), "there is no recording to show");
     place_files(films);
@@ -82,7 +81,7 @@ fn recording(film: &Film) -> Result<Value> {
     })
 }
 
-/// For each target, in how many frames the first method has it in each state.
+/// For each target, the number of frames in each state of the first method.
 fn states(film: &Film) -> Vec<(String, Vec<(&'static str, usize)>)> {
     let of = |target: usize| {
         let method = film.of.iter().position(|of| *of == target)?;
@@ -115,7 +114,7 @@ fn lead(film: &Film) -> Result<Option<String>> {
 
 /// Returns the frame in which the method `other` leaves the target for the longest time while `best` follows it, and true if it loses it. A frame in
 /// which the target is hidden changes nothing.
-/// Errors: The ground truth is not that of so many frames.
+/// Errors: The ground truth has another length.
 pub(super) fn parting(film: &Film, best: usize, other: usize) -> Result<Option<(usize, bool)>> {
     let Some(truth) = &film.truth else { return Ok(None) };
     let of = |method: usize| overlaps(&film.trajectory(method), truth);

@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use smr_evaluation::{Evidence, Report, centre_errors, name_of, overlaps};
 use smr_recordings::BoundingBox;
 
-/// The JSON, to stand in a page: no text in it can end the element that it is in.
-/// Errors: The ground truth is not that of so many frames.
+/// Makes the JSON for a page. No text in it can end the element that contains it.
+/// Errors: The ground truth has another length.
 pub(super) fn data(films: &[Film]) -> Result<String> {
     let recordings = films.iter().map(recording).collect::<Result<Vec<_>>>()?;
     let data = json!({ "bar": BAR, "bars": BARS, "recordings": recordings });
@@ -31,7 +31,7 @@ fn recording(film: &Film) -> Result<Value> {
         "margin": margin,
         "first": film.first,
         "frames": film.moments.len(),
-        // Null if none is known.
+        // Null if no time is known.
         "times": film.times.iter().any(Option::is_some).then(|| rounded(film.times.iter().copied(), 3)),
         "parting": parting.map(|(index, _)| index + film.first),
         "targets": film.targets.iter().map(|target| target_of(film, target)).collect::<Vec<_>>(),
@@ -53,7 +53,7 @@ fn truth_of(truth: &[Option<BoundingBox>]) -> Value {
     })
 }
 
-/// Its name, and the numbers of the frames in which it is locked on.
+/// The name of a target, and the numbers of the frames in which it is locked on.
 fn target_of(film: &Film, target: &Locked) -> Value {
     let locks = target.starts.iter().filter(|(_, bbox)| bbox.is_some()).map(|(index, _)| index + film.first);
     json!({ "name": target.name, "locks": locks.collect::<Vec<_>>() })
@@ -112,7 +112,7 @@ fn boxes(of: &[Option<BoundingBox>]) -> Vec<Value> {
     of.iter().map(|bbox| of_box(bbox.as_ref())).collect()
 }
 
-/// The root of the area of each box.
+/// The square root of the area of each box.
 fn sizes(of: &[Option<BoundingBox>]) -> Vec<Value> {
     rounded(of.iter().map(|bbox| bbox.map(|bbox| (bbox.width * bbox.height).max(0.0).sqrt())), 1)
 }
@@ -121,7 +121,7 @@ fn rounded(values: impl Iterator<Item = Option<f64>>, digits: i32) -> Vec<Value>
     values.map(|value| value.map_or(Value::Null, |value| round(value, digits))).collect()
 }
 
-/// Without a fraction where there is none: shorter.
+/// Rounds. A whole number has no fraction, which is shorter.
 pub(super) fn round(value: f64, digits: i32) -> Value {
     let unit = 10_f64.powi(digits);
     let value = (value * unit).round() / unit;

@@ -15,22 +15,22 @@ const SMALL: u16 = 320;
 /// The longest side of a template and of its difference map; of a larger one every second, third, ... pixel is shown.
 const LARGEST_PATCH: u16 = 64;
 
-/// The frames that are kept, and what was compared in them.
+/// The kept frames, and the comparisons of the methods in them.
 pub(super) struct Pictures {
-    /// Bytes that they may take in the page.
+    /// The most bytes that they may take in the page.
     limit: usize,
     side: u16,
-    /// Frames are kept whose index this divides.
+    /// Only frames whose index is a multiple of this are kept.
     pub every: usize,
     pub kept: Vec<Picture>,
 }
 
 pub(super) struct Picture {
     index: usize,
-    /// The longest side of the frame as it is kept.
+    /// The longest side of a kept frame.
     side: u16,
     pub jpeg: Vec<u8>,
-    /// Of each method, for the script of the page; null where nothing was compared. `compared` are the bytes of all.
+    /// The comparisons of each method, for the script of the page; null where nothing was compared. `compared` counts their bytes.
     pub comparisons: Vec<Value>,
     compared: usize,
 }
@@ -40,7 +40,7 @@ impl Pictures {
         Self { limit, side: LARGEST, every: 1, kept: Vec::new() }
     }
 
-    /// Takes frame `index` if there is room for such frames.
+    /// Keeps frame `index` if `every` divides it, and shrinks the pictures while they exceed the limit.
     pub fn offer(&mut self, index: usize, frame: &ColorFrame, sights: &[Sight]) -> Result<()> {
         if !index.is_multiple_of(self.every) {
             return Ok(());
@@ -54,7 +54,7 @@ impl Pictures {
         Ok(())
     }
 
-    /// In the page, where 3 bytes become 4 characters.
+    /// Bytes in the page, where base64 makes 4 characters of 3 bytes.
     pub fn bytes(&self) -> usize {
         self.kept.iter().map(|picture| picture.jpeg.len().div_ceil(3) * 4 + picture.compared).sum()
     }
@@ -64,7 +64,7 @@ impl Pictures {
         self.kept.first().map_or(0, |first| first.side)
     }
 
-    /// Smaller frames, or fewer; false if there is nothing left to leave out.
+    /// Makes the frames smaller, or fewer; false if neither is possible.
     pub fn shrink(&mut self) -> Result<bool> {
         let side = self.side();
         if side > SMALL {

@@ -21,7 +21,7 @@ struct Scored {
 /// An entrant with its scores in each recording.
 type Row<'a> = (&'a Entrant, Vec<Option<&'a Scored>>);
 
-/// Returns the values that a mean is over: recordings in which the target is never visible are in none. `None` if one of the others has no score.
+/// Returns the values that a mean is over, without recordings in which the target is never visible. `None` if another recording has no score.
 fn known<'a, T>(scored: &[Option<&'a Scored>], of: impl Fn(&'a Scored) -> T) -> Option<Vec<T>> {
     let known = scored.iter().filter(|one| one.is_none_or(|one| one.score.visible > 0));
     known.map(|one| Some(of((*one)?))).collect()
@@ -91,7 +91,7 @@ fn across<'a>(measured: &[Measured<'a>], rows: &[Row<'a>]) -> Value {
     table(caption, columns, &rows.iter().map(line).collect::<Vec<_>>())
 }
 
-/// A table of columns by title, digits, and whether a larger value is better.
+/// Makes a table. A column has a title, a number of digits, and true if a larger value is better.
 fn table(
     caption: &str,
     columns: impl Iterator<Item = (String, usize, bool)>,
@@ -99,7 +99,7 @@ fn table(
 ) -> Value {
     let best = |column: usize| lines.iter().filter_map(|(_, values)| values[column]).max_by(f64::total_cmp);
     let column = |(at, (title, digits, ranked))| {
-        // Nobody is better than another where there is no other.
+        // A single entrant is not marked as the best.
         json!({ "title": title, "digits": digits, "best": best(at).filter(|_| ranked && lines.len() > 1) })
     };
     let line = |(entrant, values): &(&Entrant, Vec<_>)| json!({ "entrant": entrant, "values": values });
@@ -110,7 +110,7 @@ fn table(
     })
 }
 
-/// Means over the recordings, of those who are in all.
+/// Means over the recordings, for the entrants that are in all of them.
 fn plots<'a>(rows: &[Row<'a>]) -> [Value; 2] {
     let mean = |(entrant, scored): &Row<'a>| Some((*entrant, Curves::mean(&known(scored, |one| &one.curves)?)?));
     let means: Vec<(&Entrant, Curves)> = rows.iter().filter_map(mean).collect();

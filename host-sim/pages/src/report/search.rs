@@ -9,21 +9,21 @@ use smr_recordings::{BoundingBox, GrayFrame};
 use smr_reference::robust::{Lattice, Numbers, Patch, Picture, free_gain, relit, threshold};
 
 pub struct Sight {
-    /// The method's box; when lost, the last one that was believed, or the one that is followed meanwhile.
+    /// The method's box; when lost, the last accepted one, or the one that the tracker follows meanwhile.
     pub bbox: BoundingBox,
-    /// `None` in the frame that was locked on: nothing was looked for.
+    /// `None` in the frame of a lock, which needs no search.
     pub search: Option<Search>,
 }
 
 pub struct Search {
-    /// Of smr's peak, believed or not, to its template; of the robust tracker's box to its early template; of a baseline's box to its
-    /// template.
+    /// The difference from the template: for smr at the peak, even if the gate refused it; for the robust tracker in its box, from
+    /// the early template; for a baseline in its box.
     pub difference: Difference,
-    /// Differences below count; `None` where all do.
+    /// Smaller differences count; `None` if all count.
     pub alpha: Option<u16>,
 }
 
-/// A tracker that keeps what it looks at.
+/// A tracker that keeps what it compares.
 pub(super) struct Looking {
     kind: MethodKind,
     tracker: Looked,
@@ -41,7 +41,7 @@ impl Looking {
     /// Errors: A number of the configuration that smr-core cannot use.
     pub fn new(variant: &Variant) -> Result<Self> {
         let mut configs = variant.configs;
-        // It is drawn; where nothing depends on it, looking for it changes nothing else.
+        // The page draws the runner-up. To search it in every frame changes nothing else.
         configs.paper.runner_up_always = true;
         let tracker = match variant.kind {
             MethodKind::Smr => Looked::Paper(Box::new(Tracker::with(configs.paper)?)),
@@ -86,7 +86,7 @@ pub(super) fn not_begun(start: Rect) -> (Report, Sight) {
 }
 
 fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sight)> {
-    // What is compared with, before this frame takes its place.
+    // The template, before this frame replaces it.
     let template = GrayFrame::from(tracker.target().template().context("there is no template yet")?);
     let answer = tracker.update(&frame.frame())?;
     let work = tracker.work();
@@ -97,7 +97,7 @@ fn paper(tracker: &mut Tracker<Paper>, frame: &GrayFrame) -> Result<(Report, Sig
     Ok((report, Sight { bbox: answer.bbox.into(), search: Some(search) }))
 }
 
-/// The robust tracker compares on its grid: here what is seen in its box, with the early template in the light of that.
+/// The robust tracker compares on its grid: the patch in its box with the early template in the light of that patch.
 fn robust(tracker: &mut Tracker<Robust>, frame: &GrayFrame) -> Result<(Report, Sight)> {
     let grid = tracker.target().grid().context("there is no grid yet")?;
     let early = tracker.target().early_template().context("there is no early template yet")?;

@@ -1,5 +1,5 @@
-//! Everyone whose boxes are shown, the methods that ran here, then the result files of other trackers: words, and the colors and patterns of dashes
-//! that tell them from each other in boxes, curves and legends.
+//! The entrants of a page: the methods that ran here, then the result files of other trackers. Their titles, and the colors and dashes by which
+//! boxes, curves and legends tell them apart.
 
 use super::film::Film;
 use crate::colors::{Color, TRUTH};
@@ -10,19 +10,18 @@ use smr_recordings::BoundingBox;
 #[derive(Serialize)]
 pub(super) struct Entrant {
     pub name: String,
-    /// As it stands on the page.
+    /// Title on the page.
     pub title: String,
     /// Short title, for places with little room.
     pub short: String,
     pub look: usize,
-    /// One a frame.
     #[serde(skip)]
     pub answers: Vec<Option<BoundingBox>>,
-    /// Its place among the methods; `None` of a file.
+    /// Index of its method; `None` for a file.
     pub method: Option<usize>,
 }
 
-/// A method in these words, after the name of its target if it has one.
+/// Names a method, after the name of its target if it has one.
 pub(super) fn titled(film: &Film, method: usize, words: usize) -> String {
     let title = METHODS[look_of_method(film.methods[method].kind)].2[words];
     let name = film.targets[film.of[method]].name.as_ref();
@@ -50,7 +49,7 @@ pub(super) fn entrants(film: &Film) -> Vec<Entrant> {
     methods.chain(files).collect()
 }
 
-/// A tracker has one look on the whole page: its place is that of the first file of its name, in any film.
+/// Gives a tracker the same look on the whole page: files of one name share the index of the first, in any film.
 pub(super) fn place_files(films: &mut [Film]) {
     let mut names: Vec<String> = Vec::new();
     for film in films {
@@ -64,11 +63,11 @@ pub(super) fn place_files(films: &mut [Film]) {
     }
 }
 
-/// The look of the ground truth has this place in the list of looks.
+/// The index of the ground truth's look.
 pub(super) const TRUTH_LOOK: usize = LOOKS - 1;
 const LOOKS: usize = METHODS.len() + FILES.len() + 1;
 
-// Places in the words for a method: on the page, where there is little room, in a sentence.
+// Indices of a method's words: on the page, where there is little room, in a sentence.
 pub(super) const TITLE: usize = 0;
 const SHORT: usize = 1;
 pub(super) const SENTENCE: usize = 2;
@@ -139,12 +138,12 @@ pub(super) fn color_of_method(kind: MethodKind) -> Color {
     METHODS[look_of_method(kind)].1
 }
 
-/// The place of the look of the `index`th result file.
+/// The index of a result file's look.
 const fn look_of_file(index: usize) -> usize {
     METHODS.len() + index % FILES.len()
 }
 
-/// `color`, as little nearer to `end` as makes it stand out from `panel`.
+/// Moves `color` toward `end`, just far enough to stand out from `panel`.
 fn seen(color: Color, end: Color, panel: Color) -> Color {
     let nearer = |percent: u32| {
         let mixed = |at: usize| (u32::from(color[at]) * (100 - percent) + u32::from(end[at]) * percent) / 100;
@@ -153,7 +152,7 @@ fn seen(color: Color, end: Color, panel: Color) -> Color {
     (0..=100).map(nearer).find(|color| contrast(*color, panel) >= CONTRAST).unwrap_or(end)
 }
 
-/// As WCAG 2 has it: 1 of equal colors, 21 of black and white.
+/// The contrast of WCAG 2: 1 for equal colors, 21 for black and white.
 fn contrast(one: Color, other: Color) -> f64 {
     let (one, other) = (luminance(one), luminance(other));
     (one.max(other) + 0.05) / (one.min(other) + 0.05)

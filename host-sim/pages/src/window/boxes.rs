@@ -18,7 +18,7 @@ pub fn read(text: &str) -> Result<Vec<Target>> {
     Ok(targets)
 }
 
-/// A target as far as it has been read.
+/// A target whose text is being read.
 struct Reading {
     name: String,
     locks: Vec<Lock>,
@@ -77,8 +77,7 @@ fn row(names: &[&str], line: &str, all: &mut Vec<Reading>) -> Result<()> {
 }
 
 /// Reads CSV. A row with a confidence is a tracker's answer: it follows from the boxes before it, and a lock there would end
-/// each correction in the next frame. All other rows with a box are locks. Where rows have states, frames without
-/// a row of the target are those that it is gone from.
+/// each correction in the next frame. All other rows with a box are locks. If rows have states, the target is gone in frames without a row.
 fn of_csv(text: &str) -> Result<Vec<Reading>> {
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
     let (number, head) = lines.next().context("it is empty: expected CSV or CVAT XML")?;
@@ -95,7 +94,7 @@ fn of_csv(text: &str) -> Result<Vec<Reading>> {
     Ok(all)
 }
 
-/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone. The `source` of what a tracker answered is auto.
+/// Reads CVAT XML for video: a key frame of a track is a lock, or with `outside` the target is gone. The `source` of a tracker's answer is auto.
 fn of_cvat(text: &str) -> Result<Vec<Reading>> {
     let mut all: Vec<Reading> = Vec::new();
     for (line, tag) in tags(text) {

@@ -20,7 +20,7 @@ use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A target as the page knows it.
+/// A target of the page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Target {
     /// Number given by the page, never used for another target.
@@ -219,7 +219,7 @@ impl State {
         known.map(|known| known.max(self.seen)).or(self.end)
     }
 
-    /// Returns the targets with sorted locks, if all can be followed. A camera keeps the frames from `oldest` on.
+    /// Returns the targets with sorted locks, if all of them can be followed. A camera keeps the frames from `oldest` on.
     fn checked(&self, mut targets: Vec<Target>, known: Option<usize>, oldest: usize) -> Result<Vec<Target>> {
         for target in &mut targets {
             target.locks.sort_by_key(|lock| lock.frame);
@@ -424,7 +424,7 @@ impl Followed {
         self.change(|state| state.stopped = true);
     }
 
-    /// Takes in that the source knows more frames, and retries segments whose pass ended too early.
+    /// Notes that the source knows more frames, and retries segments whose pass ended too early.
     pub(super) fn learns(&self, known: Option<usize>) {
         self.change(|state| {
             if known > state.end {
@@ -536,7 +536,7 @@ impl Following<'_> {
             }
             let oldest = self.source.oldest();
             for Task { key, .. } in state.tasks().into_iter().filter(|task| task.has_begun()) {
-                // Its tracker is not kept any more: it begins anew.
+                // The tracker of this segment was dropped, so the segment begins anew.
                 if !self.trackers.contains_key(&key) {
                     state.segments.entry(key).and_modify(|segment| segment.rows.clear());
                 }

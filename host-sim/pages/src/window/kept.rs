@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 pub(super) struct Kept<T> {
     of: BTreeMap<usize, T>,
-    /// The size of all together, at most `most`; one stays, however large it is.
+    /// The size of all frames together, at most `most`. One frame stays, however large it is.
     size: usize,
     most: usize,
     size_of: fn(&T) -> usize,

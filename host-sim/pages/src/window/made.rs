@@ -112,7 +112,7 @@ impl Made {
                     Err(error) => progress.error = Some(messages::of(&error)),
                 }
                 if progress.file.is_none() {
-                    // What is left here goes when this program ends.
+                    // Files that cannot be removed now are removed when this program ends.
                     let _ = fs::remove_dir_all(made.folder_of(id));
                 }
             }
@@ -151,7 +151,7 @@ impl Made {
         }
         let status = process.wait_while(|_| true)?.context("host-sim does not end")?;
         let said = said.recv().unwrap_or_default();
-        // Notes and warnings stand before it.
+        // Notes and warnings come before the error.
         let complaint = said.lines().find_map(|line| line.strip_prefix("error: ")).or(said.lines().next_back());
         ensure!(status.success(), "{}", complaint.unwrap_or("host-sim gives no reason"));
         Ok(())

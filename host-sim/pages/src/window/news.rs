@@ -64,7 +64,7 @@ impl News {
         }
     }
 
-    /// Records that a file made for the user has progressed.
+    /// Notes progress of a file that is made for the user.
     pub fn makes(&mut self, id: u32) {
         let at = self.next();
         self.made.retain(|(_, other)| *other != id);
@@ -76,7 +76,7 @@ impl News {
         since == 0 || since >= self.forgotten
     }
 
-    /// Returns the void parts, the lines, and the files that have progressed, all that came after `since` in its order.
+    /// Returns the void parts, the lines, and the files with progress after position `since`, in their order.
     pub fn after(&self, since: u64) -> (Vec<Part>, Vec<String>, Vec<u32>) {
         (after(&self.void, since), after(&self.said, since), after(&self.made, since))
     }

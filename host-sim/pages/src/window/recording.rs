@@ -1,5 +1,5 @@
-//! A recording as the source of a window. Any frame is soon a JPEG: the latest pictures are kept, and the next ones are
-//! read in order. The last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
+//! A recording as the source of a window. It gives any frame as a JPEG: the latest pictures are kept, and the next ones are read in order. The
+//! last frames with all their pixels are kept, too. A recording that is still being written is opened anew when it has grown.
 
 use super::kept::Kept;
 use super::{Known, SIDE, Source, lock};
@@ -68,7 +68,7 @@ impl Growing {
         if opened.looked.elapsed() >= LOOKS {
             let before = std::mem::replace(&mut opened.seen, size(&self.path));
             opened.looked = Instant::now();
-            // The file has stopped growing: the writer has ended, or rests.
+            // The file has stopped growing since the last check.
             if opened.seen > opened.size && opened.seen == before {
                 opened.size = opened.seen;
                 self.open_anew(opened.size);

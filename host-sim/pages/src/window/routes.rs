@@ -1,4 +1,4 @@
-//! The addresses of the window: the page, its modules, frames, news, and the wishes of the user.
+//! The addresses of the window: the page, its modules, frames, news, and the requests of the user.
 
 use super::following::{Followed, Heard, Lock, Row, Target, check_inside};
 use super::made::{Job, Made};
@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(15);
 /// Time in which news is gathered, so that one reply tells of several frames.
 const GATHERING: Duration = Duration::from_millis(40);
 
-/// Wishes of a page that the command line fulfils.
+/// Requests of a page that need the options of the command line.
 pub trait Wish: Send + Sync {
     /// Returns the trackers of a method with these options.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;

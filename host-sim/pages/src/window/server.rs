@@ -1,4 +1,4 @@
-//! A server for one user on this machine: HTTP on the loopback address, for whoever has the token.
+//! A server for one user on this machine: HTTP on the loopback address, for clients that have the token.
 //!
 //! Any web page that the user has open can send requests to a port of this machine. So a request is answered only if
 //!

@@ -33,7 +33,7 @@ impl Work {
 }
 
 pub struct Session {
-    /// `None`: the work is not kept.
+    /// `None` if the work is not kept.
     path: Option<PathBuf>,
     recording: String,
     kept: Mutex<Kept>,
@@ -41,9 +41,9 @@ pub struct Session {
 
 struct Kept {
     work: Work,
-    /// The bytes of the file as this window has read or written them; `None`: it has done neither.
+    /// The content of the file as this window last read or wrote it; `None` if it has done neither.
     bytes: Option<Vec<u8>>,
-    /// True if the user knows that the file cannot be written.
+    /// True if the user has been told that the file cannot be written.
     has_failed: bool,
 }
 
@@ -58,7 +58,7 @@ impl Session {
         Ok((Self { path, recording: recording.to_owned(), kept: Mutex::new(kept) }, work))
     }
 
-    /// Leaves the work that the file has aside: a change keeps it under another name.
+    /// Sets aside the work in the file: the next change keeps it under another name.
     pub fn leave_aside(&self) {
         let mut kept = lock(&self.kept);
         (kept.bytes, kept.work.frame) = (None, None);
@@ -74,7 +74,7 @@ impl Session {
         lock(&self.kept).work.frame
     }
 
-    /// Remembers the frame that is shown, where the file has the work of this window.
+    /// Stores which frame is shown, if the file holds the work of this window.
     pub(super) fn shows(&self, frame: usize) -> Option<String> {
         let mut kept = lock(&self.kept);
         kept.work.frame = Some(frame);
@@ -82,7 +82,7 @@ impl Session {
         if there.is_some() && there == kept.bytes { self.write(&mut kept) } else { None }
     }
 
-    /// Keeps what the user has changed. Returns what the user is to be told, if anything.
+    /// Stores a change. Returns a message for the user, if there is one.
     pub(super) fn keep(&self, change: impl FnOnce(&mut Work)) -> Option<String> {
         let mut kept = lock(&self.kept);
         change(&mut kept.work);

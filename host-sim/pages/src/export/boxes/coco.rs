@@ -1,5 +1,5 @@
 //! COCO's object detection, <https://cocodataset.org/#format-data>: one JSON object, whose boxes are left, top, width and height from 0 on.
-//! `score` is that of COCO's results, `track_id` that of CVAT and Datumaro.
+//! `score` is a field of COCO's results, `track_id` a field of CVAT and Datumaro.
 
 use super::{About, Answer, score};
 use anyhow::Result;
@@ -48,7 +48,7 @@ impl Images {
 
     pub fn foot(&self, about: &About) -> Result<String> {
         let (width, height) = self.size;
-        // CVAT calls the frames of a video so, and counts them from 0.
+        // CVAT gives these names to the frames of a video, and counts them from 0.
         let name = |frame: usize| {
             about.pictures.get(frame - 1).cloned().unwrap_or_else(|| format!("frame_{:06}.png", frame - 1))
         };

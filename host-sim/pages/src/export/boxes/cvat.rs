@@ -15,7 +15,7 @@ pub(super) struct Tracks {
 #[derive(Clone, Default)]
 struct Track {
     boxes: String,
-    /// The box in which it was seen last.
+    /// The last box in which the target was visible.
     last: Option<BoundingBox>,
     is_outside: bool,
     is_gone: bool,
@@ -30,7 +30,7 @@ impl Tracks {
         (self.size, self.frames) = (answer.size, self.frames.max(answer.frame));
         let track = &mut self.tracks[answer.target];
         let target = answer.report.and_then(|report| report.target);
-        // Outside once: it stays so until the next box. That the user has taken it out is told also of a lost target.
+        // A target is written as outside once, and stays so until its next box. If the user takes out a target that is lost, that is written, too.
         let (is_outside, is_gone) = (target.is_none(), answer.report.is_none());
         let is_told = track.is_outside && (track.is_gone || !is_gone);
         let Some(seen) = target.or(track.last.filter(|_| !is_told)) else { return };

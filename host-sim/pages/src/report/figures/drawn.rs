@@ -10,7 +10,7 @@ use smr_core::Rect;
 use smr_evaluation::{CORRECT, centre_errors, name_of};
 use smr_recordings::{BoundingBox, GrayFrame};
 
-/// The boxes of SMR and SAD in one frame, with what each compared.
+/// The boxes of SMR and SAD in one frame, with the pixels that each compared.
 pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     const TILE: f64 = 400.0;
     const PATCH: Pair = (140.0, 120.0);
@@ -38,7 +38,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// The difference of each method to its template, in the place that won and in the true one; and how often.
+/// The differences of each method from its template, at the place that won and at the true one, with their histograms.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
@@ -87,9 +87,9 @@ pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(top + PLOT + 3.0 * LINE))
 }
 
-/// The difference to the template in the place where the target truly is: the box of the method, put where the ground truth is.
+/// The difference from the template at the true place of the target: in the method's box, moved to the ground truth.
 ///
-/// The method may have been started beside the annotator's box; it is put as far beside it here.
+/// If the method started beside the annotator's box, its box is put at the same distance here.
 fn at_truth(film: &Film, still: &Still, seen: &Difference) -> Result<Difference> {
     let start = BoundingBox::from(film.targets[0].start()).centre();
     let first = film.truth_at(0).map_or(start, |first| first.centre());
@@ -160,7 +160,7 @@ pub(super) fn drift(film: &Film) -> String {
     sheet.svg(4.0 * GAP + PLOT + 5.0 * LINE)
 }
 
-/// The target is hidden slowly. What hides it gets into the template, and is followed then.
+/// The target is hidden slowly: the occluder gets into the template, and the tracker follows it.
 pub(super) fn occlusion(film: &Film, stills: &[&Still], hidden: (usize, usize)) -> Result<String> {
     const PLOT: f64 = 150.0;
     let mut sheet = Sheet::new(&format!("{}: hidden {} to {}", film.name, hidden.0 + 1, hidden.1 + 1));

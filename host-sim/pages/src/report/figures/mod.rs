@@ -13,7 +13,6 @@ use smr_evaluation::{CORRECT, MethodKind};
 use smr_recordings::FrameRange;
 use std::fmt;
 
-/// Methods in the figures.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Sad];
 const SMR: usize = 0;
 const SAD: usize = 1;
@@ -44,16 +43,16 @@ impl fmt::Display for Figure {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     pub figure: Figure,
-    /// The frames whose pictures are in it, in order; the first is 0.
+    /// Indices of the frames whose pictures the figure shows, in order, from 0.
     pub frames: Vec<usize>,
     /// First and last frame in which the target is hidden, for the last figure.
     hidden: (usize, usize),
 }
 
 impl Plan {
-    /// Chosen by what happened, but for what the user names: the `frame` of boxes and differences, of which the first is 0, and those in which
-    /// the target is `hidden`.
-    /// Errors: What the figure needs is not in the recording, or in its ground truth.
+    /// Chooses the frames of a figure by what happens in the film. The user may name the `frame` of boxes and differences (from 0), and the
+    /// frames in which the target is `hidden`.
+    /// Errors: The recording, or its ground truth, lacks what the figure needs.
     pub fn new(figure: Figure, film: &Film, frame: Option<usize>, hidden: Option<FrameRange>) -> Result<Self> {
         let plan = || {
             let mut hides = (0, 0);
@@ -75,7 +74,7 @@ impl Plan {
         plan().with_context(|| format!("{}: no figure {} ({})", film.name, figure as u8 + 1, figure.name()))
     }
 
-    /// Returns it as SVG. The film has the frames of the plan as its stills, and maybe others.
+    /// Returns the figure as SVG. The stills of `film` include the frames of the plan.
     pub fn draw(&self, film: &Film) -> Result<String> {
         let still = |&index: &usize| film.stills.iter().find(|still| still.index == index);
         let stills: Option<Vec<&Still>> = self.frames.iter().map(still).collect();
@@ -94,12 +93,12 @@ fn compared(still: &Still, method: usize) -> Result<&Search> {
     still.sights[method].search.as_ref().context("something is compared in every frame but the first")
 }
 
-/// Frames around the hidden ones that are looked at.
+/// Frames before and after the hidden ones that are compared and drawn.
 const AROUND: usize = 40;
-/// The first picture is of so many frames before the target is hidden, the last of as many after.
+/// The first picture is this many frames before the target is hidden, the last as many after.
 const BESIDE: usize = 10;
 
-/// The frame that is asked for, if something is compared in it; else the one in which SMR is farthest ahead.
+/// Returns the frame of the user, if something is compared in it; else the one in which SMR is farthest ahead.
 fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     let Some(frame) = wish else {
         let leads = (1..film.moments.len()).filter_map(|index| Some((index, lead(film, index)?)));
@@ -111,7 +110,7 @@ fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     Ok(frame)
 }
 
-/// As for the boxes, where the target is visible.
+/// As [`lead_frame`]; fails if the target is hidden in that frame.
 fn visible_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
     ensure!(film.truth.is_some(), "it needs ground truth, for the true place of the target");
     let frame = lead_frame(film, wish)?;
@@ -170,7 +169,7 @@ fn spans(film: &Film) -> Vec<(usize, usize)> {
     hidden.chunk_by(|one, next| one + 1 == *next).map(|run| (run[0], run[run.len() - 1])).collect()
 }
 
-/// The hidden frames that are given; else those of the ground truth after which SMR is worse than before, by the most.
+/// Returns the hidden frames of the user; else the hidden frames of the ground truth after which SMR gets worse by the most.
 fn span(film: &Film, wish: Option<FrameRange>) -> Result<(usize, usize)> {
     ensure!(film.truth.is_some(), "it needs ground truth, for what is correct");
     let length = film.moments.len();

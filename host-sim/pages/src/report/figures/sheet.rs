@@ -13,7 +13,7 @@ pub(super) const WIDTH: f64 = 760.0;
 pub(super) const GAP: f64 = 20.0;
 /// Distance from one line of text to the next, in units of the SVG.
 pub(super) const LINE: f64 = 22.0;
-/// The top of what stands below the title and one more line.
+/// Top of the content, below the title and one more line.
 pub(super) const TOP: f64 = 2.0 * GAP + LINE;
 
 pub(super) const SOLID: &str = r#"stroke-width="2""#;
@@ -68,7 +68,7 @@ impl Sheet {
         )
     }
 
-    /// Words of which the `anchor` (start, middle, end) is at `x`, and the middle at `y`.
+    /// Writes words with their `anchor` (start, middle, end) at `x`, and their middle at `y`.
     pub fn words(&mut self, (x, y): Pair, anchor: &str, words: &str, color: Color) {
         let (y, color, words) = (y + 5.0, rgb(color), HtmlEscape(words));
         self.0.push(format!(r#"<text x="{x:.1}" y="{y:.1}" text-anchor="{anchor}" fill="{color}">{words}</text>"#));
@@ -83,18 +83,18 @@ impl Sheet {
         self.0.push(format!("<rect {} {look}/>", place(at, size)));
     }
 
-    /// A picture, as large as there is room for it `within`.
+    /// Draws a picture as large as fits `within`.
     fn picture(&mut self, at: Pair, within: Pair, look: &str, uri: &str) {
         let place = place(at, within);
         self.0.push(format!(r#"<image {place} preserveAspectRatio="xMinYMin"{look} href="{uri}"/>"#));
     }
 
-    /// A picture of which each pixel stays to be seen.
+    /// Draws a picture in which single pixels stay visible.
     pub fn patch(&mut self, at: Pair, within: Pair, png: &[u8]) {
         self.picture(at, within, r#" style="image-rendering:pixelated""#, &data_uri("image/png", png));
     }
 
-    /// A line of words that tells who has which color.
+    /// Writes the legend: SMR, SAD and, with `truth`, the ground truth, each with its color and stroke.
     pub fn legend(&mut self, truth: bool) {
         let all = [("SMR", color_of(SMR), SOLID), ("SAD", color_of(SAD), DASHED), ("truth", TRUTH, DOTTED)];
         for (place, (name, color, stroke)) in all[..2 + usize::from(truth)].iter().rev().enumerate() {
@@ -104,7 +104,7 @@ impl Sheet {
         }
     }
 
-    /// The frame and so much of the padding, with all boxes. A lost target's is dotted.
+    /// Draws the frame and a margin of padding, with all boxes. The box of a lost target is dotted.
     pub fn frame(&mut self, film: &Film, still: &Still, at: Pair, size: Pair, margin: u16) -> Result<()> {
         let margin = f64::from(margin);
         let (width, height) = (f64::from(still.frame.width), f64::from(still.frame.height));
@@ -129,7 +129,7 @@ impl Sheet {
         Ok(())
     }
 
-    /// Frames side by side with their numbers, below each the template of SMR. Returns the left end of each, and the bottom of all.
+    /// Draws frames side by side with their numbers, and below each the template of SMR. Returns the left end of each, and the bottom of all.
     pub fn strip(&mut self, film: &Film, stills: &[&Still], margin: u16) -> Result<(Vec<f64>, f64)> {
         const PATCH: Pair = (120.0, 96.0);
         let size = tile(film, COLUMN, margin);
@@ -143,7 +143,7 @@ impl Sheet {
         Ok((lefts, TOP + size.1 + GAP + PATCH.1))
     }
 
-    /// A plot: lines with their numbers, and what they count, across, then up.
+    /// Draws a plot: lines with their numbers, and the titles of the axes, across, then up.
     pub fn plot(&mut self, (top, height): Pair, across: Pair, most: f64, names: [&str; 2], digits: usize) -> Plot {
         let plot = Plot { top, bottom: top + height, across, most };
         for value in (0..=4).map(|part| most * f64::from(part) / 4.0) {
@@ -164,7 +164,7 @@ impl Sheet {
         plot
     }
 
-    /// Frames in which the target is hidden.
+    /// Marks the frames in which the target is hidden.
     pub fn hidden(&mut self, plot: &Plot, spans: &[(usize, usize)]) {
         for &(first, last) in spans {
             let (from, to) = (plot.x(first as f64 + 0.5), plot.x(last as f64 + 1.5));
@@ -176,7 +176,7 @@ impl Sheet {
         self.area(at, size, r##"fill="#fff" fill-opacity="0.15""##);
     }
 
-    /// The values of frames, the first being `first`; a gap where there is none. A value without neighbours is a short line.
+    /// Draws the values of frames from `first` on, with a gap where a value is missing. A value without neighbours is a short line.
     pub fn curve(&mut self, plot: &Plot, first: usize, values: &[Option<f64>], method: usize) {
         let points: Vec<_> =
             (first..).zip(values).map(|(at, value)| Some((plot.x(at as f64), plot.y((*value)?)))).collect();
@@ -193,7 +193,7 @@ impl Sheet {
 /// The width of one of four frames side by side.
 pub(super) const COLUMN: f64 = (WIDTH - 5.0 * GAP) / 4.0;
 
-/// The size of a frame with so much of the padding, of which no side is longer than `longest`.
+/// The size of a frame with a margin of padding, scaled so that no side is longer than `longest`.
 pub(super) fn tile(film: &Film, longest: f64, margin: u16) -> Pair {
     let (width, height) = (f64::from(film.size.0 + 2 * margin), f64::from(film.size.1 + 2 * margin));
     let scale = longest / width.max(height).max(1.0);
@@ -212,7 +212,7 @@ fn rgb([red, green, blue]: Color) -> String {
     format!("rgb({red},{green},{blue})")
 }
 
-/// The next of 1, 2, 5, 10, 20, ... that is not below.
+/// The least of 1, 2, 5, 10, 20, ... that is not below `value`.
 pub(super) fn nice(value: f64) -> f64 {
     let unit = 10_f64.powf(value.max(1.0).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|times| times * unit).find(|&nice| nice >= value).unwrap_or(10.0 * unit)
