@@ -5,7 +5,7 @@
 //!
 //! - [`check`]: core against the references, score by score.
 //! - [`mod@replay`]: flight records of firmware, run again.
-//! - [`command`]: what the command line offers; `main` only hands over.
+//! - [`command`]: the command line, which `main` calls.
 
 pub mod check;
 pub mod command;

@@ -1,4 +1,4 @@
-//! A flight record, run again: what firmware saw goes through smr-core once more, and the first answer that differs is named.
+//! Replays a flight record: passes the recorded frames to smr-core again, and names the first answer that differs.
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use serde::Serialize;
@@ -12,51 +12,51 @@ use std::sync::LazyLock;
 
 /// The most MiB of a file before its record begins.
 const MOST_BEFORE: u64 = 64;
-/// The bytes of a file in which a log must have its first line of a record.
+/// A log must have its first line of a record within this many bytes.
 const FIRST: usize = 1 << 20;
-/// More than a line of a log has.
+/// No line of a log is this long, in bytes.
 const LINE: u64 = 256 << 20;
-/// The words before the bytes in a line of a log.
+/// The text before the bytes in a line of a log.
 const LOGGED: &[u8] = b"smr-record [";
 
 /// The flights of a record, and the first answer that differs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// A flight for each beginning: firmware that starts again appends to its record.
+    /// One flight for each start of the firmware, which appends to its record.
     pub flights: Vec<Flight>,
-    /// Bytes at the end that are no whole entry: the record was cut off there.
+    /// Bytes of an incomplete entry at the end: the record was cut off there.
     pub cut_off: usize,
-    /// The reason that the rest was not replayed, though there is more of it.
+    /// The reason why the rest of the record was not replayed.
     pub damage: Option<String>,
-    /// The first answer that is not the recorded one; nothing was replayed after it.
+    /// The first answer that differs from the recorded one; the replay ends there.
     pub difference: Option<Difference>,
 }
 
-/// The part of a record after one beginning, as it was replayed.
+/// The part of a record from one start of the firmware to the next.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Flight {
     /// `smr` or `robust`.
     pub method: &'static str,
-    /// Frames that were locked on, and answered alike.
+    /// Locks, and answers that are as recorded.
     pub locks: u64,
     pub answers: u64,
-    /// Entries of the other kinds.
+    /// Entries of each other kind.
     pub moved: u64,
     pub restored: u64,
-    /// Updates that were begun and given up.
+    /// Updates that were begun and cancelled.
     pub given_up: u64,
     /// Frames in each state, by its code.
     pub states: [u64; State::ALL.len()],
-    /// Bytes of all entries, and those of them that are pixels.
+    /// Bytes of all entries, and of the pixels in them.
     pub bytes: u64,
     pub pixels: u64,
     /// Bytes of an incomplete entry at the end of this flight.
     pub cut_off: usize,
-    /// The answer of the last update here, if the record ends before it.
+    /// The answer of the last update, if the record ends before it.
     pub unanswered: Option<Unanswered>,
-    /// The settings by their names, each a list of its values; null unless they were asked for.
+    /// The settings by name, each a list of values; null unless the caller asks for them.
     pub settings: Value,
-    /// The entries, one after the other, in the units of the record and without pixels; empty unless it was asked for.
+    /// The entries in their order, in the units of the record and without pixels; empty unless the caller asks for them.
     pub entries: Vec<Value>,
 }
 
@@ -69,23 +69,22 @@ pub struct Unanswered {
     pub bbox: String,
 }
 
-/// A difference between the record and the replay.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// The flight, from 1.
+    /// Number of the flight, from 1.
     pub flight: usize,
-    /// The frame in it, from 1: each lock and each answer is of one.
+    /// Number of the frame in the flight, from 1. Each lock and each answer belongs to one frame.
     pub frame: u64,
-    /// The entry in it, from 0.
+    /// Number of the entry in the flight, from 0.
     pub entry: u32,
     pub field: &'static str,
     pub recorded: String,
     pub replayed: String,
 }
 
-/// Replays the record in `source`, to its end or to the first difference. `progress` is called after each entry. `every`: the report also has
+/// Replays the record in `source`, to its end or to the first difference, and calls `progress` after each entry. With `every` the report has
 /// every entry.
-/// Errors: The file is no record, or cannot be read. What is wrong further on is [`Report::damage`].
+/// Errors: The file is no record, or cannot be read. Later damage is in [`Report::damage`].
 pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Report> {
     let record = bytes_of(source).context("cannot read the record")?;
     let mut report = Report::default();
@@ -153,7 +152,7 @@ fn not_a_record() -> Error {
     anyhow!("it is not a flight record: expected an entry SMRB first, or lines of a log with `smr-record [`")
 }
 
-/// Ends a flight, the last bytes of which are no entry.
+/// Ends a flight, whose last `cut_off` bytes are no entry.
 fn end(run: Option<Box<dyn Runs<'_> + '_>>, report: &mut Report, cut_off: usize) {
     if let (Some(mut run), Some(flight)) = (run, report.flights.last_mut()) {
         let frame = flight.locks + flight.answers + 1;
@@ -218,9 +217,9 @@ fn said(entry: &Entry<'_>) -> Value {
     }
 }
 
-/// A tracker on its way through a record.
+/// A tracker that replays a record.
 trait Runs<'a> {
-    /// Runs an entry. True if an update was begun before it and has no answer.
+    /// Replays an entry. True if an update was begun before it and has no answer.
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
 
     fn settings(&self) -> Value;
@@ -244,11 +243,11 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)
     Ok((run::<Robust>(begin, robust::Config::robust(), |config, table| config.table = table)?, "robust"))
 }
 
-/// Tables other than the paper's, for the life of the program, as a configuration wants them.
+/// Tables other than the paper's. A configuration borrows its table for the life of the program.
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
-/// `rest`: the settings that are not in a record, but for the table.
+/// `rest`: the settings that a record does not have, except the table.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,
@@ -285,8 +284,8 @@ impl<'a, T: Recorded> Runs<'a> for Run<'a, T> {
     }
 }
 
-/// The name of what differs, as it was recorded and as it is here.
-/// Errors: It is the record that is wrong.
+/// The name of the value that differs, as recorded and as replayed.
+/// Errors: The record itself is wrong.
 fn named(difference: record::Difference) -> Result<Option<(&'static str, [String; 2])>> {
     use record::Difference as Is;
     let rect = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");
@@ -326,7 +325,7 @@ fn described(FineRect { x, y, width, height }: FineRect) -> String {
     format!("{width}x{height} at ({x}, {y})")
 }
 
-/// The bytes of a record, whether `source` holds them as they are or as lines of a log.
+/// Reads the bytes of a record from `source`, which holds them raw or as lines of a log.
 fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     let has = |bytes: &[u8], part: &[u8]| bytes.windows(part.len()).any(|found| found == part);
     let mut bytes = Vec::new();
@@ -334,7 +333,7 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     if !bytes.starts_with(b"SMR") && has(&bytes[..bytes.len().min(FIRST)], LOGGED) {
         let mut lines = BufReader::new(Cursor::new(bytes).chain(source));
         let (mut record, mut line) = (Vec::new(), Vec::new());
-        // A line that never ends is no log.
+        // A line without an end is not a log.
         while lines.by_ref().take(LINE).read_until(b'\n', &mut line)? > 0 {
             record.extend(bytes_in(&line));
             line.clear();
@@ -350,7 +349,8 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The bytes in a line like `smr-record [53, 4d]`, wherever in the line that stands, up to the first that is none: a log can be cut off in a line.
+/// Parses the bytes in a line like `smr-record [53, 4d]`, anywhere in the line, up to the first word that is no byte: a log can be cut off within
+/// a line.
 fn bytes_in(line: &[u8]) -> Vec<u8> {
     let Some(start) = line.windows(LOGGED.len()).position(|part| part == LOGGED) else { return Vec::new() };
     let text = String::from_utf8_lossy(&line[start + LOGGED.len()..]);

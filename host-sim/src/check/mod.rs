@@ -1,4 +1,4 @@
-//! `smr-core` against the references, number by number, through a recording: what is compared of each tracker stands in a file of its own.
+//! Compares `smr-core` with the references, number by number, through a recording. Each tracker has a file with its comparisons.
 
 pub mod paper;
 pub mod robust;
@@ -32,11 +32,11 @@ pub trait Checked: Target {
         None
     }
 
-    /// Updates both with one more frame and compares them; `number` is that of the frame.
+    /// Updates both with one more frame and compares them; `number` is the number of the frame.
     fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Violation>>;
 }
 
-/// Both trackers and what was counted of them.
+/// Both trackers, and the counts of their check.
 pub struct Sides<T: Checked> {
     core: Box<Tracker<T>>,
     reference: T::Reference,
@@ -57,11 +57,10 @@ impl<T: Checked> Sides<T> {
 /// Result of a check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<C> {
-    /// The recording's name.
     pub sequence: String,
     /// Frames compared: all but the first, which is locked on, or up to and including the first violation.
     pub frames: usize,
-    /// The first frame in which something that must hold did not.
+    /// The first frame in which something differs.
     pub violation: Option<Violation>,
     #[serde(flatten)]
     pub counts: C,
@@ -76,8 +75,8 @@ pub struct Check<T: Checked> {
 }
 
 impl<T: Checked> Check<T> {
-    /// Locks both on `target` in the first frame; core is updated in steps of so much work. `numbers` and `config` are meant to
-    /// be the same, said twice.
+    /// Locks both trackers on `target` in the first frame, and updates core in steps of `step` work. `numbers` and `config`
+    /// must describe the same settings.
     pub fn lock(
         name: &str,
         (config, numbers): (T::Config, T::Numbers),
@@ -96,13 +95,13 @@ impl<T: Checked> Check<T> {
         Ok(Self { name: name.to_owned(), sides, frames: 0, violation })
     }
 
-    /// True if everything that must hold did so far.
+    /// True if nothing has differed so far.
     pub const fn holds(&self) -> bool {
         self.violation.is_none()
     }
 
-    /// Compares one more frame. After a violation the two no longer walk side by side: there is nothing to go on with.
-    /// Errors: Core's, and there was a violation before.
+    /// Compares one more frame. After a violation the trackers are in different states, so no frame can be compared.
+    /// Errors: Core refuses the frame, or there was a violation before.
     pub fn update(&mut self, frame: &GrayFrame) -> Result<()> {
         if !self.holds() {
             bail!("{}: a check ends with its first violation", self.name);
@@ -132,7 +131,7 @@ pub struct Violation {
 }
 
 impl Violation {
-    /// In a frame that is not said yet.
+    /// A violation whose frame is set later.
     fn new(what: String, core: impl ToString, reference: impl ToString) -> Self {
         Self { frame: 0, what, core: core.to_string(), reference: reference.to_string() }
     }

@@ -22,7 +22,7 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 pub struct Counts {
     /// Candidates in all frames together.
     pub scores: u64,
-    /// Frames in which the runner-up was asked for, and so compared: by the gate, or by the configuration.
+    /// Frames in which the runner-up was compared, because the gate or the configuration asked for it.
     pub runners_up: usize,
     /// The largest |core's score - exact score| of a candidate, in units of 1/65535.
     pub largest_difference: f64,
@@ -78,8 +78,7 @@ fn bound(pixels: u32) -> f64 {
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
-/// Core's score of every candidate, row by row, each asked for by itself: whatever way the search takes, these are
-/// what it must have found.
+/// Core's score of every candidate, row by row, each computed alone: the search must find the same, in whatever order it works.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
     let frame = frame.frame();
     let score = |x, y| score_of(core, &frame, (x, y)).context("a whole frame holds every pixel");
@@ -103,7 +102,7 @@ impl Counts {
         different
     }
 
-    /// Notes a frame where exact sums would have decided otherwise, and tells whether they may.
+    /// Notes a frame in which the exact sums choose another offset, and tells whether the bound allows it.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {

@@ -1,8 +1,8 @@
 //! The robust tracker against its reference, number by number, through a recording.
 //!
-//! Core is given no more of a frame than it asks for, the reference all of it. All must be equal, in every frame: what core asks for, the
-//! features of the search window, the filter's responses at all offsets, its weights after it has learned, the early template, the response
-//! and the ratio at the place, the confidence, the state, the scale and the box.
+//! Core gets only the pixels of a frame that it asks for, the reference all of them. All this must be equal in every frame: the windows
+//! that core asks for, the features of the search window, the filter's responses at all offsets, its weights after it has learned, the
+//! early template, the response and the ratio at the place, the confidence, the state, the scale and the box.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -16,12 +16,12 @@ use smr_reference::robust::{Decision, Numbers, Reference, Step};
 pub struct Counts {
     /// Responses in all frames together.
     pub responses: u64,
-    /// Frames after which the target was uncertain, and lost.
+    /// Frames after which the target was uncertain, and frames after which it was lost.
     pub uncertain: usize,
     pub lost: usize,
-    /// Frames that were learned from.
+    /// Frames that the filter learned from.
     pub learned: usize,
-    /// Frames in which the target was swept for, and in which it was found again.
+    /// Searched windows of the sweep, and those in which the target was found again.
     pub swept: usize,
     pub found_again: usize,
 }
@@ -72,7 +72,7 @@ impl Checked for Robust {
     }
 }
 
-/// Only those pixels of the frame that core asks for.
+/// The frame with only the pixels that core asks for.
 fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'a>> {
     let part = |region: Rect| -> Result<(Image<'a>, u16, u16)> {
         let pixels = frame.frame().patch(region).with_context(|| format!("{region:?} is not within the frame"))?;
@@ -102,7 +102,7 @@ fn window_columns(core: &Robust) -> usize {
     core.grid().map_or(1, |grid| usize::from(grid.across + 2 * REACH) * CHANNELS)
 }
 
-/// Number by number; the first that differs is named by its row and its place in it.
+/// Compares number by number. Names the first difference by its row and its place in the row.
 fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -> Option<Violation> {
     differs(&format!("number of: {what}"), core.len(), reference.len()).or_else(|| {
         let first = core.iter().zip(reference).position(|(core, reference)| core != reference)?;
@@ -158,7 +158,7 @@ mod tests {
         Check::lock(name, (config, numbers), u32::MAX, first, target).unwrap()
     }
 
-    /// The rest of a check that may end before all frames.
+    /// Runs the remaining frames of a check, which may end early.
     fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Report {
         for frame in frames {
             if !check.holds() {
@@ -274,7 +274,7 @@ mod tests {
         through(lock("bounds", numbers, Config::refined(), &frame(0), target), std::iter::once(frame(1)))
     }
 
-    /// A picture of black and white alone has contrast, and shows nothing.
+    /// A picture of black and white alone: it has contrast, but all its pixels are clipped, so it cannot show a target.
     fn cut_off(numbers: Numbers) -> Report {
         let cut = |mut frame: GrayFrame| {
             frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
@@ -284,7 +284,7 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// The target is hidden by noise until the network gives it up, and comes back. The opinion decides alone.
+    /// Noise hides the target until the network gives it up; then the target returns. The opinion alone decides.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);
@@ -323,7 +323,7 @@ mod tests {
         through(check, jumps.map(|at| frame(at, 32)).into_iter().chain(grows))
     }
 
-    /// A target whose contrast falls to a third, and then that of the whole picture to a sixth.
+    /// The contrast of the target falls to a third, and then that of the whole picture to a sixth.
     fn dimmed(numbers: Numbers) -> Report {
         let frame = |(target, all): (i32, i32)| {
             let mut frame = still(0);
@@ -348,7 +348,7 @@ mod tests {
         assert!(counts.lost > 0 && counts.swept > 0 && counts.lost < 8, "{counts:?}");
     }
 
-    /// A frame no larger than the sweep's only window, with the target in its middle and so many of its columns hidden.
+    /// A frame no larger than the sweep's only window, with the target in its middle. `hidden` columns of the target are hidden.
     fn still(hidden: usize) -> GrayFrame {
         let target = tiles(32, 32, |x, y| (x, y));
         let pixel = |x: usize, y: usize| match (x.wrapping_sub(14), y.wrapping_sub(14)) {
@@ -373,7 +373,7 @@ mod tests {
         assert!(lost > 0 && swept >= lost && found_again > 0, "{report:?}");
     }
 
-    /// The target is hidden by a plain wall until it is lost and swept for, and comes back far from where it was.
+    /// A plain wall hides the target until it is lost and swept for. Then the target returns far from where it was.
     fn hidden(numbers: Numbers) -> Report {
         let frame = |at: Option<(usize, usize)>| {
             let ground = |x: usize, y: usize| u8::try_from(100 + (x / 40 + y / 40) % 2 * 30).unwrap();

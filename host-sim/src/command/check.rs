@@ -80,7 +80,7 @@ impl Check {
         Ok(Report { origin: variant.origin(), report })
     }
 
-    /// Frame by frame, until something does not hold.
+    /// Compares frame by frame, until something differs.
     fn compare<T: Checked>(
         &self,
         path: &Path,
@@ -93,7 +93,7 @@ impl Check {
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??.gray;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
-        // A box that the tracker refuses is told in the same words everywhere.
+        // Every command reports a refused box in the same words.
         let variant = self.tracker.variant(self.method.into())?;
         lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;

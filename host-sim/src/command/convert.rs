@@ -51,7 +51,7 @@ struct Report {
 
 impl Convert {
     pub fn run(self) -> Result<Outcome> {
-        // The sequence of a toolkit is a folder, whatever it is called.
+        // The sequence of a toolkit is a folder, whatever its name.
         let is_folder = self.format.is_some_and(Format::needs_boxes);
         let places = Places::of([&self.sequence]);
         places.writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN)).check()?;
@@ -62,7 +62,7 @@ impl Convert {
             "{name}: --format {} needs the box of the target in the first frame: give --init X,Y,W,H",
             choice_name(&format)
         );
-        // A sequence of a toolkit is called as its folder.
+        // The sequence of a toolkit has the name of its folder.
         let own = if format.needs_boxes() { self.out.file_name() } else { self.out.file_stem() };
         let own = own.filter(|_| format.needs_boxes() || Format::of_file(&self.out).is_some());
         let title = own.map_or_else(|| name.clone(), |own| own.to_string_lossy().into_owned());

@@ -161,7 +161,7 @@ impl Eval {
         }
         let variants = self.tracker.variants(&self.method)?;
         for variant in &variants {
-            // A configuration that cannot be used is no fault of a recording: it is said once, here.
+            // An invalid configuration is no fault of a recording: it is reported once, here.
             variant.build()?;
         }
         let former = self.against.as_deref().map(Former::read).transpose()?;

@@ -3,7 +3,6 @@
 use smr_core::State;
 use smr_evaluation::name_of;
 
-/// The states of each target so far.
 pub struct Events(Vec<Seen>);
 
 #[derive(Clone, Default)]
@@ -17,8 +16,8 @@ impl Events {
         Self(vec![Seen::default(); targets])
     }
 
-    /// The event that this answer is for the target with this index: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame 311`. `None`
-    /// if it is like the answer before.
+    /// Words the event of this answer for the target with this index: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame 311`.
+    /// `None` if the state is that of the answer before.
     pub fn of(&mut self, target: usize, locks: bool, frame: usize, time: Option<f64>, state: State) -> Option<String> {
         let seen = &mut self.0[target];
         let before = seen.last.replace(state);

@@ -1,4 +1,4 @@
-//! The end of a command: the exit code, and the one line on standard error that says what, where, what was expected.
+//! The end of a command: the exit code, and one line on standard error: what is wrong, where, and what was expected.
 //!
 //! | exit code | |
 //! |---|---|
@@ -17,23 +17,22 @@ use std::ffi::OsString;
 use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
-/// The end of a command without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Holds,
     CheckFailed,
-    /// A signal of this number has asked to stop.
+    /// The signal of this number has asked the command to stop.
     Stopped(i32),
 }
 
-/// Runs another program, of one command: signals, errors and exit codes are those of host-sim.
+/// Runs a program that has one command. Signals, errors and exit codes are those of host-sim.
 pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     obey(std::env::args_os().collect(), run)
 }
 
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
-    // One name, whatever its file is called.
+    // Messages call the program by one name, whatever its file is called.
     let all = all.clone().bin_name(all.get_name().to_owned());
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);
@@ -58,7 +57,7 @@ pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> R
     }
 }
 
-/// The message of an error. Of a box that is refused and of damage it also names the options of `command` that help.
+/// Returns the message of an error. For a refused box and for damage it also names the options of `command` that help.
 pub(super) fn told(error: &anyhow::Error, command: &clap::Command) -> String {
     let said = messages::of(error);
     let has = |name: &str| command.get_arguments().any(|option| option.get_long() == Some(name));

@@ -109,7 +109,7 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
 
 const FIRST_PAGE: &str = "smr-demo.html";
 
-/// Runs what the command line of this process says.
+/// Runs the command line of this process.
 pub fn run() -> ExitCode {
     let mut arguments: Vec<_> = std::env::args_os().collect();
     let is_first = arguments.len() <= 1;
@@ -143,7 +143,7 @@ fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
     )
 }
 
-/// True of a line with a recording and no command: the window opens it.
+/// True if a line has a recording and no command: the window opens the recording.
 fn is_recording(arguments: &[OsString]) -> bool {
     let first = &arguments[1];
     let all = HostSim::command();
@@ -182,7 +182,7 @@ pub fn whole<T: FromStr>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<
     }
 }
 
-/// Reads a whole number without an upper limit but that of the machine.
+/// Reads a whole number with no upper limit except the machine's.
 fn from<T: FromStr>(first: u64) -> impl Fn(&str) -> Result<T> + Clone {
     whole(first..=u64::MAX)
 }
@@ -200,7 +200,7 @@ pub fn tell<T: Serialize>(
     })
 }
 
-/// Writes a report to standard output. That its reader has gone away (`| head`) ends no check: the verdict is still wanted.
+/// Writes a report to standard output. If its reader goes away (`| head`), the check goes on: its verdict is still wanted.
 pub fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     match print(report) {
         Err(error) if !is_closed_pipe(&error) => Err(error),

@@ -9,11 +9,11 @@ use std::{fmt, fs};
 pub struct Places<'a> {
     /// Paths of recordings, or of folders of recordings.
     recordings: Vec<&'a Path>,
-    /// Each option with its output, and the names that it takes if the name says what it holds.
+    /// Each output: its option, its path, and the names that the option takes if the name tells the kind of output.
     outputs: Vec<(&'static str, &'a Path, Option<Taken>)>,
 }
 
-/// The kinds of output that an option takes: endings of files, and whether a name without one is a folder, or a file.
+/// The names that an option takes: endings of files, and whether a name without one is a folder or a file.
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: [&'static [&'static str]; 2],
@@ -22,7 +22,7 @@ pub struct Taken {
 
 impl Taken {
     fn takes(self, output: &Path) -> bool {
-        // A device takes anything. A file in place of a folder, or the other way round, is refused by who writes it.
+        // A device takes anything. The writer refuses a file in place of a folder, and a folder in place of a file.
         if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
             return true;
         }
@@ -42,7 +42,7 @@ impl fmt::Display for Taken {
     }
 }
 
-/// Endings of files, as a sentence names them.
+/// Lists endings of files for a sentence.
 pub fn listed(endings: &[&str]) -> String {
     match endings {
         [others @ .., last] if !others.is_empty() => format!(".{} or .{last}", others.join(", .")),
@@ -102,7 +102,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
     real(one) == real(other)
 }
 
-/// A name without links; of what is not there yet, in the folder where it will be.
+/// A path without links. If it does not exist yet, its folder is resolved.
 fn real(path: &Path) -> PathBuf {
     let path = &output::behind_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -110,7 +110,7 @@ fn real(path: &Path) -> PathBuf {
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// True if `file` is one of those that a recording at or below `path` is read from.
+/// True if a recording at or below `path` is read from `file`.
 fn is_part(file: &Path, path: &Path) -> bool {
     let (file, path) = (real(file), real(path));
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(&path) };

@@ -66,7 +66,7 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // By the mean rate: the latest one would be that of one recording.
+                // By the mean rate: the latest rate would be the rate of one recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }
@@ -97,7 +97,7 @@ impl Drop for Bar {
     }
 }
 
-/// An estimate of the number of frames while recordings are opened: the others are taken for as long as these.
+/// An estimate of the number of frames while recordings are opened: the unopened ones count as long as the mean of the others.
 pub struct Expected<'a> {
     bar: &'a Bar,
     state: Mutex<Opened>,

@@ -49,18 +49,18 @@ pub struct RecordingOptions {
 }
 
 impl RecordingOptions {
-    /// The frames that are read; `None`: all.
+    /// The frames to read; `None` for all.
     pub fn frames(&self) -> Option<FrameRange> {
         let Some(first) = self.truth_from.map(NonZeroUsize::get) else { return self.frames };
         Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
-    /// `frames`, counted from the first box of the truth: other trackers' results have as many lines.
+    /// `frames`, counted from the first box of the ground truth, as the lines of other trackers' results are.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }
 
-    /// The time that ffmpeg may do nothing.
+    /// The longest silence of ffmpeg.
     pub fn ffmpeg_patience(&self) -> Duration {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
@@ -76,8 +76,8 @@ impl RecordingOptions {
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
-    /// Opens the recording at `path`, for a command that follows all targets that are given, or else the one beside the recording.
-    /// `takes_live`: or the live source there.
+    /// Opens the recording at `path` for a command that follows all given targets, or else the one beside the recording. With
+    /// `takes_live` it also opens a live source.
     pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
@@ -91,13 +91,13 @@ impl RecordingOptions {
         if !targets.is_empty() {
             return Ok((sequence, targets));
         }
-        // Without one, this says what to do.
+        // Without a box, this error says what to do.
         sequence.start()?;
         let starts = vec![(sequence.first, sequence.init)];
         Ok((sequence, vec![Target { name: None, starts }]))
     }
 
-    /// The recording, and the targets that are given.
+    /// Opens the recording, and returns the given targets.
     fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
@@ -121,7 +121,7 @@ impl RecordingOptions {
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            // Counting takes time, and what begins with the first frame is right as it is.
+            // Counting takes time, and a part that begins with the first frame does not need it.
             && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)
@@ -161,7 +161,7 @@ impl RecordingOptions {
         Ok((sequence, targets))
     }
 
-    /// The number of frames; those of a video are counted by packets, else decoded.
+    /// The number of frames. Frames of a video are counted by packets, or else decoded.
     fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
         let packets = || sequence.source.length(self.ffmpeg_patience());
         let decoded =

@@ -128,7 +128,7 @@ impl Report {
         Ok((films, vec![Written { file: page.display().to_string(), bytes: text.len(), frames: None }]))
     }
 
-    /// Draws the paper's figures into `folder`; returns the files, and why others are left out.
+    /// Draws the paper's figures into `folder`. Returns the files, and the reasons why others are left out.
     fn draw(&self, path: &Path, folder: &Path) -> Result<(Vec<Written>, Vec<String>)> {
         let methods = self.tracker.variants(&figures::METHODS)?;
         let watch = |stills: &BTreeSet<usize>| {
@@ -143,7 +143,7 @@ impl Report {
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
-            // A frame or a span that is given must be one of the recording.
+            // The recording must have the frame or the span that is given.
             let must = match figure {
                 Figure::Boxes => self.frame.is_some(),
                 Figure::Occlusion => self.hidden.is_some(),
@@ -181,12 +181,12 @@ impl Report {
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = Some(self.budget_bytes() / sequences.len());
-        // A method that was not asked for is left out instead of being an error.
+        // A method that the user did not name is left out instead of being an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
             let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
-            // The results of others are of the target with the ground truth.
+            // The results of other trackers are of the target that has ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }
@@ -212,7 +212,7 @@ impl Report {
     }
 }
 
-/// Recordings of one name in several folders get numbers: each is called something else on the page.
+/// Numbers recordings of one name in several folders, so that each has its own name on the page.
 fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     for at in 1..sequences.len() {
         let (before, rest) = sequences.split_at_mut(at);
@@ -225,7 +225,7 @@ fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     }
 }
 
-/// The file of the page; the folder that it is in is made if it is not there.
+/// Returns the file of the page, and makes its folder if there is none.
 fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     let is_page = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
     let file = if is_page { out.to_owned() } else { out.join(format!("{name}.html")) };

@@ -1,9 +1,9 @@
-//! Words as they are typed in a shell.
+//! Writes words as they are typed in a shell.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// A path that is not taken for an option.
+/// A path that cannot be taken for an option.
 pub fn file(path: &Path) -> PathBuf {
     let is_option = path.as_os_str().as_encoded_bytes().starts_with(b"-") && path != Path::new("-");
     if is_option { Path::new(".").join(path) } else { path.to_owned() }

@@ -104,7 +104,7 @@ impl Track {
         };
         let live = sequence.source.live();
         if live.is_some() {
-            // Ctrl-C is how it ends.
+            // Ctrl-C is the usual end of a live source.
             cleanup::stop_first();
         }
         let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
@@ -147,7 +147,7 @@ impl Track {
         Ok(format)
     }
 
-    /// `is_shown`: no lines on the same terminal show how far it is.
+    /// Makes the progress bar. `is_shown` is false if printed lines on the same terminal show the progress.
     fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> Bar {
         if !is_shown || !stderr().is_terminal() {
             return Bar::hidden();
@@ -165,7 +165,7 @@ impl Track {
     }
 }
 
-/// All targets on their way through a recording, and the outputs.
+/// One pass through a recording: all targets, and the outputs.
 struct Pass {
     name: String,
     targets: Vec<Follower>,
@@ -221,7 +221,7 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
-    /// Says why a live source ended, and the number of frames that were not followed: that is never hidden.
+    /// Tells why a live source ended, and how many frames were not followed.
     fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
@@ -255,7 +255,7 @@ impl Pass {
     }
 }
 
-/// A line for each target: its states, counted.
+/// A line for each target, with the number of frames in each state.
 fn ends(targets: &[Follower], events: &Events) -> String {
     let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
@@ -274,8 +274,8 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// The output of lines: each is out before the next frame is read, or all are in a file in the end. If a frame is bad, nothing is lost that was
-/// printed before.
+/// The output of lines: each is printed before the next frame is read, or all are written to a file at the end. A bad frame does not lose
+/// earlier lines.
 enum Lines {
     /// A closed pipe ends the command, unless it writes something else, too.
     Printed {

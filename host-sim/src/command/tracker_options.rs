@@ -1,4 +1,4 @@
-//! The numbers of the methods on the command line, the same for every command that runs a tracker.
+//! The settings of the methods on the command line, for every command that runs a tracker.
 
 use super::whole;
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -169,7 +169,7 @@ fn backend_as_name<S: Serializer>(backend: &Option<Backend>, serializer: S) -> R
 }
 
 impl TrackerOptions {
-    /// `methods`, each once, with what they are built from.
+    /// Returns each of `methods` once, with its settings.
     /// Errors: An option that none of them takes, or that is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
@@ -182,7 +182,7 @@ impl TrackerOptions {
         Ok((0..methods.len()).filter(|&index| first(index)).map(variant).collect())
     }
 
-    /// One method, with what it is built from.
+    /// Returns a method with its settings.
     /// Errors: An option that it does not take, or that is out of range.
     pub fn variant(&self, method: MethodKind) -> Result<Variant> {
         Ok(self.variants(&[method])?.remove(0))
@@ -242,7 +242,7 @@ impl TrackerOptions {
         Ok(Configs { paper: self.paper()?, robust: self.robust()?, step })
     }
 
-    /// The configuration of the paper's tracker with the options put in.
+    /// The configuration of the paper's tracker with the given options.
     fn paper(&self) -> Result<Config> {
         let mut config = if self.config == Some(Preset::Camera) { Config::camera() } else { Config::paper() };
         config.backend = self.backend;
@@ -263,7 +263,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The robust tracker's configuration with the options put in.
+    /// The robust tracker's configuration with the given options.
     fn robust(&self) -> Result<robust::Config> {
         let plain = self.config == Some(Preset::Robust);
         let mut config = if plain { robust::Config::robust() } else { robust::Config::refined() };
@@ -273,7 +273,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The configuration with those of its settings that are given.
+    /// The configuration with its given settings.
     fn put<C: Settings>(&self, mut config: C) -> Result<C> {
         let is_own = |given: &&Given| C::SETTINGS.iter().any(|setting| setting.name() == given.name);
         for given in self.set.iter().filter(is_own) {
@@ -282,7 +282,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The numbers of its reference, which keeps its own copy of the numbers.
+    /// The numbers of the robust tracker's reference, which has its own copy of the defaults.
     pub fn robust_reference_numbers(&self) -> reference::Numbers {
         let mut numbers = reference::Numbers::refined();
         numbers.parts.refiner = self.config != Some(Preset::Robust);
@@ -304,7 +304,7 @@ impl TrackerOptions {
         numbers
     }
 
-    /// The numbers of the reference, which keeps its own copy of the paper's numbers.
+    /// The numbers of the paper's reference, which has its own copy of the defaults.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         for Given { name, values, .. } in &self.set {

@@ -34,7 +34,7 @@ fn is_long(word: &str) -> bool {
     word.len() > 2 && word.starts_with("--") && !word.contains('=')
 }
 
-/// Says why `all` does not take `arguments`.
+/// Explains why `all` does not take `arguments`.
 pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();
@@ -117,7 +117,7 @@ impl Line<'_> {
 
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
-        // `--size <WxH>` is called by its name alone.
+        // A message names `--size <WxH>` by `--size` alone.
         let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
         let known = self.texts(ContextKind::ValidValue);
         let expected = match self.error.kind() {
@@ -190,14 +190,14 @@ impl Line<'_> {
         let run = after.iter().take(8).take_while(|word| !is_option(word)).count();
         for count in (1..=run).rev() {
             let with = |value: &str| self.is_read(&[before, &[value.to_owned()], &after[count..]].concat());
-            // An option that takes any text: that it reads a value proves nothing.
+            // This option takes any text: that it reads a value proves nothing.
             if with("?") {
                 return None;
             }
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                // One word without blanks once, for brackets and capitals.
+                // A single word without blanks is tried once, too, without brackets and capitals.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
                 let is_in_name =
                     *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));
@@ -233,7 +233,7 @@ fn has(command: &Command, option: &str) -> bool {
     })
 }
 
-/// A value as it is typed, in quotation marks if it would not be seen.
+/// A value as typed, in quotation marks if it would be invisible.
 fn shown(value: &str) -> String {
     if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 pub struct Film {
     film: export::Film,
     truth: std::vec::IntoIter<Option<BoundingBox>>,
-    /// The box in which each target was seen last.
+    /// The last visible box of each target.
     lasts: Vec<Option<BoundingBox>>,
 }
 

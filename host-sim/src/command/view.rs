@@ -71,7 +71,7 @@ pub struct View {
 struct Opened {
     name: String,
     source: Arc<dyn Source>,
-    /// The names of the pictures, if it has any.
+    /// The file names of the pictures; empty for other recordings.
     pictures: Vec<String>,
     /// The number of frames, if it is known.
     length: Option<usize>,
@@ -162,7 +162,7 @@ impl View {
         Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
     }
 
-    /// The targets that are given, or else the one beside the recording.
+    /// The given targets, or else the one beside the recording.
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
         if let Some(file) = &self.boxes {
             return input::text(file, &input::BOXES)
@@ -194,7 +194,7 @@ impl View {
         Some(named.with_file_name(name))
     }
 
-    /// The trackers and targets of a session, but for those that the command line has: then its work is left aside.
+    /// Resumes the trackers and targets of a session. If the command line gives others, the session's work is set aside.
     fn resumed(
         &self,
         work: Work,
@@ -203,7 +203,7 @@ impl View {
         is_live: bool,
     ) -> Result<(Variant, Vec<Target>)> {
         let name = session.name().unwrap_or_default();
-        // The frames of a camera have other numbers now.
+        // A camera numbers its frames anew.
         let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
         let mut note = format!("note: goes on with {name}, of the recording {}", work.recording);
@@ -216,7 +216,6 @@ impl View {
         Ok((if has_method { variant } else { kept()? }, if has_targets { targets } else { work.targets }))
     }
 
-    /// The source and its options, as they are typed.
     fn words(&self) -> Vec<OsString> {
         let size = self.size.map(|size| ["--size".into(), size.to_string().into()]);
         let levels = self.levels.map(|levels| ["--levels".into(), levels.to_string().into()]);
@@ -230,10 +229,9 @@ fn has_ffmpeg() -> bool {
     std::process::Command::new("ffmpeg").arg("-version").output().is_ok()
 }
 
-/// The part of the window that is the command line's.
+/// The part of the window that needs the command line's options.
 struct Desk {
     words: Vec<OsString>,
-    /// The names of the pictures, if the source has any.
     pictures: Vec<String>,
 }
 
@@ -284,7 +282,7 @@ impl Wish for Desk {
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
         let (reached, _) = followed.reached(known.frames);
-        // Behind the last answer, targets may be gone.
+        // Targets that are gone may have frames after the last answer.
         for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
@@ -296,7 +294,7 @@ impl Wish for Desk {
         }
         text += &printer.foot()?;
         let ending = format.endings().last().unwrap_or(&"txt");
-        // The name of a result that grows has the number of frames so far.
+        // While a result grows, its name has the number of frames so far.
         let so_far = match known.frames {
             Some(all) if reached >= all || is_live => String::new(),
             Some(all) => format!("-{reached}-of-{all}-frames"),
@@ -342,7 +340,7 @@ impl Wish for Desk {
     }
 }
 
-/// The name of a file with the boxes of the source `name`, as every system takes it.
+/// Makes a file name, valid on every system, for the boxes of the source `name`.
 fn file(name: &str, so_far: &str, ending: &str) -> String {
     let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
     let name: String = name.trim_start_matches('-').chars().map(plain).take(80).collect();
