@@ -1,6 +1,6 @@
-//! Code that its tests share. It needs much to be built that nobody else needs.
+//! Code shared by the tests of this crate. Its dependencies take long to build, so other crates do not use it.
 
-/// `text` in lines of at most `width` characters, each after `before`.
+/// Breaks `text` into lines of at most `width` characters, each after `before`.
 #[must_use]
 pub fn wrapped(text: &str, before: &str, width: usize) -> String {
     let (mut lines, mut line) = (String::new(), String::new());

@@ -1,4 +1,4 @@
-//! Pages in headless Chromium: a script acts as a user would, and tells what it did not find.
+//! Pages in headless Chromium: a script acts as a user would, and reports what is missing.
 
 use super::missing::{runs, skipped};
 use super::program::utf8;
@@ -24,14 +24,14 @@ fn browser(test: &str) -> Option<&'static str> {
     found
 }
 
-/// An error of the page itself is a problem, too.
+/// An error of the page itself counts as a problem.
 const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
 /// Functions for scripts: `is` notes a value that is not the expected one; `place` is the frame of a player, `unfold` shows what is folded.
 const AFTER: [&str; 2] = [
-    // A module comes after those of the page.
+    // This module runs after those of the page.
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
 const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
@@ -45,7 +45,7 @@ parent.postMessage(problems.length ? "PROBLEMS " + problems.join("; ") : "FINE",
 </script></body>"#,
 ];
 
-/// Opens `page` so many pixels wide, with this after `#` in the address, and runs `script` in it. Every problem fails the test.
+/// Opens `page` in a frame of `width` pixels, with `address` after `#`, and runs `script` in it. Every problem fails the test.
 #[track_caller]
 pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let Some(browser) = browser(test) else { return };
@@ -55,7 +55,7 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     fs::write(&tried, text.replacen("</body>", &[AFTER[0], script, AFTER[1]].concat(), 1)).unwrap();
     // Chromium's own window cannot be as narrow as a phone.
     let frame = page.with_file_name(format!("{test}-{width}-frame.html"));
-    // The answer comes as the address of the next page: so time is that of a user.
+    // The script reports by going to another address, so that time runs as for a user.
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let to = listener.local_addr().unwrap();
     let receive = format!(
@@ -76,7 +76,7 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     assert_eq!(answer.as_deref(), Some("FINE"));
 }
 
-/// The words after `?` in the address that is asked for. The browser may open connections that it does not use.
+/// Returns the words after `?` in the requested address. The browser may open connections that it does not use.
 fn answer(listener: &TcpListener) -> Option<String> {
     listener.set_nonblocking(true).ok()?;
     (0..MOST_WAITS).find_map(|_| {

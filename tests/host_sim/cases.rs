@@ -1,4 +1,4 @@
-//! Runs `tests/cases`: commands as users type them, and what host-sim says to each.
+//! Runs `tests/cases`: commands as users type them, each with the output of host-sim.
 //!
 //! The blocks ```console of a file run one after the other in a new folder. Below a line that begins with `$ ` stand the command's output, its
 //! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE`, `head -c BYTES FILE > FILE` and

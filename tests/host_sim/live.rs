@@ -1,4 +1,4 @@
-//! Live sources: what comes while the tracker is busy is dropped and counted, and Ctrl-C ends it in order.
+//! Live sources: frames that come while the tracker is busy are dropped and counted, and Ctrl-C ends the source in order.
 
 use crate::missing::has_ffmpeg;
 use crate::program::{PROGRAM, Said, host_sim, utf8};
@@ -32,7 +32,7 @@ impl Drop for Server {
     }
 }
 
-/// Repeats `run` until somebody listens there, and returns its result.
+/// Repeats `run` until the server listens, and returns its result.
 fn when_it_listens<T>(mut run: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {

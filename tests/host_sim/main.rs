@@ -1,4 +1,4 @@
-//! The program host-sim as its users run it. One test program, so that all of its tests run side by side.
+//! Tests of the program host-sim, run as its users do. One test program, so that all of its tests run side by side.
 
 mod browser;
 #[path = "../missing.rs"]

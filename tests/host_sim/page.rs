@@ -51,7 +51,7 @@ const PLAYER: &str = r##"
   const drawn = () => document.getElementById("stage").toDataURL();
   const before = drawn();
   document.querySelector("#switches input").click();
-  // A method that is switched off is not on the frame, and then is again.
+  // A method that is switched off disappears from the frame, and comes back.
   await until(() => drawn() !== before);
   document.querySelector("#switches input").click();
   await until(() => drawn() === before);
@@ -110,7 +110,7 @@ fn the_page_plays_by_itself_and_begins_with_what_happened() {
     browser::act(test, &page("page-by-itself", &["synthetic", "--method", "smr,robust"]), 1280, "", BY_ITSELF);
 }
 
-/// Zoomed by keys; the mark of frame 120 shows where the curves are.
+/// Zooms by keys; the mark of frame 120 shows where the curves are.
 const MOVING: &str = r##"
   const mark = () => Math.round(parseFloat(document.querySelectorAll(".cursor")[1].style.left));
   const over = () => document.querySelectorAll(".chart canvas")[1];
@@ -182,7 +182,7 @@ const PORTRAIT: &str = r##"
   const high = () => document.getElementById("stage").getBoundingClientRect().height / innerHeight;
   await until(() => high() > 0.7);
   document.querySelector("#curves .panel").scrollIntoView({ block: "center" });
-  // A browser without a screen does not say that it has scrolled.
+  // A browser without a screen sends no scroll event.
   dispatchEvent(new Event("scroll"));
   is("small beside the curves: " + high(), high() < 0.3, true);
   document.querySelector("footer").scrollIntoView();
@@ -226,7 +226,7 @@ fn the_player_stays_in_view_and_nothing_is_too_wide() {
 }
 
 const ADDRESS: &str = r##"
-  // The page hears of it first.
+  // Ends after the page has handled the new address.
   const typed = (address) => new Promise((heard) => {
     addEventListener("hashchange", () => setTimeout(heard), { once: true });
     location.hash = address;
@@ -247,7 +247,7 @@ fn the_address_names_the_frame() {
     browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
 }
 
-/// With another first number in the page's data: 240 frames from 601 on.
+/// The page's data begin with another frame: 240 frames from 601 on.
 const NUMBERS: &str = r##"
   is("the number in the address", place(), "frame 700 of 840");
   is("of the picture", document.getElementById("stage").ariaLabel.startsWith("frame 700 of 840, "), true);

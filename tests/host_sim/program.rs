@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The program, built by cargo before these tests.
+/// The path of the program, which cargo has built before these tests.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
 
 pub struct Said {

@@ -19,7 +19,7 @@ static STEEP: Table = match Table::new(100) {
     Err(_) => panic!("100 is in range"),
 };
 
-/// Unlike any preset: every number must be recorded.
+/// Every number differs from those of the presets, so each must be in the record.
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.table = &STEEP;
@@ -78,7 +78,7 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
             let Ok(()) = recorder.moved(300, -256);
         }
         if index == 9 {
-            // Begun, but not finished.
+            // An update that is begun and not finished.
             let shown = asked_for(whole, &tracker);
             let Ok(()) = recorder.window(tracker.target(), &shown);
             tracker.update_step(&shown, 1).expect("it has what it asks for");
@@ -110,7 +110,7 @@ fn replayed(bytes: &[u8]) -> Result<Report, String> {
     replay(Cursor::new(bytes), false, || ()).map_err(|error| format!("{error:#}"))
 }
 
-/// The start and the kind of each entry.
+/// The position and the kind of each entry.
 fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     let mut all = Vec::new();
     let mut at = 0;
@@ -154,7 +154,7 @@ fn a_flight_is_replayed_bit_for_bit() {
 
 #[test]
 fn a_changed_answer_is_named() {
-    // Its place in the answer, and its name.
+    // Position in the answer, and name.
     let fields = [
         (0, "box in 1/256 pixel"),
         (16, "state"),
@@ -207,7 +207,7 @@ fn no_entry_makes_it_panic() {
 #[test]
 fn a_changed_pixel_or_configuration_is_noticed() {
     for (kind, bytes, _) in flights(12) {
-        // A pixel in the middle of the locked box: then the target is another one.
+        // Inverts pixels in the middle of the locked box, and so changes the target.
         let (lock, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         for pixel in &mut changed[lock + 32 + 200..lock + 32 + 400] {
@@ -215,7 +215,7 @@ fn a_changed_pixel_or_configuration_is_noticed() {
         }
         let report = replayed(&signed(changed, lock)).expect("a record");
         assert!(report.difference.is_some(), "{kind:?}");
-        // In the configuration: the window's radius, or the learning rate.
+        // Changes the configuration: the window's radius, or the learning rate.
         let (end, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 6 }] ^= 3;
@@ -276,7 +276,7 @@ fn the_command_says_what_holds() {
     let json = host_sim(&["replay", utf8(&file), "--json"]).json();
     assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
     assert!(json["difference"].is_null() && json["damage"].is_null());
-    // All that was recorded: settings, locks, windows, answers.
+    // The JSON has all that was recorded: settings, locks, windows, answers.
     let [small, other] = [0, 1].map(|flight| &json["flights"][flight]);
     assert_eq!((&small["settings"]["k"], &other["settings"]["reach"]), (&[2, 7].into(), &[6].into()));
     let said = small["entries"].as_array().unwrap();

@@ -21,7 +21,7 @@ fn a_c_array_compiles() {
         Command::new("cc").args(["-std=c99", "-Wall", "-Werror", "-pedantic", "-o"]).args([&program, &source]).status();
     assert!(compiler.unwrap().success());
     assert!(Command::new(program).status().unwrap().success());
-    // Recordings that are called like something of the language or of its headers.
+    // Recordings with names that the language or its headers use.
     for name in ["int", "default", "size", "time", "linux"] {
         let header = folder.path().join(format!("{name}.h"));
         assert_eq!(host_sim(&["convert", "periodic", "-o", utf8(&header), "--frames", "1..1"]).code, Some(0));

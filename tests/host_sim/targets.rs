@@ -5,7 +5,7 @@ use crate::program::{host_sim, utf8};
 use std::path::Path;
 use std::process::Command;
 
-/// Runs a program of ffmpeg's; what it says.
+/// Runs a program of ffmpeg's, and returns its output.
 fn run(program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).args(["-v", "error"]).args(arguments).output().unwrap();
     assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));

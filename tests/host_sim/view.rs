@@ -1,4 +1,4 @@
-//! `view`: what the page gets from the server, and what is left when it ends.
+//! `view`: the replies that the page gets from the server, and the files that are left when it ends.
 
 use crate::missing::{has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -38,7 +38,7 @@ impl Window {
         Self { process, place: place.to_owned(), token: token.to_owned(), folder }
     }
 
-    /// The status, the head and the body of an answer.
+    /// Sends a request. Returns status, head and body of the reply.
     fn asked(&self, head: &str, headers: &str, body: &str) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.place).unwrap();
         let (place, length) = (&self.place, body.len());
@@ -81,7 +81,7 @@ impl Window {
         (status, String::from_utf8(body).unwrap())
     }
 
-    /// Hears news until one of them is wanted.
+    /// Reads news until one of them is wanted.
     fn wait(&self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
         let begin = Instant::now();
         let mut position = 0;
@@ -241,7 +241,7 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
     assert!(String::from_utf8(said).unwrap().contains("00030.png (frame 30): there is no such file"));
 }
 
-/// The targets that the window shows, and where its session is.
+/// Returns the targets that the window shows, and the path of its session.
 fn begun(window: &Window) -> (Value, Value) {
     let source = window.json("source");
     (source["targets"].clone(), source["session"].clone())
@@ -265,7 +265,7 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
     assert_eq!(source["options"], json!({ "config": "camera" }));
     drop(window);
-    // What the command line has takes the place of what is there, which is not lost.
+    // Targets on the command line replace those of the session, which are kept.
     let window = Window::open(&[recording, "--init", "1,1,20,20"]);
     assert_eq!(
         (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
@@ -345,7 +345,7 @@ fn a_file_that_is_not_wanted_any_more_is_cancelled() {
     assert_eq!(window.post("cancel", &json!({ "id": 1 })), refused);
 }
 
-/// All users see what a program is started with.
+/// All users can see a program's arguments.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
@@ -400,7 +400,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     fs::write(&file, frames(40)).unwrap();
     assert_eq!(window.post("targets", &corrected(30)).0, 200);
     assert_eq!(window.followed()["followed"], 40);
-    // It has grown: what waited goes on by itself.
+    // The file has grown: the targets that waited go on by themselves.
     fs::write(&file, frames(60)).unwrap();
     let grown = window.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
     assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
@@ -510,7 +510,7 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
 }
 
-/// Any frame of a long video, in memory that does not grow with it.
+/// Any frame of a long video comes soon, and memory does not grow with the video.
 #[cfg(target_os = "linux")]
 #[test]
 fn any_frame_of_a_long_video_is_soon_there() {

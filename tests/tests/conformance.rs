@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 type Paper = smr_core::Paper<128, 121>;
 
-/// exp(-d / 40), in the file of its own.
+/// exp(-d / 40), the table of `scale.smr`.
 static STEEP: Table = match Table::new(40) {
     Ok(table) => table,
     Err(_) => panic!("40 is in range"),
@@ -59,7 +59,7 @@ fn saved<T: Recorded>(tracker: &Tracker<T>) -> Vec<u8> {
     saved
 }
 
-/// The record that smr-core writes now of the same frames, with its target at the end of each flight.
+/// The record that smr-core writes now for the same frames, with the saved target at the end of each flight.
 fn anew<T: Recorded>(old: &[u8], rest: T::Config) -> Vec<u8> {
     let bytes = RefCell::new(Vec::new());
     let write = |piece: &[u8]| {

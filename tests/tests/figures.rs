@@ -1,5 +1,5 @@
-//! Figures in documents are those that the code, a script or a file of records knows. `SMR_RECORD=1 cargo test -p smr-tests figures` writes them
-//! into the documents.
+//! Checks that figures in documents equal those of the code, a script or a file of records. `SMR_RECORD=1 cargo test -p smr-tests figures`
+//! writes them into the documents.
 
 use smr_core::robust::Config;
 use std::fs;

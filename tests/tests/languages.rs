@@ -8,7 +8,7 @@ const HEADER: &str = "core/c/include/smr.h";
 const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 
-/// A thing that a language names, the language, the file, and what stands before and after the names.
+/// A list of names: its kind, the language, the file, and the text before and after the names.
 const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("answer", "C", HEADER, "struct smr_answer {", "\n}"),
     ("answer", "Python", "core/python/package/smr/_answer.py", "class Answer(", "\nclass"),
@@ -51,7 +51,7 @@ fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
     let (_, after) = text.split_once(before).unwrap_or_else(|| panic!("no {before}"));
     let part = after.split(end).next().unwrap_or(after);
-    // Without the texts of Python.
+    // Without the docstrings of Python.
     let lines = part.split("\"\"\"").step_by(2).flat_map(str::lines);
     let mut code = lines.filter(|line| !line.trim_start().starts_with(['/', '*']));
     code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))

@@ -41,7 +41,7 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     [Some(corners(start))].into_iter().chain(rest).collect()
 }
 
-/// `rows` chooses the set: `larger` is 1 if the first box includes its lower right corner.
+/// Compares with the files of rows that end in `rows`. `larger` is 1 if their first box includes its lower right corner.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(tld) = recordings(test, "tld") else { return };
     let Some(boxes) = recordings(test, "paper-rows") else { return };

@@ -7,7 +7,7 @@
 
 #[test]
 fn the_readme_has_at_most_900_words() {
-    // The same count as `wc -w`.
+    // Counts as `wc -w` does.
     let words = include_str!("../../README.md").split_whitespace().count();
     assert!(words <= 900, "README.md has {words} words");
 }
@@ -54,7 +54,7 @@ mod library {
     }
 }
 
-/// The second: a lost target is locked again.
+/// The second example: a lost target is locked again.
 mod lost {
     use super::pictures;
     use smr_core::Image;
@@ -133,7 +133,7 @@ mod several {
     }
 }
 
-/// The fifth: a head that follows the target.
+/// The fifth example: a head follows the target.
 mod head {
     use super::pictures;
     use embedded_hal::{digital, pwm};
@@ -176,7 +176,7 @@ mod head {
         }
     }
 
-    /// The example has no end: it is left with the error that a frame of another size is.
+    /// The example runs for ever. A frame of another size ends it with an error.
     #[test]
     #[allow(unused_variables, reason = "the example leaves to its reader what is done about a pin")]
     fn the_head_turns_to_the_target() {

@@ -26,7 +26,8 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines of a sensor that sees a picture, with three bytes after each. Their bytes are those of the picture, wider or higher.
+/// The lines of a sensor that sees a picture, with three bytes after each. They hold the pixels of the picture, which the format
+/// may make wider or higher.
 struct Sensor {
     format: Format,
     /// Columns and lines.

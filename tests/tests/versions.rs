@@ -1,4 +1,4 @@
-//! The version stands once, in the workspace's `Cargo.toml`. What repeats it, because its readers know nothing of Cargo, says the same.
+//! The version stands once, in the workspace's `Cargo.toml`. Files that repeat it, for readers without Cargo, must agree.
 
 use std::fs;
 use std::path::Path;

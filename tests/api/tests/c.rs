@@ -95,7 +95,7 @@ macro_rules! sizes {
     };
 }
 
-/// Lines of C that compile only if each struct has the library's size: not while another header has left a packing on.
+/// Lines of C that compile only if each struct has the library's size. They fail if another header has left a packing on.
 fn sizes(types: &str) -> String {
     let mut text = String::from(
         "

@@ -5,7 +5,7 @@
 use smr_core::{Setting, Settings, Shape, paper, robust};
 use std::path::Path;
 
-/// Compares what is between two texts of a file with `now`, or writes it.
+/// Compares the part of a file between two texts with `now`, or writes it.
 fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     let text = std::fs::read_to_string(&path).expect("the file is there");
@@ -18,7 +18,7 @@ fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     }
 }
 
-/// A line for each setting: of the setting, its text and its range in words.
+/// Makes a line for each setting, from the setting, its text and its range in words.
 fn lines<C: Settings>(line: impl Fn(&Setting, &str, &str) -> String) -> String {
     let line = |(setting, text): (&Setting, &&str)| {
         let range = match setting.shape {

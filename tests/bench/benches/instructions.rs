@@ -1,5 +1,5 @@
-//! Instructions of the parts that matter, counted by valgrind: `.ci/run instructions` runs this and compares with what was
-//! recorded. Backends are named, not chosen: the figures are those of AVX2.
+//! Instructions of the costly parts, counted by valgrind: `.ci/run instructions` runs this and compares with the recorded
+//! counts. Backends are named, not chosen: the figures are those of AVX2.
 
 #![allow(unused_qualifications)] // in what the macros write
 
@@ -10,11 +10,10 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;
 
-/// A threshold as it is on the way: alpha is a quarter of the largest change.
+/// A usual threshold: alpha is a quarter of the largest change.
 const THRESHOLD: u16 = 30;
 
 fn scorer(backend: Backend) -> (Scorer<'static>, Patch) {
-    // Made once, and for the life of the program.
     let table = Box::leak(Box::new(CutTable::new(&Table::PAPER, THRESHOLD)));
     (Scorer::new(backend, table), scene::patch())
 }

@@ -1,5 +1,5 @@
 /*
- * What each program of this folder offers: a target of 64x64 is locked, then found in the window around its last place, +-16 pixels.
+ * The interface of each program in this folder: a target of 64x64 is locked, then found in the window around its last place, +-16 pixels.
  */
 
 #ifndef FOLLOW_H

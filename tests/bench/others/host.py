@@ -8,9 +8,9 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# About so many updates are timed, each up to REPEATS times until ENOUGH seconds are spent; the shortest time counts.
+# About this many updates are timed, each up to REPEATS times until ENOUGH seconds are spent; the shortest time counts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
-# How many pixels the target may move in the second frame before its window is cut, where there is room for it.
+# Pixels by which the target may move in the second frame before its window is cut, where there is room for it.
 SPARE = 8
 # At most this part of OpenCV's time.
 GOALS = [

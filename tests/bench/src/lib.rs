@@ -32,12 +32,10 @@ pub fn target(width: u16, height: u16) -> Rect {
     Rect::new(x, y, width, height)
 }
 
-/// The first frame.
 pub fn frame() -> GrayFrame {
     synthetic::frame(FIRST)
 }
 
-/// A tracker without a target.
 pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
     let mut config = Config::paper();
     config.window = RADIUS;
@@ -48,7 +46,7 @@ pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
 }
 
 impl Prepared {
-    /// Locked in the first frame, updated with the second: template and alpha are such as they are on the way.
+    /// Locks in the first frame and updates with the second, so that template and alpha are as in a long run.
     pub fn new(backend: Backend, pruning: bool, target: Rect) -> Self {
         let mut tracker = tracker(backend, pruning);
         tracker.lock(&frame().frame(), target).expect("the box lies in the frame");

@@ -9,7 +9,7 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
-    /// Any backend, any steps, any parts of the frame.
+    /// The tracker under test: any backend, any steps, any parts of the frame.
     any: Box<Tracker<T>>,
     plain: Option<Box<Tracker<T>>>,
     scene: Scene,
@@ -27,13 +27,13 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()
         return Ok(());
     };
     let ran = pair.calls(u);
-    // Also if the bytes ended in the middle of a call.
+    // Both must be equal also if the bytes end in the middle of a call.
     pair.same_to_the_last_bit();
     ran
 }
 
 impl<T: Fuzzed> Pair<T> {
-    /// Locked, with a configuration from the input.
+    /// Locks with a configuration from the input.
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
         let Ok(any) = Tracker::<T>::with(config) else {
@@ -45,7 +45,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(Some(pair))
     }
 
-    /// Restored from a saved target.
+    /// Restores a saved target.
     fn restored(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Self> {
         let start = u.choose(T::starts())?;
         let any = Tracker::<T>::with(T::by(start.config, paper::backend(u)?)).expect("it was one");
@@ -264,7 +264,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// An update that is begun and then ended by a turn of the camera.
+    /// Begins an update, and ends it by a turn of the camera.
     fn give_up(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some((first, second)) = self.needed(gap(u)?) else { return Ok(()) };
         let shown = frame(&self.scene, &first, second.as_ref());
@@ -277,11 +277,11 @@ impl<T: Fuzzed> Pair<T> {
                 }
             }
         }
-        // The next call is none that goes on.
+        // The next call does not continue the update.
         self.turn(u)
     }
 
-    /// Both ask for the same windows, and save the same bytes if these are compared after each call.
+    /// Checks that both ask for the same windows and, if bytes are compared after each call, save the same bytes.
     fn same(&self) {
         if let Some(plain) = &self.plain {
             assert_eq!(self.any.window(), plain.window());
@@ -311,7 +311,7 @@ fn gap(u: &mut Unstructured<'_>) -> Result<usize> {
     u.int_in_range(0..=7_usize)
 }
 
-/// From no work to more than an update needs.
+/// A grant, from no work to more than an update needs.
 fn work(u: &mut Unstructured<'_>) -> Result<u32> {
     Ok(u32::from(u.arbitrary::<u8>()?) << u.int_in_range(0..=24_u8)?)
 }

@@ -1,6 +1,6 @@
 //! The fuzz targets. Each takes any bytes and panics if something is wrong.
 //!
-//! - `calls`: sequences of calls of a tracker, compared with those of a plain one.
+//! - `calls`: sequences of calls of a tracker, compared with the same calls of a plain tracker.
 //! - `huge`: targets and frames of any size.
 //! - `saved`: changed bytes of a saved target.
 //! - `flight`: changed entries of a flight record.
@@ -44,7 +44,6 @@ pub const TARGETS: &[(&str, Run)] = &[
     ("former", readers::former),
 ];
 
-/// The target with this name.
 pub fn target(name: &str) -> Option<Run> {
     TARGETS.iter().find(|(known, _)| *known == name).map(|(_, target)| *target)
 }

@@ -25,7 +25,7 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     if tracker.restore(&saved).is_err() {
         return Ok(());
     }
-    // Saved again, the bytes are the same. Bytes after the saved target are ignored.
+    // A restored target is saved as the same bytes. Bytes after the saved target are ignored.
     let again = calls::saved(&tracker).expect("it is locked");
     assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
     // The frames have the size in the bytes.
@@ -53,7 +53,7 @@ pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
     saved.collect()
 }
 
-/// A few bytes, a number, or the length.
+/// Changes a few bytes, a number, or the length.
 fn change(u: &mut Unstructured<'_>, saved: &mut Vec<u8>) -> Result<()> {
     // Mostly in the configuration and the track, which come first.
     let end = if u.arbitrary()? { 100.min(saved.len()) } else { saved.len() };

@@ -69,7 +69,7 @@ impl Qemu {
         let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
         let parsed = File::parse(elf.as_slice()).ok().filter(|file| matches!(file, File::Elf32(_)));
         let parsed = parsed.with_context(|| format!("{name} is not firmware: expected an ELF file of 32 bits"))?;
-        // Firmware may write files where it runs: here.
+        // Firmware may write files into its working folder: here.
         let here = Path::new(".");
         let holds = if !self.paths.is_empty() {
             self.replay(sizes(&parsed))?
@@ -84,7 +84,7 @@ impl Qemu {
         Ok(if holds { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
-    /// Runs the firmware on each recording, and says what it took. True if all answers are the host's.
+    /// Runs the firmware on each recording, and prints its cost. True if all answers are the host's.
     fn replay(&self, (flash, statics): (u64, u64)) -> Result<bool> {
         let (mut holds, mut all) = (true, Vec::new());
         let is_record = |path: &PathBuf| path.extension().is_some_and(|end| end == "smr");
@@ -137,8 +137,8 @@ impl Qemu {
         format!("{}{refined}", smr_evaluation::MethodKind::from(self.method).name())
     }
 
-    /// Runs the firmware with a trace: the median of the instructions of an update in it, and the estimates. So many measurements come before
-    /// the lock.
+    /// Runs the firmware with a trace: the median of the instructions of an update in it, and the estimates. `calibrations` measurements come
+    /// before the lock.
     fn traced(&self, folder: &Path, calibrations: u32) -> Result<(bool, (u64, String))> {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");
@@ -158,7 +158,7 @@ impl Qemu {
     /// Errors: it is QEMU itself that has failed.
     fn start<T>(&self, folder: &Path, more: &[&str], read: impl FnOnce(ChildStdout) -> Result<T>) -> Result<(bool, T)> {
         let (program, package, bios) = match self.machine.as_str() {
-            // Without firmware of its own before ours.
+            // Without QEMU's own firmware before this one.
             "virt" => ("qemu-system-riscv32", "qemu-system-misc", &["-bios", "none"][..]),
             _ => ("qemu-system-arm", "qemu-system-arm", &[][..]),
         };
@@ -209,7 +209,7 @@ fn sizes(file: &File<'_>) -> (u64, u64) {
     (flash, statics)
 }
 
-/// Prints the firmware's log, as it comes. That nobody reads it any more does not end the firmware: its verdict is still wanted.
+/// Prints the firmware's log as it comes. If its reader goes away, the firmware goes on: its verdict is still wanted.
 fn print(mut log: impl Read, table: Option<&Table>) -> Result<()> {
     let mut decoder = table.map(Table::new_stream_decoder);
     let mut bytes = [0; 4096];

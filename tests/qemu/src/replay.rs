@@ -1,4 +1,4 @@
-//! A record for the firmware `core/examples/replay`, and what the firmware says of it.
+//! Makes a record for the firmware `core/examples/replay`, and reads what the firmware writes.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use host_sim::replay::values;
@@ -15,7 +15,7 @@ use std::path::Path;
 const VERSION: u32 = 5;
 const RADIUS: u16 = 16;
 
-/// The record of a recording, by this machine: with the target as it is saved after each answer, so that templates and weights are compared, too.
+/// Records a recording on this machine, with the saved target after each answer, so that templates and weights are compared, too.
 pub fn record(sequence: Sequence, method: CoreKind, refiner: bool) -> Result<Vec<u8>> {
     match method {
         CoreKind::Smr => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
@@ -53,7 +53,7 @@ fn of<T: Recorded>(config: T::Config, sequence: Sequence, method: CoreKind) -> R
     Ok(bytes)
 }
 
-/// Writes what the firmware reads into `folder`.
+/// Writes the firmware's input files into `folder`.
 pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<()> {
     fs::write(folder.join("record.smr"), record).context("cannot write record.smr for QEMU")?;
     let step = step.map_or(Ok(()), |step| fs::write(folder.join("step.smr"), step.get().to_le_bytes()));
@@ -73,14 +73,14 @@ pub struct Report {
     /// Instructions of each update, and of the lock.
     pub counts: Vec<u64>,
     lock: u64,
-    /// Bytes used, and those of them that an update uses.
+    /// Bytes of stack used in all, and by an update.
     pub stack: u32,
     of_update: u32,
 }
 
 impl Report {
-    /// Reads what the firmware has left in `folder`.
-    /// Errors: it refuses the record, or has said something else.
+    /// Reads the firmware's output file in `folder`.
+    /// Errors: The firmware refuses the record, or writes something else.
     pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
         let bytes = fs::read(folder.join("said.smr")).unwrap_or_default();
         let words = |line: &[u8; 64]| {
@@ -139,8 +139,8 @@ impl fmt::Display for Report {
     }
 }
 
-/// Another answer than the recorded one, as the firmware says it: the frame, and what differs.
-/// Errors: it is no answer that differs.
+/// Reads the firmware's line about an answer that differs: the frame, and the value that differs.
+/// Errors: The line is about something else.
 fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
     let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {
         bail!("the firmware says {line:?}: expected what an update took")
@@ -172,7 +172,7 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
     differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")
 }
 
-/// The reason that the firmware gives as a number, as `core/examples/replay` has it.
+/// Words the reason that the firmware gives as a number, as in `core/examples/replay`.
 fn reason(why: u32) -> &'static str {
     match why {
         1 => "it finds no entry of a record where it expects one",

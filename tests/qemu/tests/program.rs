@@ -12,7 +12,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
-/// A folder with a file that passes for firmware, and programs before all others of the PATH.
+/// A folder with a file that looks like firmware, and with programs that come first on the PATH.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -156,7 +156,7 @@ fn cycles_are_those_of_the_blocks_that_ran() {
     );
     let (code, out, err) = bench.run(&["--cycles"]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
-    // Of the Cortex-M4: two instructions in two cycles, two more words, and two more cycles for each branch that is taken.
+    // On the Cortex-M4: two instructions in two cycles, two more words, and two more cycles for each branch that is taken.
     for line in [
         "cortex-m4: lock 0.00, update median 0.000, at most 0.000; 3.00 an",
         "at 168 MHz: 14000000 updates",
