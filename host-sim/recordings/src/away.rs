@@ -26,7 +26,8 @@ impl Away {
         let [w, h] = [frame.right(), frame.bottom()];
         let strips = [[0..seen.x, 0..h], [seen.right()..w, 0..h], [0..w, 0..seen.y], [0..w, seen.bottom()..h]];
         let strip = strips.into_iter().max_by_key(|[columns, rows]| columns.len() * rows.len()).unwrap_or_default();
-        // At most a quarter of a side, to where the target is farthest from where it was lost.
+        // The shift is at most a quarter of a side, in the direction in which the target returns farthest from the
+        // place where it was lost.
         let shift = |lost: i32, start: i32, end: i32, side: i32| {
             let shifts = [-start, side - end].map(|shift| shift.clamp(-side / 4, side / 4));
             shifts.into_iter().max_by_key(|shift| (start + shift).abs_diff(lost)).unwrap_or(0)

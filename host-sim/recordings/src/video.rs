@@ -204,7 +204,7 @@ impl Continued {
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A time that is only a little too early is a single fault.
+            // A time that goes back by less than `step` is an error of one picture, not a new piece.
             if now <= last - self.step || now - last > i64::from(LEAP) * second {
                 now = last + self.step;
                 self.shift = now - time;

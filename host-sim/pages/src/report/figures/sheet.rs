@@ -19,7 +19,7 @@ pub(super) const TOP: f64 = 2.0 * GAP + LINE;
 pub(super) const SOLID: &str = r#"stroke-width="2""#;
 pub(super) const DASHED: &str = r#"stroke-width="2" stroke-dasharray="6""#;
 pub(super) const DOTTED: &str = r#"stroke-dasharray="3 4""#;
-/// Strokes of SMR and SAD. Dashes let an equal box below be seen.
+/// Strokes of SMR and SAD. An equal box below shows through the dashes.
 pub(super) const STROKES: [&str; 2] = [SOLID, DASHED];
 
 pub(super) type Pair = (f64, f64);
