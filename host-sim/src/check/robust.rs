@@ -21,7 +21,7 @@ pub struct Counts {
     pub lost: usize,
     /// Frames that the filter learned from.
     pub learned: usize,
-    /// Searched windows of the sweep, and those in which the target was found again.
+    /// Frames in which the target was swept for, and in which it was found again.
     pub swept: usize,
     pub found_again: usize,
 }
