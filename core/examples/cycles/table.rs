@@ -4,7 +4,7 @@
 use crate::scene;
 use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
-/// The search window of the robust tracker, and one window of the sweep.
+/// The search window, and one of the sweep.
 const PIXELS: usize = 56 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
 
@@ -23,13 +23,10 @@ pub struct Row {
 /// Errors: a tracker refuses; the text says which step.
 pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
-    for (tracker, mut config) in
-        [("robust", robust::Config::robust()), ("robust with refiner", robust::Config::refined())]
-    {
-        config.sweep = 1; // the pixels of four windows do not fit into the RAM of every chip here
-        tell(measure::<Robust>(tracker, config, &clock)?);
-    }
-    Ok(())
+    let (mut robust, mut refined) = (robust::Config::robust(), robust::Config::refined());
+    (robust.sweep, refined.sweep) = (1, 1); // the pixels of four windows do not fit into the RAM of every chip here
+    tell(measure::<Robust>("robust", robust, &clock)?);
+    measure::<Robust>("robust with refiner", refined, &clock).map(tell)
 }
 
 #[inline(never)] // so that only one tracker is on the stack

@@ -189,9 +189,9 @@ mod tests {
     #[test]
     fn other_numbers_of_the_configuration_hold() {
         let others: [Both; 8] = [
-            ("size", |config| config.size = false, |numbers| numbers.parts.size = false),
+            ("size", |config| config.size = false, |numbers| numbers.size = false),
             ("sweep", |config| config.sweep = 2, |numbers| numbers.sweep = 2),
-            ("refiner", |config| config.refiner = false, |numbers| numbers.parts.refiner = false),
+            ("refiner", |config| config.refiner = false, |numbers| numbers.refiner = false),
             ("reach", |config| config.reach = 5, |numbers| numbers.reach = 5),
             ("patience", |config| config.patience = 240, |numbers| numbers.confidence_rate = 16.0),
             (
@@ -226,12 +226,12 @@ mod tests {
                 of.first_steps = 6, of.most_conjugate = 0.5, of.distance_penalty = 128.0, of.velocity_fraction = 0.25, of.velocity_rate = 0.25,
                 of.scale_step = 1.03, of.early_rate = 1.0 / 64.0, of.similarity_scale = 250.0, of.alpha_bounds.0 = 99.0, of.alpha_bounds.1 = 9.0,
                 of.most_change = 1.0, of.gain_bounds.1 = 0.25, of.tiles_across = 3, of.counted_ratio = 5, of.refined_from = 65_535.0,
-                of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.parts.size = false,
+                of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.size = false,
             },
         );
         // The refiner reads more of the frame than the scale search, which then changes no window.
         let unrefined = |mut numbers: Numbers| {
-            numbers.parts.refiner = false;
+            numbers.refiner = false;
             checked(CHECKED[0], Config::robust(), numbers, 40)
         };
         noticed(unrefined, changes! { of; of.scale_reach = 0 });
@@ -247,7 +247,7 @@ mod tests {
             changes! { of;
                 of.least_contrast = 0.0, of.least_deviation = 128.0, of.margin = 5, of.lost_below = 10_000.0, of.uncertain_below = 19_300.0,
                 of.learned_from = 98_304.0, of.found_from = 98_304.0, of.better_by = 98_304.0,
-                of.sweep = 0, of.sweep = 3, of.parts.refiner = false,
+                of.sweep = 0, of.sweep = 3, of.refiner = false,
             },
         );
         noticed(noisy, changes! { of; of.most_trust = 2.0, of.opinion_rate = 0.25, of.opinion_rising_rate = 0.125 });

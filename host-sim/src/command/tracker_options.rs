@@ -285,13 +285,13 @@ impl TrackerOptions {
     /// The numbers of the robust tracker's reference, which has its own copy of the defaults.
     pub fn robust_reference_numbers(&self) -> reference::Numbers {
         let mut numbers = reference::Numbers::refined();
-        numbers.parts.refiner = self.config != Some(Preset::Robust);
+        numbers.refiner = self.config != Some(Preset::Robust);
         for Given { name, values, .. } in &self.set {
             let (number, is_on) = (f64::from(values[0]), values[0] != 0);
             match name.as_str() {
-                "size" => numbers.parts.size = is_on,
+                "size" => numbers.size = is_on,
                 "sweep" => numbers.sweep = values[0].into(),
-                "refiner" => numbers.parts.refiner = is_on,
+                "refiner" => numbers.refiner = is_on,
                 "reach" => numbers.reach = values[0].into(),
                 "patience" => numbers.confidence_rate = 256.0 - number,
                 "lost_below" => numbers.lost_below = number,

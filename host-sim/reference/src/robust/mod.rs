@@ -24,7 +24,7 @@ mod verification;
 pub use confidence::Decision;
 pub use gradients::Cells;
 pub use lighting::{free_gain, relit, threshold};
-pub use numbers::{Numbers, Parts};
+pub use numbers::Numbers;
 pub use sampling::{Lattice, Patch, Picture, Shape};
 
 use confidence::{FULL, confidence, decision, evidence, found_mean, running_mean};
@@ -119,7 +119,7 @@ impl Reference {
         let mut filter = Filter::new(&shape);
         filter.lock(&numbers, &shape, &window);
         let first = place.bbox((width, height));
-        let refiner = numbers.parts.refiner.then(|| Refiner::new(&numbers, refiner, &frame, first));
+        let refiner = numbers.refiner.then(|| Refiner::new(&numbers, refiner, &frame, first));
         Self {
             refiner,
             similarity: Similarity::new(numbers.similarity_scale),
@@ -154,18 +154,17 @@ impl Reference {
     /// The frame pixels that the next update may read around the expected place: left, top, right, bottom. Other scales may be
     /// searched anywhere in the window.
     pub fn region(&self) -> [i64; 4] {
-        let Numbers { parts, reach, scale_reach, .. } = self.numbers;
+        let Numbers { size, reach, scale_reach, cell, margin, .. } = self.numbers;
         let around = |place: Place, reach| self.region_around(place, reach);
         let centre = self.expected();
         let mut all = vec![around(centre, reach + self.margin_cells())];
-        if parts.size {
+        if size {
             let larger = |scale| around(Place { scale, ..centre }, reach + 2 * scale_reach);
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
             // The region ends at the next grid pixel beyond the search and the view's margin, at the larger scale.
             let [_, larger] = self.other_scales(centre.scale);
-            let Numbers { cell, margin, .. } = self.numbers;
             let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
             all.push(refiner.region(target, by, self.frame_size));
@@ -195,21 +194,18 @@ impl Reference {
 
     pub fn update(&mut self, frame: &[u8]) -> Step {
         let frame = Picture { pixels: frame, width: self.frame_size.0, height: self.frame_size.1 };
-        let parts = self.numbers.parts;
         let (coded, centre) = (self.filter.coded(&self.numbers), self.expected());
         let mut candidate = self.candidate(&frame, &coded, centre);
         let growth = self.refine(&mut candidate);
         let was_lost = self.decision() == Decision::Lost;
         self.mean_evidence = running_mean(&self.numbers, self.mean_evidence, candidate.evidence());
         let given_up = self.given_up();
-        if given_up {
-            self.mean_evidence = 0.0;
-        }
+        self.mean_evidence *= if given_up { 0.0 } else { 1.0 };
         let lost = decision(&self.numbers, self.mean_evidence) == Decision::Lost;
         let learned = !lost && candidate.evidence() >= self.numbers.learned_from;
         if learned {
-            let seen = lighting::light(candidate.gain, candidate.window);
-            self.light = lighting::followed(&self.numbers, self.light, seen);
+            let light = lighting::light(candidate.gain, candidate.window);
+            self.light = lighting::followed(&self.numbers, self.light, light);
             for (mean, new) in self.early.pixels.iter_mut().zip(&candidate.aligned.seen.pixels) {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
@@ -218,7 +214,7 @@ impl Reference {
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
-        if parts.size {
+        if self.numbers.size {
             candidate.place.scale = match growth {
                 Some(growth) => self.limited(candidate.place.scale + down(candidate.place.scale * growth, SCALE)),
                 None => self.best_scale(&frame, &coded, &candidate),
@@ -227,23 +223,17 @@ impl Reference {
         if !candidate.can_show {
             candidate.place = self.place;
         }
-        let followed = |to: f64, from: f64, velocity: f64| {
-            down(velocity + (to - from - velocity) * self.numbers.velocity_rate, POSITION)
-        };
-        self.velocity = (
-            followed(candidate.place.x, self.place.x, self.velocity.0),
-            followed(candidate.place.y, self.place.y, self.velocity.1),
-        );
+        let rate = self.numbers.velocity_rate;
+        let followed = |moved: f64, velocity: f64| down(velocity + (moved - velocity) * rate, POSITION);
+        let (right, below) = (candidate.place.x - self.place.x, candidate.place.y - self.place.y);
+        self.velocity = (followed(right, self.velocity.0), followed(below, self.velocity.1));
         let (cells, responses) = (candidate.cells.clone(), candidate.responses.clone());
-        let swept = lost && self.numbers.sweep > 0;
-        let followed = if given_up { 0.0 } else { candidate.evidence() };
-        let found = if swept { self.redetect(&frame, &coded, followed) } else { None };
+        let (swept, there) = (lost && self.numbers.sweep > 0, if given_up { 0.0 } else { candidate.evidence() });
+        let found = swept.then(|| self.redetect(&frame, &coded, there)).flatten();
         let is_found = found.is_some();
         if let Some(elsewhere) = found {
             (self.velocity, self.mean_evidence) = ((0.0, 0.0), found_mean(&self.numbers, elsewhere.evidence()));
-            if let Some(refiner) = &mut self.refiner {
-                refiner.begin_again(&self.numbers);
-            }
+            self.refiner.iter_mut().for_each(|refiner| refiner.begin_again(&self.numbers));
             candidate = elsewhere;
         }
         self.place = candidate.place;

@@ -1,16 +1,10 @@
 //! All numbers of the method, as its description has them.
 
-/// The parts that can be left out.
-#[derive(Clone, Copy, Debug)]
-pub struct Parts {
-    pub size: bool,
-    /// A learned network corrects the box, and can make the decision worse.
-    pub refiner: bool,
-}
-
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    pub parts: Parts,
+    /// The parts that can be left out: the scale, and the learned network that corrects the box and can make the decision worse.
+    pub size: bool,
+    pub refiner: bool,
     /// Grid: the most pixels of the template; the least step, in pixels of the frame.
     pub pixels: i64,
     pub least_step: f64,
@@ -92,15 +86,13 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// The network's opinion of the box: the most trust, the weight of a frame's trust, that weight while a bad opinion rises, and the bounds of
-    /// the decisions.
+    /// The network's opinion of the box: the most trust, the weight of a frame's trust, also while a bad opinion rises, the bounds of the decisions.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// Frames in a row with an opinion below `opinion_uncertain_below` after which the target is given up. Then the opinion that a target has
-    /// when it is found.
+    /// Frames in a row with an opinion below `opinion_uncertain_below` after which a target is given up; the opinion of one that is found.
     pub opinion_patience: i64,
     pub opinion_found: f64,
     /// The evidence from which a frame is learned.
@@ -115,7 +107,8 @@ impl Numbers {
     /// The preset `refined`: all parts.
     pub fn refined() -> Self {
         Self {
-            parts: Parts { size: true, refiner: true },
+            size: true,
+            refiner: true,
             pixels: 1600,
             least_step: 0.5,
             read_per_side: 2,
