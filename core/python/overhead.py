@@ -1,4 +1,4 @@
-"""How long a call takes beside the same update in Rust: python overhead.py
+"""Compares the time of a call with that of the update in Rust: python overhead.py
 
 The frames are 640x480 and gray. The tracker does little, so that its own time does not hide the rest. Each time is the least of 15 repetitions,
 in turn.

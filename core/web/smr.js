@@ -499,13 +499,13 @@ export class Tracker {
     }
   }
 
-  // What the call smr_`name` puts into `part` of CALL, the place of which is its last argument.
+  // Returns the value that the call smr_`name` puts into `part` of CALL, the place of which is its last argument.
   #get(name, part, ...values) {
     this.#library.call(name, this.#at, ...values, this.#library.at(part));
     return this.#library.read(part);
   }
 
-  // The same; null without a target.
+  // As `#get`; null without a target.
   #ask(...of) {
     this.#live();
     try {

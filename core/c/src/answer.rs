@@ -3,7 +3,7 @@
 use crate::frame::{smr_fine_rect, smr_rect};
 use smr_core::{Answer, State};
 
-/// What the tracker believes about its target after a frame.
+/// The tracker's belief about its target after a frame.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
@@ -28,17 +28,17 @@ pub enum smr_state {
 pub struct smr_answer {
     /// The target's box in whole pixels.
     pub bbox: smr_rect,
-    /// The same box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
+    /// The box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
     pub fine: smr_fine_rect,
-    /// Whether the box is reliable.
+    /// The state: how far the box can be relied on.
     pub state: smr_state,
     /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's
     /// tracker.
     pub scale: u32,
-    /// How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
+    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
     /// mean of 2/3 the early template's agreement and 1/3 the filter's response.
     pub confidence: u16,
-    /// How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio,
+    /// The similarity of the target in the box to the template. The paper's tracker: the similarity matching ratio,
     /// rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if there is none.

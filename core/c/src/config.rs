@@ -80,7 +80,7 @@ pub struct smr_robust_config {
     pub early_rate: u16,
 }
 
-/// Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+/// A tracker's code and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
 /// #smr_config_refined first, then change the numbers that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

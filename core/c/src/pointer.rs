@@ -57,7 +57,7 @@ impl<T> Out<T> {
 /// Checks that `size` bytes from `bytes` on can be an object and share no byte with the `taken` memory of a tracker.
 ///
 /// # Errors
-/// Those of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.
+/// The errors of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.
 pub(crate) fn check_bytes(bytes: *const u8, size: usize, taken: &[Range<usize>; 2]) -> Result<(), smr_status> {
     check(bytes)?;
     if isize::try_from(size).is_err() {

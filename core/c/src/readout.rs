@@ -10,7 +10,7 @@ use core::{ptr, slice};
 use smr_core::Rect;
 use smr_core::readout::{Format, Readout, ReadoutError};
 
-/// How a camera sends its pixels.
+/// The format in which a camera sends its pixels.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_format {
@@ -23,7 +23,7 @@ pub enum smr_format {
     /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B
     /// + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
     SMR_RGB565_BE = 3,
-    /// The same with the low byte first.
+    /// RGB565 with the low byte first.
     SMR_RGB565_LE = 4,
     /// One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has
     /// half the width and half the height.
@@ -72,7 +72,7 @@ pub struct smr_readout {
 }
 
 impl smr_readout {
-    /// What is at `from`. An interrupt may change `next` and `line`: the one is read at once, the other not at all.
+    /// Reads the value at `from`. An interrupt may change `next` and `line`: the one is read at once, the other not at all.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.

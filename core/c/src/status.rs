@@ -7,7 +7,7 @@ use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, Sav
 /// Defines the enum and the table of names and texts.
 macro_rules! statuses {
     ($($(#[doc = $text:literal])+ $name:ident = $number:literal,)+) => {
-        /// How a call ended. The header contains the texts as well.
+        /// The result of a call. The header contains the texts as well.
         #[repr(i32)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum smr_status {

@@ -1,4 +1,4 @@
-//! What the browser's page shows of the inside of a tracker: the counted work and the robust tracker's response map.
+//! The inside of a tracker that the browser's page shows: the counted work and the robust tracker's response map.
 //! The header does not declare these calls, and they may change in any version.
 
 use crate::frame::smr_frame;

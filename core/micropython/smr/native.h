@@ -1,4 +1,4 @@
-// What smr.c needs of MicroPython in a native module (smr.mpy), where py/dynruntime.h is all there is. A few functions of the runtime are missing
+// The parts of MicroPython that smr.c needs in a native module (smr.mpy), where py/dynruntime.h is all there is. A few functions of the runtime are missing
 // there, and get their names here.
 
 #include <stdarg.h>
@@ -15,7 +15,7 @@ void *m_malloc0(size_t size) {
     return memset(m_malloc(size), 0, size);
 }
 
-// What Rust calls on a host. GCC would make a call of each loop.
+// Functions that Rust calls on a host. GCC would make a call of each loop.
 __attribute__((optimize("no-tree-loop-distribute-patterns"))) size_t strlen(const char *text) {
     size_t length = 0;
     while (text[length] != 0) {

@@ -4,7 +4,7 @@
 // Memory is on MicroPython's heap. What a tracker remembers is in its Python object, because the garbage collector moves nothing. The scratch
 // memory of each kind of tracker, and the gray pixels of a camera in color, are allocated once and shared; a root pointer keeps them.
 //
-// The same source makes a part of the firmware and a native module, which is a file.
+// This source makes a part of the firmware, or a native module, which is a file.
 
 #ifdef MICROPY_ENABLE_DYNRUNTIME
 #include "native.h"
@@ -31,7 +31,7 @@ typedef struct {
     uint8_t storage[] __attribute__((aligned(SMR_ALIGNMENT)));
 } tracker_t;
 
-// What all trackers share.
+// The memory that all trackers share.
 typedef struct {
     void *workspaces[2]; // of Paper and of Robust
     uint8_t *pixels; // gray pixels of the windows

@@ -85,7 +85,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// So many of the first frames; none of a live source.
+    /// The first `count` frames; none of a live source.
     fn first(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Frame>> {
         let read = || open(&self.path)?.frames.take(count).collect::<anyhow::Result<_>>();
         if self.is_live { Ok(Vec::new()) } else { py.detach(read).map_err(refused) }

@@ -1,4 +1,4 @@
-"""What the tests share: the program host-sim, recordings, and the programs of the package."""
+"""Fixtures of the tests: the program host-sim, recordings, and the programs of the package."""
 
 import json
 import os

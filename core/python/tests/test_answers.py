@@ -84,7 +84,7 @@ def test_update_is_follow_in_short(make, synthetic):
 
 
 def layouts(gray):
-    """The same picture in other layouts of memory."""
+    """Returns the picture in other layouts of memory."""
     height, width = gray.shape
     wide = np.zeros((height + 5, width + 9), np.uint8)
     wide[3:-2, 4:-5] = gray
@@ -183,7 +183,7 @@ def test_a_target_goes_on_in_c_and_back(tmp_path):
         files = [tmp_path / name for name in ("frame", "saved", "new")]
         said = subprocess.run([program, *files], check=True, capture_output=True, text=True).stdout
         assert said.strip() == words
-    # The same frame and box: the same bytes as in Python.
+    # host-sim saves the same bytes for this frame and box.
     tracker = smr.Robust("robust")
     tracker.init(frame, (40, 30, 40, 40))
     saved = (tmp_path / "new").read_bytes()

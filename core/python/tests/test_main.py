@@ -129,7 +129,7 @@ def test_a_video_file_is_followed_in_color(tmp_path):
     assert (recording.size, recording.fps, len(recording)) == ((160, 120), pytest.approx(25, abs=0.1), 20)
     ran = run("smr", path, "--box", "36,24,24,28", "--json")
     assert (ran.returncode, ran.stderr) == (0, "")
-    # What a user of OpenCV would write.
+    # A program as a user of OpenCV writes it.
     capture = cv2.VideoCapture(path)
     answers = followed(smr.Robust(), [capture.read()[1] for _ in frames], (36, 24, 24, 28))
     assert [line["fine"] for line in lines(ran.stdout)[1:]] == [answer.fine_box._asdict() for answer in answers]

@@ -48,7 +48,7 @@ def test_examples_run(monkeypatch, tmp_path, synthetic):
         video.write(color)
     video.release()
     monkeypatch.chdir(tmp_path)
-    # What a person would drag.
+    # A box as a person drags it.
     monkeypatch.setattr(cv2, "selectROI", lambda frame: tuple(map(int, box)), raising=False)
     names = {}
     assert len(BLOCKS) == 4

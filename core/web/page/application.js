@@ -75,7 +75,7 @@ function visitNamed() {
 
 // ---- what the user draws
 
-// Where the target is, or the middle.
+// The box to begin with: the target's, or the middle of the picture.
 function startBox() {
   const { x, y, width, height } = viewport.seen;
   return whole(boxOf(edits.chosen)?.box ?? { x: x + width * 0.375, y: y + height * 0.375, width: width / 4, height: height / 4 });
@@ -287,7 +287,7 @@ function trailOf(target) {
   return (number) => (isThere(boxIn(target, number)) ? boxIn(target, number).box : null);
 }
 
-// What is followed or moved by keys stays in view.
+// Keeps the target that is followed or moved by keys in view.
 function follow() {
   const box = proposed ?? boxOf(edits.chosen)?.box;
   if (viewport.zoom > 1 && box && !drag.isPointing && (playback.isPlaying || proposed !== null)) {

@@ -15,7 +15,7 @@ const BASE = new URL("../../../host-sim/pages/src/report/base.css", import.meta.
 const text = (name) => readFileSync(new URL(name, import.meta.url), "utf8");
 const hash = (content) => `'sha256-${createHash("sha256").update(content).digest("base64")}'`;
 
-// What no script can do even if it wanted to: the page can neither load nor send anything.
+// The page's policy: no script can load or send anything.
 function policy(style, script) {
   return [
     "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, "worker-src blob:", `style-src ${hash(style)}`, "img-src data:",
@@ -29,7 +29,7 @@ function carried(worker) {
   return [["worker.js", worker], ...modules].map(packed).join("\n");
 }
 
-// What would end the element.
+// Text that would end the element.
 function inScript(script) {
   if (/<\/script|<!--/i.test(script)) {
     throw new Error("a script has what ends its element: </script or <!--");

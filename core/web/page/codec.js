@@ -1,4 +1,4 @@
-// What a video file is, if the browser cannot play it: the file says it in its first or last bytes.
+// The codec of a video file that the browser cannot play: the file says it in its first or last bytes.
 
 // The start of a file, and where its list of codecs is at the latest: phones write it at the end.
 const HEAD = 1 << 20, TAIL = 8 << 20;

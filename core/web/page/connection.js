@@ -10,7 +10,7 @@ export class Connection {
   #sending = Promise.resolve();
 
   /**
-   * What there is to see: its name and size, `live`, the number of its first frame and of all `frames`, their `times` in
+   * The source: its name and size, `live`, the number of its first frame and of all `frames`, their `times` in
    * seconds or their `rate` as far as they are known, the targets, the method that follows them, and what can be saved.
    */
   async open() {

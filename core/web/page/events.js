@@ -1,4 +1,4 @@
-// What happened to a target, and when: its locks, corrections, losses and doubts, in a list that can be clicked.
+// The events of a target with their frames: locks, corrections, losses and doubts, in a list that can be clicked.
 
 import { htmlNode } from "./dom.js";
 

@@ -40,7 +40,7 @@ export function drawMade(place, { id, name, done, file, error, cancelled }, canc
   }
 }
 
-// What is there stays, so that the button keeps the focus.
+// Keeps the nodes that are there, so that the button keeps the focus.
 function drawProgress(line, { id, name, done }, cancel) {
   if (line.querySelector("progress") === null) {
     line.replaceChildren(`${name} `, htmlNode("progress", { max: 1, "aria-label": name }), button("Cancel", { "aria-label": `Cancel ${name}` }, () => cancel(id)));

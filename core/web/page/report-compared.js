@@ -1,4 +1,4 @@
-// What the trackers compared in a frame: templates, differences, and how many pixels differ by how much.
+// The comparisons of the trackers in a frame: templates, differences, and how many pixels differ by how much.
 
 import { byId, htmlNode, sample, svgNode } from "./dom.js";
 import { placeOf } from "./events.js";

@@ -177,7 +177,7 @@ function drawPicture() {
   byId("stage").dataset.frame = playback.shown;
 }
 
-// Where it is narrow, the player lies over the room that it takes, and gets smaller when that is scrolled away: what is below does not jump.
+// In a narrow window the player lies over the room that it takes, and gets smaller when that is scrolled away: what is below does not jump.
 function fit() {
   const [screen, room, stage] = ["screen", "room", "stage"].map(byId);
   const high = (pixels) => stage.style.setProperty("--high", pixels);

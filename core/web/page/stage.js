@@ -92,7 +92,7 @@ function outline(context, place, { color, line, dash = [], offset = 0 }) {
 
 function handles(context, [x, y, width, height], color) {
   const widest = matchMedia("(pointer: coarse)").matches ? WIDE_HANDLE : HANDLE;
-  // What is in a small box is to be seen.
+  // The handles of a small box are small, so that its content is seen.
   const side = Math.max(Math.min(widest, width / 4, height / 4), 4);
   for (const across of [0, 0.5, 1]) {
     for (const down of [0, 0.5, 1]) {

@@ -9,7 +9,7 @@ const WORST_LAST = [undefined, "tracking", "leaving", "uncertain", "lost"];
 // The number of states that one drawing asks for: more of them, of a long video, are seen in the next drawings.
 const BUDGET = 10_000;
 const EDGE = 8, MARKS = 11, STRIP = 7, CHOSEN = 13, GAP = 2, BELOW = 6, LEAST_HEIGHT = 32;
-// How long the head stays where the user put it, if that frame does not come.
+// Milliseconds for which the head stays where the user put it, if that frame does not come.
 const PATIENCE_MS = 1000;
 
 /** The worst state in each of `count` columns, in which the frames from `first` to `last` lie. */

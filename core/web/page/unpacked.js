@@ -1,4 +1,4 @@
-// What build.mjs packs: deflated, in Base64.
+// Unpacks the files that build.mjs packs: deflated, in Base64.
 
 /** The bytes of packed text, as a Response. */
 export function unpacked(text) {

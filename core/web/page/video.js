@@ -458,7 +458,7 @@ export class Video {
     this.#send();
   }
 
-  // What waits before the picture that is asked for came by playing, before a seek went past it.
+  // Pictures that wait before the requested one came by playing, before a seek went past them.
   #send() {
     while (this.#asked !== null && this.#queue.length > 0) {
       const { number, picture, time } = this.#queue.shift();

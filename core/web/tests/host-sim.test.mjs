@@ -1,4 +1,4 @@
-// What JavaScript answers is what host-sim answers on the same pixels, in gray and in colors, and host-sim replays what JavaScript has recorded.
+// JavaScript answers as host-sim does on the same pixels, in gray and in colors, and host-sim replays what JavaScript has recorded.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";

@@ -1,4 +1,4 @@
-// Where the tests find what `.ci/web` has built, and the recordings that they follow.
+// The paths of the files that `.ci/web` has built, and the recordings that they follow.
 
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";

@@ -72,7 +72,7 @@ export function onPage(name, run, options) {
   });
 }
 
-// What is not in view is not drawn: so all of it is.
+// A browser does not draw what is out of view: so the whole page is in view.
 export async function shoot(page, name, width) {
   await page.size(width, await page.value(`document.documentElement.scrollHeight`));
   await new Promise((resolve) => setTimeout(resolve, 400));

@@ -12,7 +12,7 @@ import { initsOf, optionsOf, quoted, typed } from "../page/command.js";
 import { scene } from "../page/scene.js";
 import { HOST_SIM, PACKAGE, converted } from "./library.mjs";
 
-// What modules ask a browser for as soon as they are there.
+// The parts of a browser that modules ask for when they are loaded.
 globalThis.ResizeObserver = class {};
 globalThis.matchMedia = () => ({ addEventListener() {} });
 const { BuiltIn } = await import("../page/built-in.js");

@@ -1,4 +1,4 @@
-// How fast the page is, and whether it takes more memory with time: a camera of 640x480 at 60 frames a second, two targets.
+// Measures the speed of the page, and its memory over time: a camera of 640x480 at 60 frames a second, two targets.
 //
 //   SMR_HOST_SIM=... node core/web/tests/page-speed.mjs [FRAMES]          default: 3000
 
@@ -50,7 +50,7 @@ const tried = (read) => {
     return undefined;
   }
 };
-// Of a process or a thread, after its name.
+// The fields of a process or a thread, after its name.
 const fields = (file) => readFileSync(file, "utf8").split(") ").at(-1).split(" ");
 const isRenderer = (pid) => tried(() => readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("--type=renderer")) ?? false;
 

@@ -98,7 +98,7 @@ const commands = (page, pattern) => page.until(`${pattern}.test(document.getElem
 const says = (page, id, pattern) => page.until(`${pattern}.test(document.getElementById("${id}").textContent) && !document.getElementById("${id}").hidden`);
 const isAt = (page, number) => page.until(`document.getElementById("place").value.startsWith("frame ${number} of ")`);
 const focus = (page) => page.value(`document.getElementById("stage").focus()`);
-// What the line says has arrived at host-sim.
+// True when host-sim has received the command in the line.
 const HEARD = `fetch("source").then((answer) => answer.json()).then(({ targets, method, options }) => {
   const line = document.getElementById("track").textContent;
   const inits = targets.flatMap(({ locks }) => locks.map(({ frame, box }) => (box?.join() ?? "gone") + (frame === 1 ? "" : "@" + frame)));

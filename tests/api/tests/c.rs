@@ -62,7 +62,7 @@ fn statuses() -> String {
     let mut text = String::from(
         "
 /**
- * How a call ended. The numbers never change; later versions may add new ones.
+ * The result of a call. The numbers never change; later versions may add new ones.
  *
  * A call that returns an error changes nothing, except that #smr_init sets `*tracker` to NULL and a read-out notes the line.
  */

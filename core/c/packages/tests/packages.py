@@ -12,7 +12,7 @@ out = sys.argv[1]
 
 
 class Environment(dict):
-    """What choose_archive.py asks PlatformIO for."""
+    """PlatformIO as choose_archive.py asks it."""
 
     added = None
 

@@ -76,7 +76,7 @@ fn a_packing_does_not_compile() {
     }
 }
 
-/// What a size of the header is on 32 bits, with other capacities than those of this library.
+/// The value of a size of the header on 32 bits, with other capacities than those of this library.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
     let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;

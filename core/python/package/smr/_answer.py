@@ -1,11 +1,11 @@
-"""What trackers answer."""
+"""Answers of trackers."""
 
 import enum
 from typing import NamedTuple, Optional, Union
 
 
 class State(str, enum.Enum):
-    """What the tracker believes about its target after a frame. Its value is the word that host-sim prints."""
+    """The tracker's belief about its target after a frame. Its value is the word that host-sim prints."""
 
     TRACKING = "tracking"
     LEAVING = "leaving"
@@ -48,17 +48,17 @@ class FineBox(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """Where the target is, and how reliable that is. Confidence and ratios are 0 to 1."""
+    """The place of the target, and its reliability. Confidence and ratios are 0 to 1."""
 
     box: Box
-    """Where the target is. When it is lost, `Paper` gives the last box that it accepted, `Robust` its best guess."""
+    """The box of the target. When it is lost, `Paper` gives the last box that it accepted, `Robust` its best guess."""
     fine_box: FineBox
-    """The same box, finer. `Paper` always gives whole pixels."""
+    """The box with fractions of a pixel. `Paper` always gives whole pixels."""
     state: State
     confidence: float
-    """How sure the tracker is of the box."""
+    """The confidence in the box."""
     ratio: float
-    """How similar the target in the box is to the template: `Paper` gives the similarity matching ratio."""
+    """The similarity of the target in the box to the template: `Paper` gives the similarity matching ratio."""
     runner_up_ratio: Optional[float]
     """The ratio of the runner-up, or None if no decision depended on it. Always None from `Robust`."""
     alpha: Optional[int]

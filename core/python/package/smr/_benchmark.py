@@ -23,7 +23,7 @@ def inside(box, frame):
 
 
 class Target:
-    """What a tracker follows. `box` is where it is, or was when it was seen last; `confidence` is 0 while it is lost."""
+    """A target that a tracker follows. `box` is where it is, or was when it was seen last; `confidence` is 0 while it is lost."""
 
     def __init__(self, tracker, frame, box):
         self.box, self.confidence = inside(box, frame), 1.0

@@ -228,7 +228,7 @@ class Camera:
     def send_stream(self):
         height, width = self.frame.shape[:2]
         kind, _, address = self.stream.partition("://")
-        # Of a stream over UDP only the port matters, at which the ground station listens.
+        # A stream over UDP has only a port: the ground station listens there.
         address = (address.rpartition(":")[2] if kind == "udp" else self.stream).encode()
         about = STREAMS[kind], mavlink.VIDEO_STREAM_STATUS_FLAGS_RUNNING, 1 / self.period if self.period else 0, width, height
         self.connection.mav.video_stream_information_send(1, 1, *about, 0, 0, 0, b"smr", address)

@@ -107,7 +107,7 @@ impl Config {
         self.backend.unwrap_or_else(Backend::best)
     }
 
-    /// Whether the refiner corrects the box. False in a build without it.
+    /// True if the refiner corrects the box. False in a build without it.
     pub(super) const fn refines(&self) -> bool {
         cfg!(feature = "refiner") && self.refiner
     }

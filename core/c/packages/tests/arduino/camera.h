@@ -23,7 +23,7 @@ public:
   {
     for (int y = 0; y < 240; y++) {
       for (int x = 0; x < 320; x++) {
-        // The same five bits in red, green and blue are a gray pixel.
+        // Red, green and blue with the same five bits are a gray pixel.
         int level = square_level(x, y, taken);
         int pixel = level << 11 | level << 6 | level;
         buffer.getBuffer()[(y * 320 + x) * 2] = static_cast<uint8_t>(pixel >> 8);
