@@ -1,4 +1,4 @@
-//! The small recordings in `vectors/`, with an answer to each frame: smr-core gives these answers at once, in steps, and restored in between, and
+//! The small recordings in `vectors/`, with an answer to each frame: smr-core gives these answers in one call, in steps, and saved and restored between frames;
 //! the paper's tracker also answers as the float reference. `SMR_RECORD=1 cargo test -p smr-tests conformance` writes them anew.
 
 use host_sim::check::Check;
@@ -59,7 +59,7 @@ fn saved<T: Recorded>(tracker: &Tracker<T>) -> Vec<u8> {
     saved
 }
 
-/// The record that smr-core writes now for the same frames, with the saved target at the end of each flight.
+/// Runs smr-core on the frames of the record `old`, and returns the new record, with the saved target at the end of each flight.
 fn anew<T: Recorded>(old: &[u8], rest: T::Config) -> Vec<u8> {
     let bytes = RefCell::new(Vec::new());
     let write = |piece: &[u8]| {

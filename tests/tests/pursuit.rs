@@ -20,7 +20,7 @@ const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 const FOCAL_LENGTH_PIXELS: f64 = 160.0;
 const FRAME_SECONDS: f64 = 1.0 / 30.0;
-/// Length of the target's sides, in pixels at the centre.
+/// Sides of the target in pixels, when it is in the middle of the picture.
 const TARGET_PIXELS: u16 = 48;
 const SERVO_DEGREES_PER_SECOND: f64 = 300.0;
 const RETURN_RADIANS_PER_SECOND: f32 = 0.5;

@@ -22,8 +22,8 @@ pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usi
 /// signs. The header leaves room for them, so that it fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
-/// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words for each offset, a table and the fixed
-/// fields.
+/// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words of 32 bits for each offset, 22 words and
+/// 672 bytes of other fields, and the larger table.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 

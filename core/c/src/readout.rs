@@ -125,7 +125,7 @@ impl smr_readout {
         Ok(readout)
     }
 
-    /// Windows that were checked, in a frame.
+    /// The two parts of a frame that the read-out fills; they passed the checks of its start.
     fn parts(&self) -> [smr_part; 2] {
         let [first, second] = self.windows.map(Rect::from);
         let first = smr_part::of(self.pixels, first);

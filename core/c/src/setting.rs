@@ -107,7 +107,7 @@ pub struct smr_setting {
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
-    /// The values in the configuration, then zeros.
+    /// The values in the configuration; unused entries are 0.
     pub values: [u16; 4],
 }
 

@@ -33,7 +33,7 @@ fn edges() -> [usize; 3] {
     edges
 }
 
-/// virt has one memory of 128 MB: only the first area is at an edge.
+/// QEMU's machine `virt` has one memory of 128 MB: only the first area of the test lies at its end.
 #[cfg(target_arch = "riscv32")]
 fn edges() -> [usize; 3] {
     const END: usize = 0x8800_0000;

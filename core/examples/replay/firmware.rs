@@ -29,7 +29,7 @@ trait Replayed: Recorded {
     type Buffer: AsMut<[u8]>;
     const BUFFER: Self::Buffer;
 
-    /// The plain loops with the feature `plain`, else the fastest backend.
+    /// The settings that a record does not hold: with the feature `plain` the plain loops, else the fastest backend.
     fn rest() -> Self::Config;
 }
 

@@ -102,7 +102,7 @@ impl Setting {
 /// # Ok::<(), ConfigError>(())
 /// ```
 pub trait Settings: Numbers {
-    /// All settings, in the order of the record.
+    /// All settings, in the order in which records and saved targets hold them.
     const SETTINGS: &'static [Setting];
     /// A description of each, in one or two sentences.
     const TEXTS: &'static [&'static str];
@@ -174,7 +174,7 @@ pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     /// The count of numbers.
     const COUNT: usize;
-    /// The least count in a record: the last number is left out if it is 0.
+    /// The count in a record whose last number is 0: that number is left out.
     const LEAST: usize;
     /// The name of the setting that each number belongs to.
     const NAMES: &'static [&'static str];

@@ -138,9 +138,9 @@ mod tests {
             (&[], &[], 0.0, 0.0),
             // Two frames right, one far away, one without an answer.
             (&[near, near, far, None], &[near; 4], 10.0, 0.5),
-            // 5 to the right: 50 of 150, above 0, 0.05, ... 0.30.
+            // 5 to the right: the IoU is 50 / 150, above the thresholds 0, 0.05, ... 0.30.
             (&[at(5.0, 0.0)], &[near], 7.0, 1.0),
-            // 6 to the right: 40 of 160. 0.25 is not above 0.25.
+            // 6 to the right: the IoU is 40 / 160, which is not above the threshold 0.25.
             (&[at(6.0, 0.0)], &[near], 5.0, 1.0),
             // Centres 20 pixels apart are near, farther ones are not; IoU is 0, so no threshold is passed.
             (&[at(12.0, 16.0)], &[near], 0.0, 1.0),

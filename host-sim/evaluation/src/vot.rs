@@ -1,5 +1,5 @@
-//! The figure of VOT's long-term challenge: Lukezic et al., *Now you see me: evaluating performance in long-term visual
-//! tracking*, 2018. F over thresholds of the confidence that the tracker reports.
+//! The score of VOT's long-term challenge: Lukezic et al., *Now you see me: evaluating performance in long-term visual
+//! tracking*, 2018. The score is the highest F of a recording.
 //!
 //! At a threshold, only answers with at least this confidence count, and they are not normalised:
 //!

@@ -285,7 +285,7 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if [`open`] can take `path`, as far as names tell. A folder that only holds recordings in folders of their own is none.
+/// True if [`open`] can take `path`, as far as names tell. A folder of folders with recordings is not one.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
@@ -315,7 +315,7 @@ fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     Ok((truth, init))
 }
 
-/// Returns the box to start from beside a file, for callers that read its frames without [`open`].
+/// Returns the start box that the folder of a file holds, for callers that read the frames without [`open`].
 pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }

@@ -179,7 +179,7 @@ impl Pictures {
         Ok(Some(Picture { size, moment, bytes, is_doubtful }))
     }
 
-    /// Errors: ffmpeg has complained.
+    /// Errors: ffmpeg has reported damage. A damaged packet counts only if frames are missing.
     pub fn verdict(&mut self) -> Result<()> {
         self.ffmpeg.verdict(self.times.has_gap)
     }

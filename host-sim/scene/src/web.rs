@@ -1,4 +1,4 @@
-//! The street as JavaScript calls it: `core/web/page/worker.js`.
+//! The functions by which JavaScript (`core/web/page/worker.js`) draws the street.
 
 use crate::street::Street;
 

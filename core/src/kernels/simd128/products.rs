@@ -116,8 +116,8 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Adds the products of a row of errors to the eight sums at `sums`, where `mask` is set. `first` is the cell under the
-/// first of these sums at the first offset.
+/// Multiplies a row of errors by cells, and adds the products to those of the eight sums at `sums` whose lane is set in `mask`.
+/// `first` is the cell by which the first error is multiplied for the first sum.
 ///
 /// # Safety
 /// Eight cells can be read at each offset, and eight sums written.

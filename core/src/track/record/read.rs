@@ -83,7 +83,7 @@ pub enum Entry<'a> {
         frame: Frame<'a>,
         /// The pixels that the update reads.
         window: Rect,
-        /// The second window, if there is one.
+        /// The rectangle around the windows of the sweep, if the update may read it.
         sweep: Option<Rect>,
     },
     /// The answer of the update.

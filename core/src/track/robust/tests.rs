@@ -36,7 +36,7 @@ fn a_target_of_any_size_costs_about_the_same() {
         let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
         let target = Rect::new(left, top, across, down);
         work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
-        // The scale search and the refiner run only where the early template gives no exact place and size.
+        // Compared without scale search and refiner, which run only in some frames, and with one window of the sweep.
         work_of(Config { refiner: false, size: false, sweep: 1, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];

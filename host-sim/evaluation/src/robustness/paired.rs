@@ -91,9 +91,9 @@ impl FormerRow {
     }
 }
 
-/// Makes the table of mean differences. A method is compared with the one of its name in `former`, or with the first
-/// one there if its name is missing; without `former`, with the first method of `tables`.
-/// Errors: The former measurement has other starts, or none of these recordings.
+/// Makes the table of mean differences between methods. `former` is an earlier measurement: a method is compared with the
+/// method of its name there, or else with the first one there. Without `former`, all are compared with the first of `tables`.
+/// Errors: `former` was measured from other starts, or shares no recording with `tables`.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =
         Head::list(&[("", "paired difference"), ("tracker", ""), ("against", ""), ("recordings", "recordings")]);

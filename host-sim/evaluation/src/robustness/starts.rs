@@ -137,11 +137,11 @@ mod tests {
             let boxes = boxes.map(|Rect { x, y, width, height }| [x, y, width.into(), height.into()]);
             assert_eq!(boxes.collect::<Vec<_>>(), expected);
         };
-        // Before rounding, the scaled boxes are 10.5, 5.6, 19, 22.8 and 9.5, 4.4, 21, 25.2.
+        // Before they are rounded, the boxes scaled by 0.95 and 1.05 are 10.5,5.6,19,22.8 and 9.5,4.4,21,25.2.
         near("10,5,20,24", [[10, 5, 20, 24], [12, 5, 20, 24], [10, 7, 20, 24], [11, 6, 19, 23], [10, 4, 21, 25]]);
-        // 10.4 + 2 is 12; rounded first, 10.4 would be 10, and 19.6 * 0.95 = 18.62 would be 20 * 0.95 = 19. 9.91, 5.375, 20.58, 9.45.
+        // Boxes are rounded after they are moved and scaled: here from 10.89,5.825,18.62,8.55 and 9.91,5.375,20.58,9.45.
         near("10.4,5.6,19.6,9", [[10, 6, 20, 9], [12, 6, 20, 9], [10, 8, 20, 9], [11, 6, 19, 9], [10, 5, 21, 9]]);
-        // Before rounding, the scaled boxes are 40.5, 1, 19, 38 (wholly inside) and 39.5, -1, 21, 42.
+        // Before they are rounded, the scaled boxes are 40.5,1,19,38 (wholly inside) and 39.5,-1,21,42.
         near("40,0,20,40", [[40, 0, 20, 40], [42, 0, 18, 40], [40, 2, 20, 38], [41, 1, 19, 38], [40, 0, 20, 40]]);
         assert_eq!(targets(Starts::Given, "10,5,20,24"), [Rect::new(10, 5, 20, 24)]);
     }

@@ -17,7 +17,7 @@ pub(super) struct Entrant {
     pub look: usize,
     #[serde(skip)]
     pub answers: Vec<Option<BoundingBox>>,
-    /// Index of its method; `None` for a file.
+    /// Index of the method that was run; `None` if the answers come from a file.
     pub method: Option<usize>,
 }
 

@@ -26,7 +26,7 @@ const GATHERING: Duration = Duration::from_millis(40);
 
 /// Requests of a page that need the options of the command line.
 pub trait Wish: Send + Sync {
-    /// Returns the trackers of a method with these options.
+    /// Returns a method with these options, from which trackers are made.
     fn variant(&self, method: &str, options: &Map<String, Value>) -> Result<Variant>;
 
     /// Returns the name and the bytes of a file with the boxes.

@@ -146,7 +146,7 @@ impl Run {
                 "ble 2b",
                 "cmp r9, #3",
                 "beq 4f",
-                // One or two outputs are left: goes back to the last three.
+                // One or two outputs are left: steps back, and computes the last three of the row together.
                 "ldrd r7, lr, [r6]",
                 "sub r7, r7, r9, lsl #2",
                 "str r7, [r6]",

@@ -43,7 +43,7 @@ pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     columns * rows * SAMPLED + most_read(columns, rows)
 }
 
-/// The most work: the view, the alignments, and the agreement.
+/// The most work of a verification: sampling the view, scoring the alignments, relighting twice, and the agreement.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
     most_of_a_view(extent) + agreement * extent.pixels()
@@ -95,7 +95,7 @@ pub(crate) struct Comparison {
     contrast: Contrast,
     /// The contrast of the search window, in units of 1/16 gray level.
     window: u32,
-    /// The gain that is expected by the window's contrast, and the gain of the last relighting, in units of 1/256.
+    /// The gain that the window's contrast makes likely, and the gain with which the template was relit last, in units of 1/256.
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,
@@ -116,7 +116,7 @@ impl Comparison {
         }
     }
 
-    /// Measures the template's contrast, before an update.
+    /// Begins an update: copies the template, and measures its contrast.
     pub(crate) fn begin(&mut self, early: &Early<'_>) {
         early.template.copy_to(&mut self.relit);
         self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);

@@ -62,7 +62,7 @@ impl Light {
         ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
     }
 
-    /// The light after a frame whose light is `new`.
+    /// Moves the followed light by 1/8 of the way to `new`, the light of a frame.
     pub(crate) fn following(self, new: Self) -> Self {
         Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> FOLLOWED))
     }
