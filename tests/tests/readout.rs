@@ -26,8 +26,8 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines of a sensor that sees a picture, with three bytes after each. They hold the pixels of the picture, which the format
-/// may make wider or higher.
+/// The lines that a sensor sends of a picture, each with three more bytes at its end. Some formats send more columns or lines than
+/// the picture has.
 struct Sensor {
     format: Format,
     /// Columns and lines.

@@ -59,7 +59,7 @@ pub struct smr_readout {
     pub columns: u16,
     /// Lines of the sensor.
     pub lines: u16,
-    /// The line after the last one that came. Written after its pixels.
+    /// The number of the next line. It grows after the pixels of a line are written.
     pub next: u16,
     /// The line that the last error SMR_ERROR_LINE_... is about.
     pub line: u16,

@@ -21,7 +21,7 @@ pub(crate) struct RowsOfRanges<'a> {
 pub(crate) struct Blocks<'a> {
     pub(crate) low: &'a [u8],
     pub(crate) high: &'a [u8],
-    /// The index of the range that the first pixel of a template is compared with.
+    /// The index, in `low` and `high`, of the range of the template's first pixel.
     pub(crate) start: usize,
     /// Bytes from row to row, a multiple of four.
     pub(crate) stride: usize,

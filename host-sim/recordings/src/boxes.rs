@@ -142,7 +142,7 @@ pub enum Form {
     Tld,
     /// x,y,width,height, the first pixel being 1, or NaN,NaN,NaN,NaN
     Otb,
-    /// x,y,width,height, or 0
+    /// x,y,width,height, or 0 alone for no box
     Vot,
 }
 

@@ -12,7 +12,7 @@ const SEPARATORS: [(&str, &str); 4] = [(",", "commas"), ("x", "an x"), ("..", "t
 /// Characters typed in place of separators.
 const TYPED: [&str; 11] = [" ", ";", ":", "*", "...", "..=", "-", "X", "x", ",", "/"];
 
-/// `--frames -5..` as clap reads it: a value that begins with a digit behind its dash is no option.
+/// Joins `--frames -5..` to one argument: clap would take `-5..` for an option. A dash and a digit begin a value.
 pub(super) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let mut all: Vec<OsString> = Vec::new();
     let mut is_over = false;

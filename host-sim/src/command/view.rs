@@ -282,7 +282,7 @@ impl Wish for Desk {
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
         let (reached, _) = followed.reached(known.frames);
-        // Targets that are gone may have frames after the last answer.
+        // If all targets are gone, frames follow the last answer.
         for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);

@@ -31,7 +31,7 @@ const A_TICK: u64 = 100;
 #[derive(Debug, clap::Parser)]
 #[command(version, max_term_width = 120)]
 struct Qemu {
-    /// The board: the Cortex-M3 for firmware of a Cortex-M0+, the Cortex-M4, M7 and M55, RV32IMAC
+    /// The board, in this order: Cortex-M3 (for firmware of a Cortex-M0+), M4, M7, M55, RV32IMAC
     #[arg(long, default_value = "mps2-an386", overrides_with = "machine")]
     #[arg(value_parser = ["mps2-an385", "mps2-an386", "mps2-an500", "mps3-an547", "virt"])]
     machine: String,

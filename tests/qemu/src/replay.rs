@@ -172,7 +172,7 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
     differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")
 }
 
-/// Words the reason that the firmware gives as a number, as in `core/examples/replay`.
+/// Returns the text of a reason that the firmware gives as a number, as in `core/examples/replay`.
 fn reason(why: u32) -> &'static str {
     match why {
         1 => "it finds no entry of a record where it expects one",

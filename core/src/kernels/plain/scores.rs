@@ -48,8 +48,8 @@ impl Scores for Plain<'_> {
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
-        // On this target the plain loop hardly ever runs, so one loop is enough: if both bounds are the patch, the
-        // bound of the score is the score.
+        // The plain loop hardly ever runs on this target, so it shares the loop of bounds: with the patch as the lower
+        // and the upper bound, that loop gives the score.
         return score_between_at_least(patch, patch, template, table, floor);
     }
     let mut reachable = most(patch, template);

@@ -1,4 +1,4 @@
-//! A cache of frames by their numbers, up to a size: then those farthest from the newest go.
+//! A cache of frames by their numbers. Beyond its size it drops the frames whose numbers are farthest from the last one.
 
 use std::collections::BTreeMap;
 

@@ -16,7 +16,7 @@ impl Part {
     }
 }
 
-/// Most void parts that are remembered. A page that has seen none of them begins anew.
+/// The most void parts that are remembered. A page that has seen none of these begins anew.
 const MOST_VOID: usize = 1000;
 /// The most lines for the user that are remembered.
 const MOST_SAID: usize = 4;

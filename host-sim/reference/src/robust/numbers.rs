@@ -86,7 +86,7 @@ pub struct Numbers {
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// The network's opinion of the box: the most trust, the weight of a frame's trust, also while a bad opinion rises, the bounds of the decisions.
+    /// Opinion: the most trust; the weight of a frame's trust; that weight while a bad opinion rises; the bounds of the two decisions.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,

@@ -147,7 +147,7 @@ impl Block {
         Self { side, read: (0..parts).map(middle).collect() }
     }
 
-    /// The middle of the pixels that are read, from the block's first pixel.
+    /// The mean position of the pixels that are read, counted from the block's first pixel.
     fn middle(&self) -> f64 {
         mean(self.read.iter().map(|&at| real(at)))
     }
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(read(2), (vec![0, 1], 0.5));
         assert_eq!(read(4), (vec![1, 3], 2.0));
         assert_eq!(read(1024), (vec![256, 768], 512.0));
-        // Only the second and the fourth of each four columns, and the last row.
+        // Reads only the second and the fourth of each four columns, and the last row.
         let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
         let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, step_down: 4.0, columns: 2, rows: 1 };
         assert_eq!(lattice.sample(&Numbers::refined(), &frame).pixels, [15.0, 40.0]);

@@ -94,7 +94,7 @@ macro_rules! add {
 }
 
 /// Computes sums and energies as the plain loop does, four cells at a time. It may write up to three cells beyond
-/// `across`. Cells beyond the lines or the rows are left out: both have room for a multiple of four.
+/// `across`, for which lines and rows have room. It leaves out cells for which they have none.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],

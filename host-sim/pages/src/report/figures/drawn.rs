@@ -38,7 +38,7 @@ pub(super) fn boxes(film: &Film, still: &Still) -> Result<String> {
     Ok(sheet.svg(3.0 * GAP + size.1.max(2.0 * ROW - GAP)))
 }
 
-/// The differences of each method from its template, at the place that won and at the true one, with their histograms.
+/// Draws for each method the differences of picture and template, at the place it chose and at the true one, with histograms.
 pub(super) fn differences(film: &Film, still: &Still) -> Result<String> {
     const PATCH: Pair = (160.0, 120.0);
     const ROW: f64 = PATCH.1 + 2.0 * LINE;
