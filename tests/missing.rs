@@ -31,7 +31,7 @@ pub fn has_ffmpeg(test: &str) -> bool {
     has(test, "ffmpeg", &["-version"])
 }
 
-/// True if `cc` compiles C; a linker for Rust need not. If not, the test is skipped.
+/// True if `cc` compiles C. A `cc` that links Rust may not; then the test is skipped.
 pub fn has_c_compiler(test: &str) -> bool {
     has(test, "cc", &["-fsyntax-only", "-x", "c", "/dev/null"])
 }

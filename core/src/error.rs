@@ -4,7 +4,7 @@ use crate::image::readout::ReadoutError;
 use crate::image::{FrameError, ImageError};
 use crate::track::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
 
-/// Defines errors: small enums, one for each operation. A variant has its text, in which its values stand by their names.
+/// Defines errors: small enums, one for each operation. Each variant has a text, which may name the values of the variant.
 macro_rules! errors {
     ($($(#[$about:meta])* $name:ident $(<$($of:ident),+>)? {$(
         $(#[$doc:meta])* $variant:ident $(($($value:ident: $type:ty),+))?

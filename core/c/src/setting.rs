@@ -77,7 +77,7 @@ pub unsafe extern "C" fn smr_config_refined(config: *mut smr_config) -> smr_stat
 }
 
 /// # Safety
-/// A `config` that passes `pointer::check` points to memory for one.
+/// A `config` that passes `pointer::check` points to memory for an `smr_config`.
 unsafe fn fill(
     config: *mut smr_config,
     method: *const smr_method,

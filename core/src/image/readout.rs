@@ -204,7 +204,7 @@ pub struct Readout {
     first: Rect,
     second: Option<Rect>,
     /// The next line. All lines before it have come, or are in no window. The C interface keeps it where an interrupt
-    /// can change it alone.
+    /// can change it without the rest.
     #[doc(hidden)]
     pub next: u16,
 }

@@ -811,7 +811,7 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
 /// The most lanes that the two functions below support.
 const MOST_LANES: usize = 32;
 
-/// 255 in the last `width % LANES` lanes: [`Vector::end`] for rows that [`last`] loads.
+/// A mask of the last `width % LANES` lanes (255), for rows that [`last`] loads; others take [`Vector::end`].
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];

@@ -115,8 +115,8 @@ impl<'a> Scorer<'a> {
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
     /// The offsets among the `wanted` of four that may score at least `floor`; see [`Scores::candidates`]. All of them
-    /// if the template is too large for a score, or if the patch does not have three more columns than the template and
-    /// as many rows.
+    /// if the template is too large for a score, or if the patch has fewer than three more columns than the template, or
+    /// fewer rows.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();

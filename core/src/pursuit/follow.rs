@@ -182,8 +182,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The motion of the picture by the turn of the head until the next frame, right and down, in units of 1/256 pixel.
-    /// It is the argument of [`Target::moved`]. It belongs to the command that was given
+    /// The motion of the picture until the next frame because the head turns: right and down, in units of 1/256 pixel.
+    /// It is the argument of [`Target::moved`]. It results from the command that was given
     /// [`PursuitConfig::delay_frames`] before the last.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {

@@ -172,7 +172,7 @@ impl Sequence {
 
     /// Makes a sequence of frames as they come, without boxes.
     fn streamed(name: String, frames: impl Iterator<Item = Result<Frame>> + Send + 'static, source: Source) -> Self {
-        // The header of a pipe states a rate, which is not the time at which frames come.
+        // A pipe's header states a rate. Times by that rate are not those at which the frames come, so they are dropped.
         let has_times = !matches!(source, Source::Once);
         let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
         let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());

@@ -39,7 +39,7 @@ pub(super) fn open(
     patience: Duration,
 ) -> Result<impl Iterator<Item = Result<Picture>> + use<>> {
     let name = file.display().to_string();
-    // With several threads, each run of ffmpeg conceals damage by other pixels.
+    // With several threads, ffmpeg fills damaged areas with different pixels in each run.
     let options = if wanted == Use::Times { &[][..] } else { &["-threads", "1"] };
     let cannot_read = || format!("cannot read {name} through ffmpeg");
     let mut pictures = Pictures::start((program, file), options, "", wanted, patience)?;

@@ -82,7 +82,7 @@ fn seal(saved: &mut [u8]) {
     saved[end..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// Frames with only the windows of the tracker in memory.
+/// Updates the tracker with frames of which only its windows are in memory.
 fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstructured<'_>) -> Result<()> {
     for _ in 0..u.int_in_range(1..=4 * WIDE.updates[T::PACE])? {
         let part = |rect: Option<Rect>| rect.and_then(|rect| scene.part(rect, 1));

@@ -199,7 +199,7 @@ fn sizes(file: &File<'_>) -> (u64, u64) {
     let (mut flash, mut statics) = (0, 0);
     for section in file.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-        // riscv-rt makes a section of the memory that is left.
+        // The section `.stack` of riscv-rt is all memory that is left: it does not count.
         if sh_flags & u64::from(SHF_ALLOC) == 0 || section.name() == Ok(".stack") {
             continue;
         }

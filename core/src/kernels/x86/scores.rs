@@ -142,8 +142,8 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// The numbers that [`narrow_lanes`] compares: `first` lanes that are always valid, `second` lanes that end with 31,
-/// and lanes that are never valid.
+/// The numbers that [`narrow_lanes`] compares. The first `first` mark lanes that are always valid, the next `second` count
+/// up to 31, and the others mark lanes that are never valid.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

@@ -21,7 +21,7 @@ impl Track {
         stands_out && ratio(peak, self.target.area()) >= config.least_ratio
     }
 
-    /// The result that a search must have to decide on `state`.
+    /// The result that a search must have for the tracker to go on from `state`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);

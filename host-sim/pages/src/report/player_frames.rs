@@ -88,7 +88,7 @@ fn small(frame: &ColorFrame, side: u16) -> Result<Vec<u8>> {
     encode::color_jpeg(&encode::within(frame, side), encode::ENOUGH)
 }
 
-/// Returns the template, the difference and its figures, and their bytes in the page.
+/// Returns the template, the difference and its figures, and the number of bytes that they take in the page.
 fn comparison(sight: &Sight) -> Result<(Value, usize)> {
     let Some(Search { difference, alpha }) = &sight.search else { return Ok((Value::Null, 0)) };
     let template = patch(&thinned(&difference.template))?;

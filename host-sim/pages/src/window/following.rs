@@ -584,7 +584,7 @@ impl Following<'_> {
         Some((last, None))
     }
 
-    /// Ends a pass from `start` on after frame `last`. That is the recording's end only if it knows of no more frames.
+    /// Ends the pass that began at `start`; its last frame was `last`. That is the recording's end only if no more are known.
     fn ended(&self, start: usize, last: usize, error: Option<&Error>) {
         let known = self.source.known().frames;
         self.followed.change(|state| {

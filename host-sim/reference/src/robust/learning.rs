@@ -71,8 +71,8 @@ impl Filter {
         }
     }
 
-    /// Takes a step of `part` of the best length, which is measured at offsets up to `reach`. Its direction is each gradient times the learning window at its
-    /// cell, plus a fraction of the direction before. That fraction is the quotient of both descents, in units of 1/65536.
+    /// Takes a step whose length is `part` of the best one, which is measured at offsets up to `reach`. Its direction is each gradient times the learning window at its
+    /// cell, plus a fraction of the direction before. That fraction is this step's descent over the descent before, in units of 1/65536.
     pub fn learn(
         &mut self,
         numbers: &Numbers,

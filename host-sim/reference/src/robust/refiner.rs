@@ -135,8 +135,8 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Compares the corrected box with the first target, and updates the opinion. If the frame was learned, the correction also takes a
-    /// quarter of the network's estimate and then loses a sixteenth.
+    /// Compares the corrected box with the first target, and updates the opinion. If the frame was learned, it adds a quarter
+    /// of the network's estimate to the correction, and then takes a sixteenth of the correction off.
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
         let estimates = network(self.weights, &self.first, &present);

@@ -178,9 +178,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The offsets among the `wanted` from (`x`, `y`) to the right that may score `needed`. The pixels inside the frame at
-/// each of the four are bounded. Those outside at each are compared with the padding. The others count as fully
-/// similar. `None` if there is nothing to bound.
+/// The `wanted` ones of four offsets, from (`x`, `y`) to the right, that may score `needed`. Pixels of the template that
+/// lie in the frame at all four have a bound, those outside at all four are compared with the padding, and the others
+/// count as fully similar. `None` if there is nothing to bound.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());

@@ -117,7 +117,7 @@ impl NormalEquations {
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
-        // 256 times the sums, because a move is in units of 1/64 pixel and a slope is four times as steep.
+        // 256 times the sums: 64 because a move is in units of 1/64 pixel, and 4 because slopes are stored four times as steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
         let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
         let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);
