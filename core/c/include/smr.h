@@ -131,7 +131,7 @@ typedef char smr_memory_is_as_large_as_stated[
     sizeof(smr_robust_target) == SMR_ROBUST_TARGET_SIZE && sizeof(smr_robust_workspace) == SMR_ROBUST_WORKSPACE_SIZE ? 1 : -1];
 
 /**
- * How a call ended. The numbers never change; later versions may add new ones.
+ * The result of a call. The numbers never change; later versions may add new ones.
  *
  * A call that returns an error changes nothing, except that #smr_init sets `*tracker` to NULL and a read-out notes the line.
  */
@@ -337,7 +337,7 @@ typedef int32_t smr_status;
 #define SMR_VERSION_PATCH 0
 
 /**
- * What the tracker believes about its target after a frame.
+ * The tracker's belief about its target after a frame.
  */
 enum smr_state
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -420,7 +420,7 @@ typedef int32_t smr_entry_kind;
 #endif // __cplusplus
 
 /**
- * How a camera sends its pixels.
+ * The format in which a camera sends its pixels.
  */
 enum smr_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -445,7 +445,7 @@ enum smr_format
    */
   SMR_RGB565_BE = 3,
   /**
-   * The same with the low byte first.
+   * RGB565 with the low byte first.
    */
   SMR_RGB565_LE = 4,
   /**
@@ -656,7 +656,7 @@ typedef struct smr_robust_config {
 } smr_robust_config;
 
 /**
- * Which tracker, and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+ * A tracker's code and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
  * #smr_config_refined first, then change the numbers that you need.
  */
 typedef struct smr_config {
@@ -705,7 +705,7 @@ typedef struct smr_setting {
    */
   uint16_t highest;
   /**
-   * The values in the configuration, then zeros.
+   * The values in the configuration; unused entries are 0.
    */
   uint16_t values[4];
 } smr_setting;
@@ -819,11 +819,11 @@ typedef struct smr_answer {
    */
   struct smr_rect bbox;
   /**
-   * The same box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
+   * The box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
    */
   struct smr_fine_rect fine;
   /**
-   * Whether the box is reliable.
+   * The state: how far the box can be relied on.
    */
   smr_state state;
   /**
@@ -832,12 +832,12 @@ typedef struct smr_answer {
    */
   uint32_t scale;
   /**
-   * How sure the tracker is of the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
+   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
    * mean of 2/3 the early template's agreement and 1/3 the filter's response.
    */
   uint16_t confidence;
   /**
-   * How similar the target in the box is to the template. The paper's tracker: the similarity matching ratio,
+   * The similarity of the target in the box to the template. The paper's tracker: the similarity matching ratio,
    * rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
    */
   uint16_t ratio;
@@ -907,7 +907,7 @@ typedef struct smr_readout {
    */
   uint16_t lines;
   /**
-   * The line after the last one that came. Written after its pixels.
+   * The number of the next line. It grows after the pixels of a line are written.
    */
   uint16_t next;
   /**
