@@ -11,7 +11,7 @@ pub enum Layout {
     /// Columns side by side
     #[default]
     Text,
-    /// The same tables in Markdown
+    /// Tables in Markdown
     Markdown,
     /// One of the tables of --json (--part), with its keys as header
     Csv,
@@ -20,7 +20,7 @@ pub enum Layout {
 /// The tables for programs; no command has all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TableName {
-    /// What was measured here, in each recording
+    /// Figures measured here, for each recording
     Measured,
     /// The starts of --robustness: where they are, and how many frames were correct
     Starts,

@@ -16,7 +16,7 @@ pub struct Check {
     /// The recordings; `synthetic`, `periodic` and `border` if none is given
     #[arg(value_name = "SEQ", default_values = smr_recordings::CHECKED)]
     sequences: Vec<PathBuf>,
-    /// Which tracker
+    /// The tracker to check
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
     /// Print a JSON array, one object a recording

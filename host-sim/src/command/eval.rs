@@ -22,7 +22,7 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required_unless_present = "fault")]
     paths: Vec<PathBuf>,
-    /// What is measured; several are separated by commas [default: smr]
+    /// The methods to measure; several are separated by commas [default: smr]
     ///
     /// If all recordings are those of the paper's table, and no option changes the start or the tracker, the default is everything:
     /// both readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Replay {
-    /// What firmware wrote with `smr_core::record`: the bytes, or a printed log that has them; `-` is standard input
+    /// The record that firmware wrote with `smr_core::record`: the bytes, or a printed log that has them; `-` is standard input
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Print one JSON object

@@ -25,10 +25,10 @@ pub struct Track {
     /// of Linux. Ctrl-C ends it
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
-    /// How the target is followed
+    /// The tracker, or a simpler method to compare it with
     #[arg(long, value_enum, default_value = "robust")]
     method: MethodKind,
-    /// What is printed of each frame [default: tld; of several targets csv]
+    /// The format in which each frame is printed [default: tld; of several targets csv]
     ///
     /// Of several targets: csv, json, mot, coco or cvat. coco and cvat are whole when the last frame has been followed.
     #[arg(long, value_enum)]
