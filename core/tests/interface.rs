@@ -49,7 +49,7 @@ fn locked(config: Config, place: (i32, i32)) -> Follower {
     tracker
 }
 
-/// The configuration of a camera or of the paper with this change.
+/// Returns the configuration with a change.
 fn with(mut config: Config, change: impl FnOnce(&mut Config)) -> Config {
     change(&mut config);
     config

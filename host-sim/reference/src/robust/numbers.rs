@@ -92,7 +92,7 @@ pub struct Numbers {
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// Frames in a row with an opinion below `opinion_uncertain_below` after which a target is given up; the opinion of one that is found.
+    /// A target is given up after so many frames in a row below `opinion_uncertain_below`, and begins with `opinion_found` when it is found.
     pub opinion_patience: i64,
     pub opinion_found: f64,
     /// The evidence from which a frame is learned.

@@ -1,5 +1,4 @@
-//! Redetection: while the target is lost, some more windows are searched in each frame. From frame to frame, they sweep
-//! the whole picture.
+//! Redetection: each frame with a lost target searches some more windows. In time, they sweep the whole picture.
 //!
 //! The windows cover the picture side by side, row by row. A frame takes the next `Config::sweep` windows of a row, or
 //! what is left of it, so that they lie in one rectangle. Each is searched and verified like the first window, until one
@@ -9,7 +8,7 @@ use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
 use crate::image::Rect;
 
-/// The sweep of the picture: the number of the next window.
+/// The sweep: the number of the window that is searched next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sweep {
     pub(crate) next: u32,

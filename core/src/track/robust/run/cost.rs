@@ -95,6 +95,7 @@ mod tests {
         });
         let extent = extents.max_by_key(|&extent| update(&config, extent)).unwrap();
         assert_eq!(u64::from(update(&config, extent)), config.most_work().update);
+        assert_eq!(Config { sweep: u8::MAX, ..config }.most_work().update, 659_351_404, "the most fits a u32");
         let stages = [
             ("cells", cells::most_work(extent)),
             ("response", response::most_work(extent)),
