@@ -1,7 +1,7 @@
-//! Takes the Rust examples out of the READMEs, so that `tests/readme.rs` runs them as they stand there.
+//! Extracts the Rust examples from the READMEs, so that `tests/readme.rs` compiles and runs them unchanged.
 //!
-//! The examples of a README get the names `FOLDER-1.rs`, `FOLDER-2.rs` and so on in their order. One without a function is an expression: a
-//! block, which gets what it needs from the test around it.
+//! The examples of a README become the files `FOLDER-1.rs`, `FOLDER-2.rs` and so on. An example without `fn` becomes a
+//! block, and the test around it defines the names that it uses.
 
 use std::path::Path;
 use std::{env, fs};
@@ -20,12 +20,12 @@ fn main() {
     }
 }
 
-/// The text of all blocks that begin with ```rust, also of those that are no doc tests.
+/// Returns the text of all blocks that begin with ```rust, also of blocks marked `ignore`.
 fn examples(text: &str) -> Vec<String> {
     text.split("\n```rust").skip(1).filter_map(inside).collect()
 }
 
-/// From the second line to the end of the block.
+/// Returns the block's lines without the first.
 fn inside(block: &str) -> Option<String> {
     let (_, block) = block.split_once('\n')?;
     Some(block.split_once("```")?.0.to_owned())

@@ -1,4 +1,4 @@
-//! Says by name which test is skipped on this machine, and why. Each test program includes this file.
+//! Prints the name of each test that is skipped on this machine, and the reason. Each test program includes this file.
 
 #![allow(dead_code, reason = "no test program needs all of it")]
 
@@ -7,13 +7,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Says that a test is skipped. Not by `println!`, which is shown only for tests that fail.
+/// Prints that a test is skipped. `println!` would be shown only for failed tests.
 pub fn skipped(test: &str, why: impl Display) {
-    // In one piece, so that no other line comes between.
+    // One write, so that no other line comes between its parts.
     let _ = std::io::stderr().write_all(std::format!("skipped: {test}: {why}\n").as_bytes());
 }
 
-/// True if `program` runs with `arguments`, which ask for its version. If not, the test is skipped.
+/// Returns true if `program` runs with `arguments`, which request its version. Otherwise prints that the test is
+/// skipped.
 pub fn has(test: &str, program: &str, arguments: &[&str]) -> bool {
     let runs = runs(Command::new(program).args(arguments));
     if !runs {
@@ -31,13 +32,13 @@ pub fn has_ffmpeg(test: &str) -> bool {
     has(test, "ffmpeg", &["-version"])
 }
 
-/// True if `cc` compiles C. A `cc` that links Rust may not; then the test is skipped.
+/// Returns true if `cc` compiles C: some can only link. Otherwise prints that the test is skipped.
 pub fn has_c_compiler(test: &str) -> bool {
     has(test, "cc", &["-fsyntax-only", "-x", "c", "/dev/null"])
 }
 
-/// A folder of recordings, which are not part of the project and may be videos: `host-sim/README.md` says where the tests expect them. `None`
-/// if it is not there, or no ffmpeg: the test is skipped.
+/// Returns a folder of recordings that are not part of the project; `host-sim/README.md` says where tests look for
+/// them. If the folder or ffmpeg is missing, prints that the test is skipped and returns `None`.
 pub fn recordings(test: &str, folder: &str) -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/sequences");
     let found = std::env::var_os("SMR_SEQUENCES").map_or(beside, PathBuf::from).join(folder);

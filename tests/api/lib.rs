@@ -1,5 +1,3 @@
-//! Code shared by the tests of this crate. Its dependencies take long to build, so other crates do not use it.
-
 /// Breaks `text` into lines of at most `width` characters, each after `before`.
 #[must_use]
 pub fn wrapped(text: &str, before: &str, width: usize) -> String {

@@ -1,4 +1,4 @@
-//! Pages in headless Chromium: a script acts as a user would, and reports what is missing.
+//! Runs pages in headless Chromium: a script clicks and types, and reports what fails.
 
 use super::missing::{runs, skipped};
 use super::program::utf8;
@@ -11,10 +11,11 @@ use std::thread;
 use std::time::Duration;
 
 const WAIT: Duration = Duration::from_millis(20);
-/// A script may take two minutes on a busy machine.
+/// Polls until a script has taken two minutes: long enough for a busy machine.
 const MOST_WAITS: usize = 6000;
 
-/// Headless Chromium under one of its names; `None`, with a note, if there is none.
+/// Finds headless Chromium under one of its names. If there is none, prints that the test is skipped and returns
+/// `None`.
 fn browser(test: &str) -> Option<&'static str> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let found = names.into_iter().find(|name| runs(Command::new(name).arg("--version")));
@@ -24,14 +25,14 @@ fn browser(test: &str) -> Option<&'static str> {
     found
 }
 
-/// An error of the page itself counts as a problem.
+/// Put before the page's scripts: records the page's own errors as problems.
 const BEFORE: &str = "<script>const problems = [];
 window.onerror = (message) => { problems.push(message); };
 window.onunhandledrejection = (event) => { problems.push(String(event.reason)); };</script>";
 
-/// Functions for scripts: `is` notes a value that is not the expected one; `place` is the frame of a player, `unfold` shows what is folded.
+/// Functions for test scripts: `is` reports a value that differs from the expected one, `place` returns a player's
+/// frame number, `unfold` opens folded parts of the page.
 const AFTER: [&str; 2] = [
-    // This module runs after those of the page.
     r#"<script type="module">
 const is = (what, given, wanted) => { if (String(given) !== String(wanted)) problems.push(`${what}: ${given}, not ${wanted}`); };
 const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
@@ -45,7 +46,8 @@ parent.postMessage(problems.length ? "PROBLEMS " + problems.join("; ") : "FINE",
 </script></body>"#,
 ];
 
-/// Opens `page` in a frame of `width` pixels, with `address` after `#`, and runs `script` in it. Every problem fails the test.
+/// Opens `page` with the fragment `address` in an iframe `width` pixels wide, and runs `script` in it. Every reported
+/// problem fails the test.
 #[track_caller]
 pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let Some(browser) = browser(test) else { return };
@@ -53,9 +55,9 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     let text = text.replacen("<head>", &format!("<head>{BEFORE}"), 1);
     let tried = page.with_file_name(format!("{test}-{width}-tried.html"));
     fs::write(&tried, text.replacen("</body>", &[AFTER[0], script, AFTER[1]].concat(), 1)).unwrap();
-    // Chromium's own window cannot be as narrow as a phone.
+    // An iframe, because Chromium's own window cannot be as narrow as a phone.
     let frame = page.with_file_name(format!("{test}-{width}-frame.html"));
-    // The script reports by going to another address, so that time runs as for a user.
+    // The script reports by opening an address of this server, so that timers run in real time.
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let to = listener.local_addr().unwrap();
     let receive = format!(
@@ -76,7 +78,7 @@ pub fn act(test: &str, page: &Path, width: usize, address: &str, script: &str) {
     assert_eq!(answer.as_deref(), Some("FINE"));
 }
 
-/// Returns the words after `?` in the requested address. The browser may open connections that it does not use.
+/// Returns the query of the requested address. Skips connections without a request: browsers open some in advance.
 fn answer(listener: &TcpListener) -> Option<String> {
     listener.set_nonblocking(true).ok()?;
     (0..MOST_WAITS).find_map(|_| {

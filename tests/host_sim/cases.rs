@@ -1,4 +1,4 @@
-//! Runs `tests/cases`: commands as users type them, each with the output of host-sim.
+//! Runs `tests/cases`: command lines, each with the expected output of host-sim.
 //!
 //! The blocks ```console of a file run one after the other in a new folder. Below a line that begins with `$ ` stand the command's output, its
 //! errors, and in brackets its exit code if that is not 0; `...` stands for anything. `printf TEXT > FILE`, `head -c BYTES FILE > FILE` and
@@ -10,7 +10,8 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Resolves `\n`, `\xNN` and the like.
+///
+/// ` and `\xNN`.
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
     while let [first, after @ ..] = rest {
@@ -36,7 +37,7 @@ fn unescaped(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// The output, the errors and the exit code of a command in a folder.
+/// Runs a command in a folder; returns its output, its errors and its exit code.
 fn said(command: &str, folder: &Path) -> String {
     let words = shlex::split(command).unwrap_or_else(|| panic!("`{command}` has an open quote"));
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
@@ -83,7 +84,7 @@ fn said(command: &str, folder: &Path) -> String {
     }
 }
 
-/// True if a text has the parts between the `...` of a pattern, in their order.
+/// Returns true if `text` contains the parts of `pattern`, which `...` separates, in order.
 fn fits(pattern: &str, text: &str) -> bool {
     let mut parts = pattern.split("...");
     let Some(mut rest) = text.strip_prefix(parts.next().unwrap_or_default()) else { return false };
@@ -99,7 +100,6 @@ fn fits(pattern: &str, text: &str) -> bool {
     rest.is_empty()
 }
 
-/// Runs a file of cases. Returns it with what host-sim says now.
 fn run(file: &Path) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     let text = fs::read_to_string(file).expect("a file of cases");

@@ -1,4 +1,5 @@
-//! `host-sim` with input that `tests/cases` cannot make: videos, links, pipes, odd names, and the recordings of the paper.
+//! `host-sim` with input that `tests/cases` cannot describe: videos, links, pipes, file names that are not UTF-8, and
+//! the paper's recordings.
 
 use crate::missing::{has_ffmpeg, recordings, runs};
 use crate::program::{PROGRAM, host_sim, utf8};
@@ -11,7 +12,7 @@ fn film(file: &Path, arguments: &[&str]) {
     assert!(runs(Command::new("ffmpeg").args(source).args(arguments).arg(file)), "{arguments:?}");
 }
 
-/// A video as phones make it: rotated by metadata, with a varying frame rate.
+/// Phones record videos like this one: rotated by metadata, with a varying frame rate.
 #[test]
 fn videos_of_phones_are_shown_upright_and_whole() {
     if !has_ffmpeg("videos_of_phones_are_shown_upright_and_whole") {
@@ -29,7 +30,7 @@ fn videos_of_phones_are_shown_upright_and_whole() {
     };
     assert_eq!((size(&plain), size(&turned)), ((320, 240), (240, 320)));
 
-    // Two of three frames are left out and the others keep their times. No frame is invented to fill the gaps.
+    // Removes two of three frames, and the others keep their times: ffmpeg must not repeat frames to fill the gaps.
     let some = ["testsrc=size=321x241:rate=30:duration=1", "-vf", "select=not(mod(n\\,3))", "-vsync", "vfr"];
     film(&uneven, &[&some[..], &["-pix_fmt", "yuv444p"]].concat());
     let said = host_sim(&["track", utf8(&uneven), "--init", "100,100,40,40"]);
@@ -51,7 +52,7 @@ fn what_never_ends_is_refused_with_its_limit() {
     fs::remove_file(path("gt.txt")).unwrap();
     host_sim(&["track", &endless, "--init", "0,0,2,2"]).refuses(&["endless.png", "512 MiB", "PNG"]);
     let against = |former: &str| host_sim(&["eval", "synthetic", "--robustness", "--against", former]);
-    // A file that is too long for its kind is not opened.
+    // host-sim must refuse a file that is larger than the limit of its format without opening it.
     fs::File::create(path("long.json")).unwrap().set_len(1 << 40).unwrap();
     against(utf8(&path("long.json"))).refuses(&["long.json", "64 MiB"]);
     let pipe = path("pipe");
@@ -68,7 +69,7 @@ fn an_ffmpeg_that_hangs_while_it_writes_is_ended() {
     let path = std::env::join_paths(
         std::iter::once(folder.path().to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
     );
-    // It reads no frame, or reads all of them and does not end.
+    // A decoder that hangs: one delivers no frame, one reads all input and never ends.
     for script in ["exec sleep 60", "cat > /dev/null; exec sleep 60"] {
         fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
         fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
@@ -97,7 +98,7 @@ fn a_file_without_pictures_is_said_to_be_so() {
     }
 }
 
-/// With several threads ffmpeg puts something else in place of damage in every run.
+/// With several threads ffmpeg conceals damaged frames differently in every run.
 #[test]
 fn a_damaged_video_is_read_alike_every_time() {
     let folder = tempfile::tempdir().unwrap();
@@ -210,7 +211,7 @@ fn the_results_have_the_figures_of_the_built_in_recording() {
     assert!(include_str!("../../host-sim/RESULTS.md").contains(&falls), "host-sim/RESULTS.md: the mean IoU {falls}");
 }
 
-/// The recordings are not part of the project: `host-sim/README.md` says where the tests expect them.
+/// Needs recordings that are not part of the project: `host-sim/README.md` says where the tests look for them.
 #[test]
 fn the_recorded_sequences_are_followed_as_the_readme_says() {
     let Some(tld) = recordings("the_recorded_sequences_are_followed_as_the_readme_says", "tld") else { return };

@@ -1,4 +1,5 @@
-//! Long runs and sudden ends: memory stays bounded, and the output written before a full disk, a closed pipe or a kill is complete.
+//! Long runs and sudden ends. Memory stays bounded, and the output before a full disk, a closed pipe or a kill is
+//! complete.
 
 use crate::missing::{has, has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -15,7 +16,7 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// `track -`, which is being sent the first frames of the built-in recording again and again.
+/// A process `host-sim track -` that gets the first frames of the built-in recording again and again.
 struct Live {
     process: Child,
     input: ChildStdin,
@@ -56,7 +57,6 @@ fn wait_until(what: &str, mut there: impl FnMut() -> bool) {
     }
 }
 
-/// The peak memory of a process so far, in KiB.
 #[cfg(target_os = "linux")]
 fn peak(process: &Child) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", process.id())).expect("it runs");
@@ -81,7 +81,7 @@ fn live_input_takes_no_more_memory_with_time() {
         };
         let early = answered(&mut live, 100);
         let late = answered(&mut live, 800);
-        // A frame is 19 KiB: if all were kept, they would take 15 MiB.
+        // A frame is 19 KiB: 800 frames kept in memory would be 15 MiB.
         assert!(late <= early + 2048, "{method}: {early} KiB after 100 frames, {late} KiB after 900");
         assert!(late < 128 * 1024, "{method}: {late} KiB");
         live.kill();
@@ -108,7 +108,7 @@ fn a_full_disk_is_said_and_leaves_nothing_half_written() {
     }
 }
 
-/// A disk that fills up during the run: files of this process may not grow beyond 16 KiB.
+/// Limits the files of this process to 16 KiB, as if the disk became full during the run.
 #[test]
 fn a_disk_that_fills_up_leaves_the_former_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -168,7 +168,6 @@ fn what_was_printed_before_a_kill_is_whole() {
     live.send(7);
     let lines = || fs::read_to_string(&printed).unwrap().lines().count();
     wait_until("seven lines", || lines() == 7);
-    // Half a frame has been sent.
     live.input.write_all(b"FRAME\nhalf").unwrap();
     live.kill();
     let text = fs::read_to_string(&printed).unwrap();
@@ -193,7 +192,7 @@ fn a_kill_leaves_the_former_file() {
     assert!(!clip.exists(), "there whole or not at all");
 }
 
-/// A full disk in the middle of a film: files of this process may not grow beyond 16 KiB.
+/// Limits the files of this process to 16 KiB, as if the disk became full while a video is written.
 #[test]
 fn a_disk_that_fills_up_ends_a_video_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
@@ -224,7 +223,7 @@ fn a_closed_pipe_does_not_cost_the_video() {
     assert!(pictures(&piped) == pictures(&whole), "the whole video is there");
 }
 
-/// Process number of a program of this name that the process has started and that still runs.
+/// Returns the process number of a running child of `process` with this program name.
 fn started(name: &str, process: &Child) -> Option<String> {
     let found = Command::new("pgrep").args(["-P", &process.id().to_string(), name]).output().ok()?;
     String::from_utf8(found.stdout).ok()?.lines().next().map(str::to_owned)
@@ -265,14 +264,13 @@ fn a_signal_removes_what_is_under_way_and_is_the_exit_code() {
     }
 }
 
-/// True if this process ignores SIGHUP: the programs that it starts then do, too.
+/// Returns true if this process ignores SIGHUP; its children inherit that.
 fn ignores_hangup() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 1 == 1)
 }
 
-/// `nohup host-sim ...` goes on when its terminal is closed.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_hangup_that_is_ignored_stays_so() {
@@ -299,7 +297,7 @@ fn a_hangup_that_is_ignored_stays_so() {
 fn a_measurement_that_is_stopped_prints_what_it_has() {
     let methods = ["--method", "sad,robust", "--set", "window=4x4", "--starts", "every:4", "--format", "csv"];
     let arguments = [&["eval", "synthetic", "--frames", "..80", "--robustness"], &methods[..]].concat();
-    // The pause grows until the first tracker is done and the second is not.
+    // Lengthens the pause until the signal comes between the end of the first tracker and that of the second.
     let mut pause = Duration::from_millis(100);
     loop {
         let stopped = command(&arguments).spawn().expect("host-sim runs");

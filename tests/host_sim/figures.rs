@@ -1,4 +1,4 @@
-//! `host-sim report --figures` from its user's view.
+//! Runs `host-sim report --figures` and checks the files that it writes.
 
 use crate::program::{host_sim, utf8};
 use serde_json::json;
@@ -18,7 +18,7 @@ fn the_documentation_shows_all_five_as_the_command_draws_them() {
         let path = Path::new(file["file"].as_str().unwrap());
         let made = fs::read_to_string(path).unwrap();
         assert_eq!(file["bytes"], made.len());
-        // Both methods are in each, and each frame is a JPEG; patches are PNG.
+        // Each figure shows both methods. Frames are JPEG; patches are PNG.
         let has = |words: &str| made.contains(words);
         assert!(has("rgb(255,64,64)") && has("rgb(64,140,255)") && !has("NaN"), "{file}");
         let frames = if path.ends_with("2-differences.svg") { 0 } else { file["frames"].as_array().unwrap().len() };

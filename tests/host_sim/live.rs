@@ -1,4 +1,5 @@
-//! Live sources: frames that come while the tracker is busy are dropped and counted, and Ctrl-C ends the source in order.
+//! Live sources: host-sim drops and counts frames that come while the tracker is busy, and Ctrl-C stops the source
+//! cleanly.
 
 use crate::missing::has_ffmpeg;
 use crate::program::{PROGRAM, Said, host_sim, utf8};
@@ -7,7 +8,7 @@ use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// An ffmpeg that sends a test picture to whoever connects to it.
+/// An ffmpeg process that serves a test picture as a stream.
 struct Server {
     process: Child,
     address: String,
@@ -32,7 +33,7 @@ impl Drop for Server {
     }
 }
 
-/// Repeats `run` until the server listens, and returns its result.
+/// Repeats `run` until the server accepts connections, and returns the result.
 fn when_it_listens<T>(mut run: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! Tests of the program host-sim, run as its users do. One test program, so that all of its tests run side by side.
+//! Runs the program host-sim as users do. All tests are in one test program, so that they run in parallel.
 
 mod browser;
 #[path = "../missing.rs"]

@@ -1,4 +1,4 @@
-//! The page of `host-sim report` in a browser: no error, the player steps, the curves follow.
+//! The page of `host-sim report` in a browser: it has no errors, and player and curves show the same frame.
 
 use crate::browser;
 use crate::program::{host_sim, utf8};
@@ -14,7 +14,7 @@ fn folder(test: &str) -> PathBuf {
     folder
 }
 
-/// A copy of the page for each test. Tests with the same arguments share the report, which takes seconds.
+/// Copies the page for one test. Tests with the same arguments share one run of `report`, which takes seconds.
 fn page(test: &str, arguments: &[&str]) -> PathBuf {
     static MADE: Mutex<BTreeMap<String, PathBuf>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().unwrap();
@@ -29,7 +29,7 @@ fn page(test: &str, arguments: &[&str]) -> PathBuf {
     page
 }
 
-/// Actions of a user, each with the state that the page then has.
+/// Clicks and keys, each followed by a check of the page's state.
 const PLAYER: &str = r##"
   is("start", place(), "frame 1 of 240");
   document.getElementById("on").click();
@@ -51,7 +51,7 @@ const PLAYER: &str = r##"
   const drawn = () => document.getElementById("stage").toDataURL();
   const before = drawn();
   document.querySelector("#switches input").click();
-  // A method that is switched off disappears from the frame, and comes back.
+  // A method that is switched off disappears from the picture, and comes back when it is switched on.
   await until(() => drawn() !== before);
   document.querySelector("#switches input").click();
   await until(() => drawn() === before);
@@ -110,7 +110,7 @@ fn the_page_plays_by_itself_and_begins_with_what_happened() {
     browser::act(test, &page("page-by-itself", &["synthetic", "--method", "smr,robust"]), 1280, "", BY_ITSELF);
 }
 
-/// Zooms by keys; the mark of frame 120 shows where the curves are.
+/// Zooms with keys, and finds the curves by the mark of frame 120.
 const MOVING: &str = r##"
   const mark = () => Math.round(parseFloat(document.querySelectorAll(".cursor")[1].style.left));
   const over = () => document.querySelectorAll(".chart canvas")[1];
@@ -182,7 +182,7 @@ const PORTRAIT: &str = r##"
   const high = () => document.getElementById("stage").getBoundingClientRect().height / innerHeight;
   await until(() => high() > 0.7);
   document.querySelector("#curves .panel").scrollIntoView({ block: "center" });
-  // A browser without a screen sends no scroll event.
+  // Headless browsers send no scroll event.
   dispatchEvent(new Event("scroll"));
   is("small beside the curves: " + high(), high() < 0.3, true);
   document.querySelector("footer").scrollIntoView();
@@ -226,7 +226,7 @@ fn the_player_stays_in_view_and_nothing_is_too_wide() {
 }
 
 const ADDRESS: &str = r##"
-  // Ends after the page has handled the new address.
+  // Resolves after the page has handled the new address.
   const typed = (address) => new Promise((heard) => {
     addEventListener("hashchange", () => setTimeout(heard), { once: true });
     location.hash = address;
@@ -247,7 +247,7 @@ fn the_address_names_the_frame() {
     browser::act("the_address_names_the_frame", &page, 1280, "recording=border&frame=20", ADDRESS);
 }
 
-/// The page's data begin with another frame: 240 frames from 601 on.
+/// Gives the page data whose first frame is 601 instead of 1: 240 frames.
 const NUMBERS: &str = r##"
   is("the number in the address", place(), "frame 700 of 840");
   is("of the picture", document.getElementById("stage").ariaLabel.startsWith("frame 700 of 840, "), true);
@@ -293,7 +293,7 @@ const LOOKS: &str = r##"
   is("boxes of all of them: " + onFrame, onFrame.filter((color) => !pixels.has(color)), "");
 "##;
 
-/// A recording with so many result files that twenty are shown, with the methods; each box is a little off.
+/// Makes a recording with result files of 14 other trackers. With the six methods the page shows 20 entrants.
 fn with_trackers(test: &str) -> PathBuf {
     let recording = folder(test).join("recording");
     let made = host_sim(&["convert", "synthetic", "--frames", "1..12", "-o", utf8(&recording)]);

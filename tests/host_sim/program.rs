@@ -1,4 +1,4 @@
-//! Runs `host-sim` for the tests, and checks its output.
+//! Runs `host-sim` for the tests and checks its output.
 
 use super::missing::runs;
 use serde_json::Value;
@@ -21,7 +21,7 @@ pub fn host_sim(arguments: &[&str]) -> Said {
 }
 
 impl Said {
-    /// Bad input: exit code 2 and one line that contains all of `words`.
+    /// Checks that bad input ends with exit code 2 and one line that contains all of `words`.
     #[track_caller]
     pub fn refuses(&self, words: &[&str]) {
         assert_eq!(self.code, Some(2), "{}", self.err);
@@ -42,7 +42,8 @@ pub fn utf8(path: &Path) -> &str {
     path.to_str().expect("test paths are UTF-8")
 }
 
-/// Sends a signal, by the shell's own `kill`: not every system has a program for it. `false` if there is no such process.
+/// Sends a signal with the shell's built-in `kill`, because some systems have no program `kill`. Returns `false` if
+/// there is no such process.
 #[cfg(unix)]
 pub fn kill(signal: &str, process: &str) -> bool {
     runs(Command::new("sh").args(["-c", "kill \"$0\" \"$1\"", signal, process]))

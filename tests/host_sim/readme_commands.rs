@@ -1,5 +1,5 @@
-//! The commands of the READMEs run as they stand there. Each line of a block ```sh that calls host-sim is run in a folder that has the files that
-//! the READMEs speak of: `clip.mp4`, `video.mp4`, `sequences`, a flight record. A line that is not run stands in `NOT_RUN`, with the reason.
+//! Runs each command of the READMEs that calls host-sim (blocks ```sh) in a folder with the files that the READMEs
+//! name: `clip.mp4`, `video.mp4`, `sequences`, a flight record. `NOT_RUN` lists the exceptions with their reasons.
 
 use crate::missing::{has_ffmpeg, runs, skipped};
 use crate::program::{PROGRAM, host_sim, utf8};
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Beginnings of lines that are not run, and why.
+/// Start of each line that is not run, with the reason.
 const NOT_RUN: [(&str, &str); 9] = [
     ("git clone", "it was cloned"),
     ("cargo test", "it runs this test"),
@@ -25,7 +25,6 @@ const NOT_RUN: [(&str, &str); 9] = [
     ("host-sim view", "it serves until it is ended; tests of its own run it"),
 ];
 
-/// The lines of all blocks ```sh, without their comments.
 fn commands(readme: &str) -> Vec<&str> {
     let (mut inside, mut lines) = (false, Vec::new());
     for line in readme.lines() {
@@ -39,7 +38,7 @@ fn commands(readme: &str) -> Vec<&str> {
     lines
 }
 
-/// The arguments of host-sim in a line; `None` if the line is not run.
+/// Returns the arguments of host-sim in a line; `None` if `NOT_RUN` lists the line.
 fn arguments(line: &str) -> Option<Vec<&str>> {
     if NOT_RUN.iter().any(|(beginning, _)| line.starts_with(beginning)) {
         return None;
@@ -50,7 +49,7 @@ fn arguments(line: &str) -> Option<Vec<&str>> {
     Some(rest.split_whitespace().filter(|&word| word != "--").collect())
 }
 
-/// A flight record of a few frames, as bytes and in a log.
+/// Writes a flight record of a few frames, once as bytes and once as text in a log.
 fn record(folder: &Path) {
     let (mut bytes, mut tracker) = (Vec::new(), Box::new(Tracker::<Robust>::with(robust::Config::refined()).unwrap()));
     let write = |piece: &[u8]| -> Result<(), Infallible> {
@@ -75,7 +74,6 @@ fn record(folder: &Path) {
     fs::write(folder.join("log.txt"), log).unwrap();
 }
 
-/// A video of 64 frames of 320x240 pixels, under two names.
 fn clip(folder: &Path) {
     let frames = folder.join("clip.y4m");
     assert_eq!(
@@ -105,7 +103,7 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
         ("host-sim/README.md", include_str!("../../host-sim/README.md")),
         ("core/examples/README.md", include_str!("../../core/examples/README.md")),
     ];
-    // Two READMEs may have the same line. Without arguments it is run in `tests/cases/report.md`.
+    // Runs a line once if two READMEs have it. `tests/cases/report.md` runs host-sim without arguments.
     let mut done = HashSet::from([vec![]]);
     for (readme, line) in
         readmes.iter().flat_map(|(name, text)| commands(text).into_iter().map(move |line| (name, line)))
@@ -119,7 +117,7 @@ fn the_commands_of_the_readmes_run_as_they_stand() {
             continue;
         }
         let mut command = Command::new(PROGRAM);
-        // `.ci/run` checks all frames.
+        // Shortens the run: `.ci/run` checks all frames.
         if arguments[0] == "check" || arguments.contains(&"street") {
             arguments.extend(["--frames", "..4"]);
         }

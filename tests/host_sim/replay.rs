@@ -1,4 +1,5 @@
-//! Flight records: `host-sim replay` runs what `smr_core::record` writes, also if it is damaged, cut off, appended to, or in a log.
+//! `host-sim replay` with records of `smr_core::record` that are whole, damaged, cut off, appended to, or part of a
+//! log.
 
 use crate::program::{host_sim, utf8};
 use host_sim::replay::{Report, replay};
@@ -19,7 +20,7 @@ static STEEP: Table = match Table::new(100) {
     Err(_) => panic!("100 is in range"),
 };
 
-/// Every number differs from those of the presets, so each must be in the record.
+/// Every value differs from those of the presets, so a record without one of them gives other answers.
 fn small_paper() -> paper::Config {
     let mut config = paper::Config::camera();
     config.table = &STEEP;
@@ -41,7 +42,7 @@ fn start() -> Rect {
     synthetic::truth(0).and_then(|start| start.to_rect()).expect("it begins with the target in view")
 }
 
-/// Only the windows of the tracker are in memory, as on a chip.
+/// Reduces a frame to the windows that the tracker asks for, as on a chip.
 fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'a> {
     let Rect { width, height, .. } = frame.bounds();
     let part = |rect: Rect| {
@@ -56,7 +57,7 @@ fn asked_for<'a, T: Recorded>(frame: Frame<'a>, tracker: &Tracker<T>) -> Frame<'
     least.and_part(image, x, y).expect("inside the frame")
 }
 
-/// A flight over the built-in recording with every kind of entry, and its answers.
+/// Records a flight over the built-in recording with every kind of entry. Returns the record and the answers.
 fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer>) {
     let mut bytes = Vec::new();
     let mut tracker = Box::new(Tracker::<T>::with(config).expect("a good configuration"));
@@ -78,7 +79,6 @@ fn flight<T: Recorded>(config: T::Config, frames: usize) -> (Vec<u8>, Vec<Answer
             let Ok(()) = recorder.moved(300, -256);
         }
         if index == 9 {
-            // An update that is begun and not finished.
             let shown = asked_for(whole, &tracker);
             let Ok(()) = recorder.window(tracker.target(), &shown);
             tracker.update_step(&shown, 1).expect("it has what it asks for");
@@ -110,7 +110,6 @@ fn replayed(bytes: &[u8]) -> Result<Report, String> {
     replay(Cursor::new(bytes), false, || ()).map_err(|error| format!("{error:#}"))
 }
 
-/// The position and the kind of each entry.
 fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     let mut all = Vec::new();
     let mut at = 0;
@@ -123,7 +122,7 @@ fn entries(bytes: &[u8]) -> Vec<(usize, [u8; 4])> {
     all
 }
 
-/// Corrects the checksum of the entry at `at`, as if the tracker had given this answer.
+/// Rewrites the checksum of the entry at `at`, as if the tracker had written the changed bytes.
 fn signed(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
     let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
     let sum = crc32fast::hash(&bytes[at..at + 12 + length]);
@@ -143,7 +142,7 @@ fn a_flight_is_replayed_bit_for_bit() {
         let count = |state| answers.iter().filter(|answer| answer.state == state).count() as u64;
         assert_eq!(flight.states, State::ALL.map(count));
         assert!(flight.states[3] > 0, "{kind:?}: the flight has a lost target: {:?}", flight.states);
-        // As documented: a lock takes 36 bytes plus its pixels, a frame 82 bytes plus its pixels.
+        // Sizes by the documentation: a lock is 36 bytes and its pixels, a frame 82 bytes and its pixels.
         let begin = if kind == CoreKind::Smr { 584 } else { 558 };
         let saved =
             entries(&bytes).windows(2).find(|pair| pair[0].1 == *b"SMRS").map_or(0, |pair| pair[1].0 - pair[0].0);
@@ -154,7 +153,7 @@ fn a_flight_is_replayed_bit_for_bit() {
 
 #[test]
 fn a_changed_answer_is_named() {
-    // Position in the answer, and name.
+    // Offset in the answer's entry, and name of the field.
     let fields = [
         (0, "box in 1/256 pixel"),
         (16, "state"),
@@ -180,7 +179,7 @@ fn a_changed_answer_is_named() {
     }
 }
 
-/// Any content in entries with correct checksums gives a verdict or an error.
+/// Entries with random content and correct checksums give a verdict or an error.
 #[test]
 fn no_entry_makes_it_panic() {
     let mut state = 1_u64;
@@ -195,7 +194,7 @@ fn no_entry_makes_it_panic() {
             let length = u32::from_le_bytes(bytes[at + 8..at + 12].try_into().expect("four bytes")) as usize;
             let mut changed = bytes.clone();
             for _ in 0..=random(3) {
-                // Mostly numbers, which come first; in the configuration they come last.
+                // Changes mostly the numbers at the start of an entry; a configuration has its numbers at the end.
                 let place = if random(2) == 0 { random(length.min(40)) } else { length - 1 - random(length.min(60)) };
                 changed[at + 12 + place] = [0, 1, 0x7F, 0x80, 0xFF][random(5)];
             }
@@ -207,7 +206,7 @@ fn no_entry_makes_it_panic() {
 #[test]
 fn a_changed_pixel_or_configuration_is_noticed() {
     for (kind, bytes, _) in flights(12) {
-        // Inverts pixels in the middle of the locked box, and so changes the target.
+        // Inverts pixels in the middle of the locked box, which changes the target.
         let (lock, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         for pixel in &mut changed[lock + 32 + 200..lock + 32 + 400] {
@@ -215,7 +214,7 @@ fn a_changed_pixel_or_configuration_is_noticed() {
         }
         let report = replayed(&signed(changed, lock)).expect("a record");
         assert!(report.difference.is_some(), "{kind:?}");
-        // Changes the configuration: the window's radius, or the learning rate.
+        // Changes the configuration: the search radius or the learning rate.
         let (end, _) = entries(&bytes)[1];
         let mut changed = bytes.clone();
         changed[end - 4 - if kind == CoreKind::Smr { 2 * 11 } else { 6 }] ^= 3;
@@ -234,7 +233,6 @@ fn firmware_that_starts_again_appends() {
     assert_eq!((first.method, first.answers, first.cut_off), ("smr", 3, 16));
     assert!(first.unanswered.as_ref().is_some_and(|last| last.frame == 5 && last.state == "tracking"));
     assert_eq!((second.method, second.answers, second.unanswered.is_none()), ("robust", 4, true));
-    // Erased flash after the record.
     let report = replayed(&[&robust[..], &[0xFF; 5000]].concat()).expect("a record");
     assert_eq!((report.cut_off, report.flights[0].answers), (5000, 4));
 }
@@ -255,10 +253,9 @@ fn damage_in_the_middle_is_no_verdict() {
     damaged[all[4].0 + 40] ^= 1;
     let out = refused(&damaged, &["bytes at byte", "are damaged", "what lies before it was replayed"]);
     assert!(out.contains("1 answers as recorded"), "{out}");
-    // A log that dropped an entry.
+    // Removes one entry, as a log that lost it.
     let without = [&bytes[..all[5].0], &bytes[all[6].0..]].concat();
     refused(&without, &["entry 5 is missing"]);
-    // A record of another version.
     let mut other = bytes.clone();
     other[12] = 9;
     refused(&signed(other, 0), &["version 9 of the record: expected 1"]);
@@ -276,7 +273,7 @@ fn the_command_says_what_holds() {
     let json = host_sim(&["replay", utf8(&file), "--json"]).json();
     assert_eq!((&json["flights"][0]["method"], &json["flights"][1]["answers"]), (&"smr".into(), &5.into()));
     assert!(json["difference"].is_null() && json["damage"].is_null());
-    // The JSON has all that was recorded: settings, locks, windows, answers.
+    // The JSON contains all that was recorded: settings, locks, windows, answers.
     let [small, other] = [0, 1].map(|flight| &json["flights"][flight]);
     assert_eq!((&small["settings"]["k"], &other["settings"]["reach"]), (&[2, 7].into(), &[6].into()));
     let said = small["entries"].as_array().unwrap();
@@ -342,7 +339,7 @@ fn a_writer_that_fails_ends_the_record() {
             assert_eq!((failed, recorder.is_whole()), (1, false), "it is said once, and kept in mind: {room}");
         }
         assert!(bytes.len() <= room && (calls == 5 || room < 584));
-        // The part that was written before is good.
+        // The entries before the cut are valid.
         if room > 584 {
             let report = replayed(&bytes).unwrap();
             assert_eq!(report.flights[0].locks, u64::from(room > 584 + 36 + 24 * 28));

@@ -1,4 +1,4 @@
-//! Outside of `tests/cases`: a C compiler, live input, a terminal, each command's help.
+//! Sessions with a C compiler, live input or a terminal, which `tests/cases` cannot have; and each command's help.
 
 use crate::missing::has_c_compiler;
 use crate::program::{PROGRAM, host_sim, utf8};
@@ -21,7 +21,7 @@ fn a_c_array_compiles() {
         Command::new("cc").args(["-std=c99", "-Wall", "-Werror", "-pedantic", "-o"]).args([&program, &source]).status();
     assert!(compiler.unwrap().success());
     assert!(Command::new(program).status().unwrap().success());
-    // Recordings with names that the language or its headers use.
+    // These recordings are named like keywords and header names of C.
     for name in ["int", "default", "size", "time", "linux"] {
         let header = folder.path().join(format!("{name}.h"));
         assert_eq!(host_sim(&["convert", "periodic", "-o", utf8(&header), "--frames", "1..1"]).code, Some(0));
@@ -64,7 +64,7 @@ fn every_frame_is_answered_as_it_comes() {
         to.write_all(&bytes[start + number * frame..][..frame]).unwrap();
         to.flush().unwrap();
         let mut line = String::new();
-        // The next frame is sent after the answer. If answers were held back, this would wait forever.
+        // Sends the next frame only after the answer: if host-sim buffered its answers, this would wait forever.
         from.read_line(&mut line).unwrap();
         assert_eq!(line.trim_end(), expected);
     }
@@ -112,7 +112,7 @@ fn each_command_has_an_example() {
 fn no_color_is_heeded() {
     let help = |variables: &[(&str, &str)]| {
         let mut command = Command::new(PROGRAM);
-        // As on a terminal.
+        // Colors as on a terminal.
         command.env_remove("NO_COLOR").env("CLICOLOR_FORCE", "1").envs(variables.iter().copied());
         command.args(["track", "--help"]).output().unwrap().stdout
     };

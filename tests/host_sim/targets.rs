@@ -1,11 +1,10 @@
-//! Videos keep what the recording has: colors, times, shape and sound.
+//! Exported videos keep the recording's colors, times, shape of pixels and sound.
 
 use crate::missing::{has, has_ffmpeg};
 use crate::program::{host_sim, utf8};
 use std::path::Path;
 use std::process::Command;
 
-/// Runs a program of ffmpeg's, and returns its output.
 fn run(program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).args(["-v", "error"]).args(arguments).output().unwrap();
     assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -16,7 +15,7 @@ fn has_both(test: &str) -> bool {
     has_ffmpeg(test) && has(test, "ffprobe", &["-version"])
 }
 
-/// The times of all frames, in seconds, from the first.
+/// Returns the times of all frames in seconds from the first frame.
 fn times(video: &Path) -> Vec<f64> {
     let asked = ["-select_streams", "v", "-show_entries", "frame=pts_time", "-of", "csv=p=0", utf8(video)];
     let said = run("ffprobe", &asked);
@@ -31,7 +30,7 @@ fn stream(video: &Path, which: &str, entry: &str) -> String {
         .to_owned()
 }
 
-/// A clip with colors, sound, pixels that are not square, and frames at irregular times.
+/// Writes a clip with colors, sound, pixels that are not square, and irregular frame times.
 fn clip(folder: &Path) -> std::path::PathBuf {
     let clip = folder.join("clip.mp4");
     let filter = "testsrc2=s=320x180:r=30000/1001:d=2,select='not(eq(mod(n\\,5)\\,3))',setsar=4/3";
@@ -62,7 +61,7 @@ fn a_video_keeps_colors_times_shape_and_sound() {
     assert!(before.iter().zip(&after).all(|(before, after)| (before - after).abs() < 1e-4), "{before:?} {after:?}");
     assert_eq!(stream(&boxes, "v", "sample_aspect_ratio,width,height"), "320,180,4:3");
     assert_eq!(stream(&boxes, "a", "codec_type"), "audio");
-    // The bars of the test picture: red on the left, blue right of the middle.
+    // The test picture has a red bar on the left and a blue one right of the middle.
     let pixel = |x: usize| {
         let crop = format!("crop=4:4:{x}:90,scale=1:1");
         let arguments = [

@@ -1,4 +1,4 @@
-//! `view`: the replies that the page gets from the server, and the files that are left when it ends.
+//! `view`: the server's replies to the page, and the files that remain after it ends.
 
 use crate::missing::{has_ffmpeg, skipped};
 use crate::program::{PROGRAM, host_sim, kill, utf8};
@@ -38,7 +38,6 @@ impl Window {
         Self { process, place: place.to_owned(), token: token.to_owned(), folder }
     }
 
-    /// Sends a request. Returns status, head and body of the reply.
     fn asked(&self, head: &str, headers: &str, body: &str) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.place).unwrap();
         let (place, length) = (&self.place, body.len());
@@ -81,7 +80,7 @@ impl Window {
         (status, String::from_utf8(body).unwrap())
     }
 
-    /// Reads news until one of them is wanted.
+    /// Reads the server's events until one satisfies `is_wanted`.
     fn wait(&self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
         let begin = Instant::now();
         let mut position = 0;
@@ -131,7 +130,6 @@ fn target(locks: &[(usize, [i32; 4])]) -> Value {
     json!([{ "id": 7, "name": "car", "locks": locks }])
 }
 
-/// The first 40 frames of `synthetic`, with their boxes.
 fn recording(folder: &TempDir) -> String {
     let recording = utf8(&folder.path().join("synthetic")).to_owned();
     assert_eq!(host_sim(&["convert", "synthetic", "--frames", "..40", "-o", &recording]).code, Some(0));
@@ -241,7 +239,7 @@ fn a_video_and_a_report_are_made_to_be_taken_away() {
     assert!(String::from_utf8(said).unwrap().contains("00030.png (frame 30): there is no such file"));
 }
 
-/// Returns the targets that the window shows, and the path of its session.
+/// Returns the window's targets and the path of its session file.
 fn begun(window: &Window) -> (Value, Value) {
     let source = window.json("source");
     (source["targets"].clone(), source["session"].clone())
@@ -265,7 +263,7 @@ fn work_is_kept_beside_the_recording_and_gone_on_with() {
     assert_eq!((&source["targets"], &source["method"], &source["frame"]), (&car, &json!("smr"), &json!(12)));
     assert_eq!(source["options"], json!({ "config": "camera" }));
     drop(window);
-    // Targets on the command line replace those of the session, which are kept.
+    // Targets of the command line replace the targets of the session; the session file keeps its own.
     let window = Window::open(&[recording, "--init", "1,1,20,20"]);
     assert_eq!(
         (&begun(&window).0[0]["locks"][0]["box"], window.json("source")["method"].clone()),
@@ -345,7 +343,7 @@ fn a_file_that_is_not_wanted_any_more_is_cancelled() {
     assert_eq!(window.post("cancel", &json!({ "id": 1 })), refused);
 }
 
-/// All users can see a program's arguments.
+/// Arguments of a program are visible to all users, so none of them may contain the window's key.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
@@ -374,7 +372,7 @@ fn the_browser_is_opened_by_a_private_file_and_not_by_the_address() {
     );
 }
 
-/// The file is cut, or still being copied, while the window is open.
+/// The file is cut off, or is still being copied, while the window is open.
 #[test]
 fn the_end_of_a_read_is_not_the_end_of_the_file() {
     if !has_ffmpeg("the_end_of_a_read_is_not_the_end_of_the_file") {
@@ -400,7 +398,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     fs::write(&file, frames(40)).unwrap();
     assert_eq!(window.post("targets", &corrected(30)).0, 200);
     assert_eq!(window.followed()["followed"], 40);
-    // The file has grown: the targets that waited go on by themselves.
+    // The file has grown: targets that waited for frames continue without a request.
     fs::write(&file, frames(60)).unwrap();
     let grown = window.wait("more frames", |news| news["progress"].is_null() && news["followed"] == 60);
     assert_eq!((window.json("source")["frames"].clone(), window.get("frames/60.jpg").0), (json!(60), 200), "{grown}");
@@ -408,7 +406,7 @@ fn the_end_of_a_read_is_not_the_end_of_the_file() {
     assert_eq!(window.text("boxes?format=csv"), host_sim(&[&["track", utf8(&file)], &inits[..]].concat()).out);
 }
 
-/// The window follows the frames that are there, and the command that it shows gives the same answers.
+/// The window follows the frames that exist, and the command that it shows gives the same answers.
 #[test]
 fn what_is_shown_for_a_damaged_recording_repeats_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -448,7 +446,7 @@ fn what_is_shown_for_a_damaged_recording_repeats_it() {
     }
 }
 
-/// Names that look like an option, or that are no text.
+/// File names that look like an option, or that are not UTF-8.
 #[cfg(target_os = "linux")]
 #[test]
 fn odd_names_are_made_and_typed() {
@@ -510,7 +508,7 @@ fn nothing_is_left_when_it_is_ended() {
     assert_eq!(fs::read_dir(window.folder.path()).unwrap().count(), 0);
 }
 
-/// Any frame of a long video comes soon, and memory does not grow with the video.
+/// The server sends any frame of a long video within two seconds, and its memory does not grow with the video.
 #[cfg(target_os = "linux")]
 #[test]
 fn any_frame_of_a_long_video_is_soon_there() {
@@ -538,7 +536,7 @@ fn any_frame_of_a_long_video_is_soon_there() {
         times.push(begin.elapsed());
     }
     times.sort();
-    // Half a second on an idle machine; tests share it.
+    // On an idle machine the median is half a second; the limit allows for tests in parallel.
     assert!(times[times.len() / 2] < Duration::from_secs(2), "{times:?}");
     let status = fs::read_to_string(format!("/proc/{}/status", window.process.id())).unwrap();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();

@@ -1,11 +1,10 @@
-"""Estimated cycles of what firmware does in QEMU, for `smr-qemu --cycles`: python3 cycles.py ELF MACHINE CALIBRATIONS < TRACE
+"""Estimates the cycles of firmware from a trace of QEMU, for `smr-qemu --cycles`: python3 cycles.py ELF MACHINE CALIBRATIONS < TRACE
 
-QEMU's trace says which blocks of code run between two calls of smr_ticks, llvm-mca what a block takes on each processor. Each block counts as
-if it ran again and again, and the branch at its end as taken or not, as in the trace. What is left out: waits for memory, caches, branches that
-a processor predicts wrongly, and stalls from one block into the next.
+QEMU's trace gives the blocks of code that run between two calls of smr_ticks. llvm-mca estimates the cycles of each block, as if it ran in a
+loop. Taken branches cost more, as often as in the trace. The estimate leaves out waits for memory, caches, mispredicted branches, and stalls
+from one block into the next.
 
-LLVM's models leave out what PROCESSORS has. The model of the Cortex-M33 is that of the M4. The Cortex-M0+ has no model; its manual states every
-cycle.
+PROCESSORS adds the costs that LLVM's models lack. The Cortex-M33 uses the M4's model. The Cortex-M0+ has none: its manual states every cycle.
 """
 
 import bisect
@@ -16,12 +15,12 @@ import sys
 import tempfile
 from collections import Counter
 
-# The parts of a cycle in which costs are counted: LLVM runs each block so often.
+# Costs are counted in 1/PARTS cycle: llvm-mca simulates PARTS iterations of each block.
 PARTS = 50
 MODELLED = True
-# For each machine: name, whether LLVM has a model, cycles of a branch that is taken (1 + P on the M4 by Arm's manual, where P is 1 to 3), parts of
-# a cycle of each word after the first that an instruction loads or stores, cycles of a division (2 to 12), and of a load that steps its address
-# on right behind another by the same address; chips, and their clocks in megahertz.
+# For each processor: name; True if LLVM has a model; cycles of a taken branch (1 + P on the M4 by Arm's manual, where P
+# is 1 to 3); 1/PARTS cycles of each word after the first of a load or store; cycles of a division (2 to 12); cycles of
+# a load with post-increment directly after another from the same register; chips, with clocks in MHz.
 PROCESSORS = {
     "mps2-an385": [("cortex-m0plus", not MODELLED, 1, 0, 0, 0, {"RP2040": 133})],
     "mps2-an386": [
@@ -37,7 +36,7 @@ PROCESSORS = {
 
 
 def llvm(name, *arguments):
-    """The output of a program of LLVM. Debian's programs have the version in their names."""
+    """Runs an LLVM tool and returns its output. Debian's tools have the version in their names."""
     for version in ("-19", "-20", "-21", "-18", ""):
         try:
             done = subprocess.run([name + version, *arguments], capture_output=True, text=True, check=False)
@@ -50,7 +49,7 @@ def llvm(name, *arguments):
 
 
 def program(elf, processor):
-    """The functions and the instructions of firmware, by address."""
+    """Disassembles firmware: the names of functions, and the instructions, by address."""
     functions, code = {}, {}
     for line in llvm("llvm-objdump", "-d", "--demangle", "--no-show-raw-insn", f"--mcpu={processor}", elf).splitlines():
         if found := re.fullmatch(r"([0-9a-f]+) <(.*)>:", line):
@@ -61,7 +60,7 @@ def program(elf, processor):
 
 
 def spans(trace, mark):
-    """For each measurement: how often each block, address and size, ran; and how often something else than the code behind it ran next."""
+    """For each measurement: {(address, size) of a block: (runs, taken branches at its end)}."""
     ended, blocks, pairs, last, printed = [], {}, None, None, (0, 0)
     for line in trace:
         if line.startswith(b"Trace "):
@@ -85,7 +84,7 @@ def spans(trace, mark):
         elif line.startswith(b"IN:"):
             printed = (0, 0)
         elif line.startswith(b"Stopped execution") and pairs is not None and last is not None:
-            # The count of the block before is taken back: it had not begun.
+            # Removes one count of the block before: this run of it had not begun when the timer was read.
             pairs[None, last] -= 1
             last = None
     for pairs in ended:
@@ -98,12 +97,12 @@ def spans(trace, mark):
 
 
 def is_loop_end(text):
-    """The end of a loop in hardware: from its second round on it takes no cycle."""
+    """True for the end of a hardware loop, which costs no cycle after the first iteration."""
     return text.split(" ")[0] in ("le", "letp")
 
 
 def words(text):
-    """The words that an instruction loads or stores; 0 if it does neither."""
+    """Number of words that an instruction loads or stores."""
     if text.startswith(("ldrd", "strd")):
         return 2
     registers = re.match(r"v?(?:ldm|stm|push|pop).*\{(.*?)(?:\}|$)", text)
@@ -113,13 +112,13 @@ def words(text):
 
 
 def steps(text):
-    """The register with the address of a load that steps it on."""
+    """The address register of a load with post-increment; None for other instructions."""
     found = re.match(r"ldr[^\[]*\[([^\]]*)\],", text)
     return found and found[1]
 
 
 def cycles_by_manual(text):
-    """One cycle, and one more for each word that is loaded or stored, for a call, and for a return from the stack. The multiplier has one cycle."""
+    """Cycles by the Cortex-M0+ manual: one, plus one for each loaded or stored word, a call, and a return from the stack."""
     name = text.split(" ")[0]
     if name in ("mrs", "msr", "dsb", "dmb", "isb"):
         return 3
@@ -127,14 +126,14 @@ def cycles_by_manual(text):
 
 
 def model(name, codes):
-    """For each block: the instructions that LLVM's model knows, and their time in parts of a cycle."""
+    """For each block: the number of instructions that LLVM's model covers, and their time in 1/PARTS cycle."""
     with tempfile.NamedTemporaryFile("w", suffix=".s") as file:
         for number, code in enumerate(codes):
-            # A branch gets a target near by: the assembler may find its own out of reach.
+            # Gives branches a near target: the assembler refuses one that is out of range.
             lines = [re.sub(r" 0x\S*$", " #4", text) for text in code if not is_loop_end(text)]
             file.write("\n".join([f"# LLVM-MCA-BEGIN {number}", *lines, "# LLVM-MCA-END\n"]))
         file.flush()
-        # The condition of an instruction is enough: an IT block may lie in two blocks of the trace.
+        # `implicit-it` inserts IT instructions: one of the code's own may lie in another block of the trace.
         options = ["-mtriple=thumb-none-eabihf", f"-mcpu={name}", "-arm-implicit-it=always", "-call-latency=1", f"-iterations={PARTS}"]
         options += ["-skip-unsupported-instructions=any", "-all-views=false", "-summary-view", "-json"]
         regions = json.loads(llvm("llvm-mca", *options, file.name))["CodeRegions"]
@@ -144,7 +143,7 @@ def model(name, codes):
 
 
 def costs(processor, codes):
-    """The cost of each block: instructions, those that LLVM does not know, parts of a cycle, and those that a taken branch adds."""
+    """For each block: instructions, instructions unknown to LLVM, 1/PARTS cycles, and 1/PARTS cycles of a taken branch."""
     name, modelled, taken, word, division, stepped, _ = processor
     if not modelled:
         return [(len(code), 0, PARTS * sum(map(cycles_by_manual, code)), PARTS * taken) for code in codes]
@@ -159,7 +158,7 @@ def costs(processor, codes):
 
 
 def total(cost, spans):
-    """Instructions, those that LLVM does not know, and parts of a cycle."""
+    """Sums of instructions, of instructions unknown to LLVM, and of 1/PARTS cycles."""
     sums = [0, 0, 0]
     for block, (ran, taken) in (item for span in spans for item in span.items()):
         each, unknown, parts, more = cost[block]
@@ -168,7 +167,7 @@ def total(cost, spans):
 
 
 def shares(functions, cost, updates):
-    """The ten functions with the most cycles, without those that they call."""
+    """Yields the ten functions with the most cycles of their own, without their callees."""
     starts, spans = sorted(functions), {}
     for block, runs in (item for update in updates for item in update.items()):
         at = starts[bisect.bisect(starts, block[0]) - 1]

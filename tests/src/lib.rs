@@ -1,6 +1,6 @@
-//! Tests across the crates: those in `tests/`, one file per subject.
+//! Tests across the crates. Each file of `tests/` has one subject.
 
-/// The example in the project's README is a test, too.
+/// Runs the example of the project's README as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;

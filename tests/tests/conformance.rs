@@ -15,12 +15,12 @@ use std::path::{Path, PathBuf};
 
 type Paper = smr_core::Paper<128, 121>;
 
-/// exp(-d / 40), the table of `scale.smr`.
+/// exp(-d / 40): the similarity table of `scale.smr`.
 static STEEP: Table = match Table::new(40) {
     Ok(table) => table,
     Err(_) => panic!("40 is in range"),
 };
-/// Files, their flights, and their answers.
+/// File, number of flights, number of answers.
 const OF_PAPER: [(&str, u32, u32); 2] = [("paper.smr", 6, 61), ("scale.smr", 1, 4)];
 const OF_ROBUST: [(&str, u32, u32); 2] = [("robust.smr", 13, 85), ("refined.smr", 3, 15)];
 
@@ -38,7 +38,7 @@ fn steep() -> paper::Config {
     config
 }
 
-/// The pixels of a whole frame; those that are not in the record are black.
+/// Copies the recorded windows into a whole frame; the other pixels are black.
 fn whole(frame: &Frame<'_>, parts: &[Rect]) -> GrayFrame {
     let Rect { width, height, .. } = frame.bounds();
     let mut pixels = vec![0; usize::from(width) * usize::from(height)];
@@ -59,7 +59,8 @@ fn saved<T: Recorded>(tracker: &Tracker<T>) -> Vec<u8> {
     saved
 }
 
-/// Runs smr-core on the frames of the record `old`, and returns the new record, with the saved target at the end of each flight.
+/// Runs smr-core on the frames of the record `old`. Returns the new record, with the saved target at the end of each
+/// flight.
 fn anew<T: Recorded>(old: &[u8], rest: T::Config) -> Vec<u8> {
     let bytes = RefCell::new(Vec::new());
     let write = |piece: &[u8]| {
@@ -104,7 +105,7 @@ fn replays<T: Recorded>(
     assert_eq!(replayed, Replayed { flights, locks: flights, answers }, "{name}");
 }
 
-/// By this machine's fastest backend, and with whole frames: boxes, states, scores and at the end the whole target.
+/// Compares boxes, states, scores and saved targets, with the fastest backend and whole frames.
 #[test]
 fn smr_core_answers_as_the_vectors_say() {
     fn is<T: Recorded>(file: (&str, u32, u32), rest: T::Config) {
@@ -136,7 +137,7 @@ fn it_does_so_in_steps() {
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), stepwise));
 }
 
-/// Every frame goes to a new tracker, restored from the saved one.
+/// Restores a new tracker from the saved target before every frame.
 #[test]
 fn it_does_so_saved_and_restored_after_every_frame() {
     fn restored<T: Recorded>(tracker: &mut Tracker<T>, frame: &Frame<'_>) -> Result<Answer, UpdateError> {
@@ -149,7 +150,7 @@ fn it_does_so_saved_and_restored_after_every_frame() {
     OF_ROBUST.into_iter().for_each(|file| replays::<Robust>(file, robust::Config::robust(), restored));
 }
 
-/// Score by score. That smr-core answers as the vectors say is shown above.
+/// Compares the float reference with the vectors, score by score.
 #[test]
 fn the_float_reference_answers_as_the_vectors_of_the_paper_say() {
     for (name, flights, answers) in OF_PAPER {
@@ -179,7 +180,6 @@ fn the_float_reference_answers_as_the_vectors_of_the_paper_say() {
     }
 }
 
-/// The numbers of a configuration for the reference.
 fn numbers(config: &paper::Config) -> Numbers {
     let ratio = |ratio: Fraction| (ratio.numerator.into(), ratio.denominator.into());
     let radius = |radius: Radius| (radius.x.into(), radius.y.into());

@@ -1,5 +1,6 @@
-//! The commands of `core/EVIDENCE.md` and of other documents for maintainers can be run: cargo knows the package, the test program, the
-//! features and tests of these names, host-sim reads its options, and each script is there. `.ci/run default` lists their tests with cargo.
+//! Checks that the commands in `core/EVIDENCE.md` and in other documents for maintainers can be run. Packages, test
+//! programs, features and tests of these names must exist, host-sim must accept its options, and each script must
+//! exist.
 
 use clap::CommandFactory;
 use clap::error::ErrorKind;
@@ -14,7 +15,6 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Commands of a text: between backticks in a line, or a line of a block.
 fn commands(text: &str) -> Vec<&str> {
     let mut is_block = false;
     let parts = text.lines().flat_map(|line| {
@@ -27,7 +27,6 @@ fn commands(text: &str) -> Vec<&str> {
     parts.filter(|part| begins.iter().any(|begin| part.starts_with(begin)) && !part.contains("...")).collect()
 }
 
-/// Folders, manifests and names of the workspace's packages.
 fn packages() -> Vec<(PathBuf, String)> {
     let workspace = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let members = workspace.split_once("members = [").unwrap().1.split_once(']').unwrap().0;
@@ -35,7 +34,7 @@ fn packages() -> Vec<(PathBuf, String)> {
     folders.map(|folder| (folder.clone(), fs::read_to_string(folder.join("Cargo.toml")).unwrap())).collect()
 }
 
-/// All Rust in a folder, as one text, with the names of its files.
+/// Returns all Rust of a folder as one text, with the file names.
 fn sources(folder: &Path) -> String {
     let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path());
     let text = |path: PathBuf| match path.extension() {
@@ -48,7 +47,7 @@ fn sources(folder: &Path) -> String {
     entries.filter(|path| !path.ends_with("target")).map(text).collect()
 }
 
-/// Errors: Cargo, or libtest, would find nothing to run.
+/// Fails if a `cargo test` with these words would run nothing.
 fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), String> {
     let mut words = words.iter().copied();
     let (mut package, mut test, mut features, mut filters) = (None, None, String::new(), Vec::new());
@@ -84,7 +83,7 @@ fn cargo_test(words: &[&str], packages: &[(PathBuf, String)]) -> Result<(), Stri
         }
     }
     let text: String = tests.iter().map(|folder| sources(folder)).collect();
-    // `track::tests` is made of the names of modules.
+    // `track::tests` consists of module names.
     let is_end = |letter: char| !(letter.is_alphanumeric() || letter == '_');
     let named = ["fn ", "mod "].into_iter().flat_map(|what| text.split(what).skip(1));
     let known: Vec<&str> = named.filter_map(|rest| rest.split(is_end).next()).collect();
@@ -98,7 +97,7 @@ fn refusal(command: &str, packages: &[(PathBuf, String)]) -> Result<(), String> 
     match words[..] {
         ["cargo", "test", ref rest @ ..] => cargo_test(rest, packages),
         ["host-sim", ..] => match HostSim::command().try_get_matches_from(&words) {
-            // Text names a command and an option, without a recording.
+            // The text names a command and an option, but no recording.
             Err(error) if error.use_stderr() && error.kind() != ErrorKind::MissingRequiredArgument => {
                 Err(error.to_string())
             }

@@ -1,18 +1,18 @@
-//! Checks that figures in documents equal those of the code, a script or a file of records. `SMR_RECORD=1 cargo test -p smr-tests figures`
-//! writes them into the documents.
+//! Checks that figures in documents equal the values in code, scripts and files of measurements. `SMR_RECORD=1 cargo
+//! test -p smr-tests figures` writes them into the documents.
 
 use smr_core::robust::Config;
 use std::fs;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A document, and sentences of it, each with `{}` in place of its figures.
+/// A document, and its sentences with `{}` in place of each figure.
 struct Document {
     name: &'static str,
     sentences: Vec<(&'static str, Vec<String>)>,
 }
 
-/// The places of the figures of `sentence` at the beginning of `text`. White space is as in the document.
+/// Returns the positions of the figures if `text` begins with `sentence`. Any white space matches any other.
 fn figures_at(text: &str, sentence: &str) -> Option<Vec<Range<usize>>> {
     let (mut at, mut places) = (0, Vec::new());
     for (number, piece) in sentence.split("{}").enumerate() {
@@ -47,7 +47,7 @@ fn written(name: &str, text: &str, sentence: &str, figures: &[String]) -> String
     text
 }
 
-/// A number of tests/budgets.txt, as `.ci/firmware --record` has written it.
+/// Returns a value of tests/budgets.txt, which `.ci/firmware --record` writes.
 fn budget(name: &str) -> f64 {
     let budgets = include_str!("../budgets.txt");
     let line = budgets.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
@@ -69,7 +69,6 @@ fn documents() -> Vec<Document> {
         ]
         .to_vec()
     };
-    // The limits that `.ci/c` holds.
     let script = include_str!("../../.ci/c");
     let limit = |beginning: &str| {
         let line = script.lines().find_map(|line| line.trim_start().strip_prefix(beginning));

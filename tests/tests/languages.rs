@@ -1,4 +1,5 @@
-//! Every language has the states and the answer of smr-core. `core/c/tests/interface/errors.rs` has its errors, `tests/api` its settings.
+//! Checks that every language has the states of smr-core and the fields of its answer.
+//! `core/c/tests/interface/errors.rs` checks the errors, `tests/api` the settings.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,7 @@ const HEADER: &str = "core/c/include/smr.h";
 const TYPES: &str = "core/web/smr.d.ts";
 const MODULE: &str = "core/micropython/smr/smr.c";
 
-/// A list of names: its kind, the language, the file, and the text before and after the names.
+/// Places of the names: kind, language, file, and the text before and after the names.
 const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("answer", "C", HEADER, "struct smr_answer {", "\n}"),
     ("answer", "Python", "core/python/package/smr/_answer.py", "class Answer(", "\nclass"),
@@ -24,7 +25,7 @@ const PLACES: &[(&str, &str, &str, &str, &str)] = &[
     ("state", "host-sim", "host-sim/evaluation/src/method.rs", "fn name_of(", "\n}"),
 ];
 
-/// `name` as it is spelled in a language.
+/// Spells `name` in a language's style.
 fn spelled(what: &str, language: &str, name: &str) -> String {
     let told = match (name, language) {
         ("bbox" | "fine", "C") | ("fine", "host-sim") => name,
@@ -46,18 +47,17 @@ fn spelled(what: &str, language: &str, name: &str) -> String {
     }
 }
 
-/// True if `word` stands in `text` after `before`, up to `end`, outside of comments.
+/// Returns true if `word` is in `text` between `before` and `end`, outside of comments.
 fn has(text: &str, before: &str, end: &str, word: &str) -> bool {
     let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
     let (_, after) = text.split_once(before).unwrap_or_else(|| panic!("no {before}"));
     let part = after.split(end).next().unwrap_or(after);
-    // Without the docstrings of Python.
     let lines = part.split("\"\"\"").step_by(2).flat_map(str::lines);
     let mut code = lines.filter(|line| !line.trim_start().starts_with(['/', '*']));
     code.any(|line| line.split(|letter| !is_name(letter)).any(|found| found == word))
 }
 
-/// Names that a language lacks. `read` gives the text of a file.
+/// Returns the names that a language lacks. `read` returns the text of a file.
 fn lacking(read: impl Fn(&str) -> String) -> Vec<String> {
     let mut lacking = Vec::new();
     for (what, language, file, before, end) in PLACES {

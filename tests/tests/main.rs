@@ -1,4 +1,4 @@
-//! Tests across the crates, in one program, so that they run side by side.
+//! Tests across the crates, in one program, so that they run in parallel.
 
 mod conformance;
 mod evidence;

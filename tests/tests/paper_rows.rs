@@ -1,4 +1,4 @@
-//! `Config::paper()` on the paper's recordings, against the boxes of a prototype of the method, frame by frame.
+//! Compares `Config::paper()` on the paper's recordings with the boxes of the paper's prototype, frame by frame.
 
 use crate::missing::recordings;
 use smr_core::paper::{Config, Fraction};
@@ -11,7 +11,7 @@ use std::path::Path;
 const RECORDINGS: [&str; 6] =
     ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
 
-/// A line for each frame: left, top, right, bottom; `None` if the target is lost.
+/// For each frame: left, top, right, bottom; `None` if the target is lost.
 type Boxes = Vec<Option<[i32; 4]>>;
 
 fn read(path: &Path) -> Boxes {
@@ -41,7 +41,8 @@ fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
     [Some(corners(start))].into_iter().chain(rest).collect()
 }
 
-/// Compares with the files of rows that end in `rows`. `larger` is 1 if their first box includes its lower right corner.
+/// Compares with the files whose names end in `rows`. `larger` is 1 if their boxes include the lower right corner's
+/// pixel.
 fn compare(test: &str, rows: &str, config: Config, larger: u16) {
     let Some(tld) = recordings(test, "tld") else { return };
     let Some(boxes) = recordings(test, "paper-rows") else { return };

@@ -1,4 +1,5 @@
-//! The closed loop: a simulated camera on a head sees a rendered scene, the tracker follows the target, the pursuit turns the head.
+//! The closed loop: a simulated camera on a head films a rendered scene, the tracker follows the target, and the
+//! pursuit turns the head.
 //!
 //! The camera has 160x120 pixels, a focal length of 160 pixels (53 degrees across) and 30 frames per second. Each frame is
 //! rendered ray by ray from the present angles of the head: a textured target of 17 by 17 degrees (48x48 pixels at the
@@ -20,13 +21,12 @@ const WIDTH: u16 = 160;
 const HEIGHT: u16 = 120;
 const FOCAL_LENGTH_PIXELS: f64 = 160.0;
 const FRAME_SECONDS: f64 = 1.0 / 30.0;
-/// Sides of the target in pixels, when it is in the middle of the picture.
+/// Side of the target in pixels in the middle of the picture.
 const TARGET_PIXELS: u16 = 48;
 const SERVO_DEGREES_PER_SECOND: f64 = 300.0;
 const RETURN_RADIANS_PER_SECOND: f32 = 0.5;
 const LIMIT_RADIANS: f32 = 1.05;
 
-/// Angles to the right and up, in radians.
 type Direction = [f64; 2];
 const HOME: Direction = [0.0, 0.0];
 
@@ -34,7 +34,8 @@ fn right_degrees(degrees: f64) -> Direction {
     [degrees.to_radians(), 0.0]
 }
 
-/// The picture that a camera in direction `head` takes. An occluder has its own texture and 1.5 times the size of the target.
+/// Renders the picture of a camera in direction `head`. An occluder has its own texture and 1.5 times the target's
+/// size.
 fn picture(head: Direction, target: Direction, occluder: Option<Direction>) -> Vec<u8> {
     let side = f64::from(TARGET_PIXELS) / FOCAL_LENGTH_PIXELS;
     let seen = |ray: Direction| {
@@ -55,21 +56,21 @@ fn picture(head: Direction, target: Direction, occluder: Option<Direction>) -> V
     (0..WIDTH * HEIGHT).map(place).map(|(right, up)| seen(ray(head, right, up))).collect()
 }
 
-/// The direction in which a camera that looks to `head` sees the point `right` and `up` pixels from the middle.
+/// Returns the direction of the pixel `right` and `up` of the middle, for a camera in direction `head`.
 fn ray(head: Direction, right: f64, up: f64) -> Direction {
     let (sin, cos) = head[1].sin_cos();
     let (forward, height) = (FOCAL_LENGTH_PIXELS * cos - up * sin, FOCAL_LENGTH_PIXELS * sin + up * cos);
     [head[0] + right.atan2(forward), height.atan2(forward.hypot(right))]
 }
 
-/// Distance of `point` from the middle of a camera that looks to `head`, in pixels.
+/// Returns the distance of `point` from the picture's middle in pixels, for a camera in direction `head`.
 fn offset_pixels(head: Direction, point: Direction) -> f64 {
     let ((sin, cos), (height, level)) = (head[1].sin_cos(), point[1].sin_cos());
     let (right, ahead) = (level * (point[0] - head[0]).sin(), level * (point[0] - head[0]).cos());
     FOCAL_LENGTH_PIXELS * right.hypot(height * cos - ahead * sin) / (ahead * cos + height * sin)
 }
 
-/// Random gray levels, 4 pixels apart at the centre, interpolated in between.
+/// Interpolates random gray levels that lie 4 pixels apart at the picture's middle.
 fn texture(seed: u32, place: Direction, (darkest, brightest): (f64, f64)) -> u8 {
     let [x, y] = place.map(|radians| radians * FOCAL_LENGTH_PIXELS / 4.0);
     let (right, low) = (x - x.floor(), y - y.floor());
@@ -78,7 +79,7 @@ fn texture(seed: u32, place: Direction, (darkest, brightest): (f64, f64)) -> u8 
     (darkest + (brightest - darkest) * (row(0.0) * (1.0 - low) + row(1.0) * low)).round() as u8
 }
 
-/// A number from 0 to 1 for each place.
+/// Returns a random value from 0 to 1 that is fixed for each position.
 fn grain(seed: u32, column: i32, row: i32) -> f64 {
     let mut mixed = seed.wrapping_mul(0x9E37_79B9) ^ column.cast_unsigned().wrapping_mul(0x85EB_CA6B);
     mixed = (mixed ^ (mixed >> 15)).wrapping_add(row.cast_unsigned().wrapping_mul(0xC2B2_AE35));
@@ -87,7 +88,7 @@ fn grain(seed: u32, column: i32, row: i32) -> f64 {
     f64::from((mixed ^ (mixed >> 16)) >> 8) / f64::from(1 << 24)
 }
 
-/// A PWM pin with a resolution of one microsecond, or an LED. The test can read the value last written to it.
+/// A PWM pin with a resolution of one microsecond, or an LED. The test reads the last written value.
 #[derive(Clone, Default)]
 struct Pin(Rc<Cell<u16>>);
 
@@ -120,13 +121,12 @@ impl digital::OutputPin for Pin {
     }
 }
 
-/// The whole loop: camera, tracker, pursuit, head.
 struct Loop<T: Target> {
     tracker: Box<Tracker<T>>,
     pursuit: Pursuit<Pin, Pin, Pin>,
     servo_pins: [Pin; 2],
     lamp: Pin,
-    /// The angles of the servos, and the angles that the pulses of the frame before ask for.
+    /// Angles of the servos, and the angles commanded in the frame before.
     head: Direction,
     goal: Direction,
 }
@@ -146,7 +146,6 @@ impl<T: Target> Loop<T> {
             slew_radians_per_second: 4.0,
             return_radians_per_second: RETURN_RADIANS_PER_SECOND,
         };
-        // The tilt servo is mounted the other way round.
         let [pan_servo, tilt_servo] = [(900, 2100), (2100, 900)].map(|(at_min, at_max)| Servo {
             pulse_at_min_microseconds: at_min,
             pulse_at_max_microseconds: at_max,
@@ -167,7 +166,8 @@ impl<T: Target> Loop<T> {
         Self { tracker, pursuit, servo_pins, lamp, head: HOME, goal: HOME }
     }
 
-    /// One frame: the tracker's state, whether the lamp is on, and the pixels from the target to the middle of the picture.
+    /// Runs one frame. Returns the tracker's state, true if the lamp is on, and the target's distance from the
+    /// picture's middle in pixels.
     fn step(&mut self, target: Direction, occluder: Option<Direction>) -> (State, bool, f64) {
         let error_pixels = offset_pixels(self.head, target);
         let picture = picture(self.head, target, occluder);
@@ -191,23 +191,23 @@ fn frame(pixels: &[u8]) -> Frame<'_> {
     Frame::whole(Image::new(pixels, WIDTH, HEIGHT).expect("as many pixels as that"))
 }
 
-/// The paper's tracker, with a window that the target does not leave.
+/// The paper's tracker, with a search window that the target does not leave.
 type Small = Paper<4096, 65>;
 
 fn small() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 12, y: 12 };
     config.window_limit = Radius { x: 32, y: 32 };
-    // The paper's gate of 1.0 accepts every peak inside the frame. Here the tracker must distinguish the target from
-    // the occluder.
+    // The paper's gate (1.0) accepts every peak inside the frame. Here the tracker must distinguish target and
+    // occluder.
     config.gate_tracking = Fraction::new(5, 4);
-    // A lead of 100 pixels is easy to reach with the target's 2304. So only the ratio decides here.
+    // A lead of 100 pixels is easy to reach with the target's 2304 pixels, so only the ratio decides here.
     config.gate_lead = u16::MAX;
     config
 }
 
-/// For each row (degrees per second, tilt of pan, pixels): the target moves for 10 seconds between 40 degrees left and
-/// right at this speed, and this part of it up and down. It stays tracked, and nearer to the centre than these pixels.
+/// Each row has a speed in degrees per second, a ratio of tilt to pan, and a limit in pixels. The target moves for 10
+/// seconds between 40 degrees left and right. It must stay tracked and nearer to the picture's middle than the limit.
 fn holds<T: Target>(config: T::Config, rows: &[(f64, f64, f64)]) {
     for &(speed, tilt_per_pan, most) in rows {
         let mut head = Loop::<T>::locked(config);
@@ -261,7 +261,7 @@ fn a_target_that_was_hidden_is_centred_again() {
     let mut head = at_20_degrees();
     let held = head.head;
     for frame in 1..=25 {
-        // It keeps moving behind the occluder.
+        // The target keeps moving behind the occluder.
         let target = right_degrees(20.0 + 0.15 * f64::from(frame));
         let (state, lamp, _) = head.step(target, Some(right_degrees(20.0)));
         assert_eq!((state, lamp), (State::Lost, false), "frame {frame}");
@@ -270,7 +270,7 @@ fn a_target_that_was_hidden_is_centred_again() {
     for frame in 1..=30 {
         let (state, lamp, error_pixels) = head.step(right_degrees(23.75), None);
         assert_eq!((state, lamp), (State::Tracking, true), "frame {frame}");
-        // It is centred within 5 frames.
+        // The head centres the target within 5 frames.
         let most = [10.0, 10.0, 10.0, 10.0, 2.0].get(frame - 1).copied().unwrap_or(8.0);
         assert!(error_pixels < most, "frame {frame}: {error_pixels:.1} pixels");
     }

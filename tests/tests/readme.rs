@@ -1,5 +1,5 @@
-//! The project's README can be read in five minutes, and the Rust examples of the READMEs do what they say. `build.rs` takes them out of the
-//! READMEs as they stand.
+//! Checks that the project's README is at most 900 words long, and that the Rust examples of the READMEs work.
+//! `build.rs` extracts the examples.
 //!
 //! Their C examples are compiled and run by `.ci/c`, their commands by `readme_commands.rs`.
 
@@ -12,7 +12,8 @@ fn the_readme_has_at_most_900_words() {
     assert!(words <= 900, "README.md has {words} words");
 }
 
-/// The target of the examples: 40x48 pixels at 150,100 in the first of these pictures of 320x240, and two pixels further to the right in each one.
+/// Draws the target of the examples: 40x48 pixels at 150,100 in the first picture (320x240), two pixels further right
+/// in each next one.
 fn pictures(count: usize) -> Vec<Vec<u8>> {
     let texture = |x: usize, y: usize| (x / 4 * 83 + y / 4 * 47 + (x / 4) * (y / 4) * 29) % 200 + 55;
     let pixel = |left: usize, x: usize, y: usize| {
@@ -54,7 +55,6 @@ mod library {
     }
 }
 
-/// The second example: a lost target is locked again.
 mod lost {
     use super::pictures;
     use smr_core::Image;
@@ -73,7 +73,7 @@ mod lost {
             let answer = follow(&mut tracker, &frame(&covered), &mut lost_frames, |_| None).unwrap();
             assert!(answer.state != State::Tracking);
         }
-        // It comes back too far away for the search window, in another part than the sweep looks at next.
+        // The target comes back outside of the search window and of the windows that the next update searches.
         let detect = |_: &Frame<'_>| Some(Rect::new(210, 100, 40, 48));
         lost_frames = 10;
         follow(&mut tracker, &frame(&pictures[30]), &mut lost_frames, detect).unwrap();
@@ -95,7 +95,7 @@ mod recorder {
     fn the_record_holds_the_answer() {
         let pictures = pictures(2);
         let frame = |number: usize| Frame::whole(Image::new(&pictures[number], 320, 240).unwrap());
-        // Room for a window of +-16: the preset is the one for that radius.
+        // The largest search radius is 16, so the preset is the one for that radius.
         let mut tracker = Tracker::<Paper<4096, 33>>::with(paper::Config::camera_within(16)).unwrap();
         let mut bytes = Vec::new();
         let write = |piece: &[u8]| -> Result<(), Infallible> {
@@ -133,7 +133,6 @@ mod several {
     }
 }
 
-/// The fifth example: a head follows the target.
 mod head {
     use super::pictures;
     use embedded_hal::{digital, pwm};
@@ -142,7 +141,6 @@ mod head {
     use std::convert::Infallible;
     use std::error::Error;
 
-    /// A pin that keeps what was written to it last.
     struct Pin<'a>(&'a Cell<u16>);
 
     impl pwm::ErrorType for Pin<'_> {
@@ -176,12 +174,11 @@ mod head {
         }
     }
 
-    /// The example runs for ever. A frame of another size ends it with an error.
+    /// The example loops forever; a frame of another size ends it with an error.
     #[test]
     #[allow(unused_variables, reason = "the example leaves to its reader what is done about a pin")]
     fn the_head_turns_to_the_target() {
         let pictures = pictures(1);
-        // The target is at the right edge of the picture that the camera takes.
         let part = |y: usize| &pictures[0][(y + 80) * 320 + 60..][..160];
         let picture: Vec<u8> = (0..120).flat_map(part).copied().collect();
         let (pan, tilt, led) = (Cell::new(0), Cell::new(0), Cell::new(0));
@@ -198,7 +195,7 @@ mod head {
         let endless = || -> Result<Infallible, Box<dyn Error>> { include!(concat!(env!("OUT_DIR"), "/core-5.rs")) };
         let ended = endless().unwrap_err().to_string();
         assert!(ended.contains("size"), "{ended}");
-        // 1500 of 20,000 microseconds are straight on.
+        // 1500 of 20,000 microseconds point straight ahead.
         assert!(led.get() == 1 && pan.get() != tilt.get() && pan.get() > 0, "{pan:?} {tilt:?} {led:?}");
     }
 }

@@ -1,11 +1,11 @@
-//! Partial readout: a tracker that is fed line by line, in any format of a camera, with only the windows it asks for, answers as one that
-//! sees whole gray frames. With less it refuses. `smr-core` tests the gray level of each pixel.
+//! Partial readout: a tracker that gets only the windows it asks for, line by line in any camera format, answers as
+//! with whole gray frames. With fewer pixels it returns an error. `smr-core` tests the gray level of each pixel.
 
 use smr_core::readout::{Format, Readout};
 use smr_core::{Frame, Image, LockError, Paper, Rect, Robust, Target, Tracker, UpdateError, paper, robust};
 
-/// Pictures with a target in the middle: a waving texture that moves and grows. Three of nine are noise, so that the target is lost and
-/// searched.
+/// Draws pictures with a textured target that moves and grows. Three of nine are noise, so that the tracker loses the
+/// target and searches.
 fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     let (width, height) = (60 + seed * 37 % 200, 50 + seed * 53 % 150);
     let (across, down) = (4 + seed * 29 % (width / 2), 4 + seed * 31 % (height / 2));
@@ -26,11 +26,10 @@ fn recording(seed: u16) -> ((u16, u16), Rect, Vec<Vec<u8>>) {
     ((width, height), target, pictures.collect())
 }
 
-/// The lines that a sensor sends of a picture, each with three more bytes at its end. Some formats send more columns or lines than
+/// The lines of a sensor's picture, each followed by three padding bytes. Some formats send more columns or lines than
 /// the picture has.
 struct Sensor {
     format: Format,
-    /// Columns and lines.
     size: (u16, u16),
     lines: Vec<Vec<u8>>,
 }
@@ -45,9 +44,9 @@ impl Sensor {
         Self { format, size: (scale * width, u16::try_from(lines.len()).unwrap()), lines }
     }
 
-    /// Only the pixels of these windows.
+    /// Returns the bytes of these windows only.
     fn read(&self, windows: &[Rect]) -> (Readout, Vec<u8>) {
-        // A frame has at least one pixel, even if the tracker needs none.
+        // A readout has at least one pixel, even if the tracker needs none.
         let window = |&rect: &Rect| if rect.is_empty() { Rect::new(0, 0, 1, 1) } else { rect };
         let mut readout = Readout::new(self.format, self.size, window(&windows[0])).unwrap();
         if let Some(second) = windows.get(1) {
@@ -65,7 +64,7 @@ fn saved<T: Target>(tracker: &Tracker<T>) -> Vec<u8> {
     bytes[..size].to_vec()
 }
 
-/// The number of frames with a second window, of 39 recordings.
+/// Compares the answers on 39 recordings. Returns the number of frames with a second window.
 fn compare<T: Target>(config: T::Config) -> usize {
     let tracker = || Box::new(Tracker::<T>::with(config).expect("a good configuration"));
     let mut sweeps = 0;

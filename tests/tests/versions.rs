@@ -1,9 +1,9 @@
-//! The version stands once, in the workspace's `Cargo.toml`. Files that repeat it, for readers without Cargo, must agree.
+//! Checks the version: `Cargo.toml` of the workspace has it, and files for readers without Cargo repeat it.
 
 use std::fs;
 use std::path::Path;
 
-/// Each file, and what stands before the version in it.
+/// Each file, and the text before the version in it.
 const REPEATED: &[(&str, &str)] = &[
     ("core/web/package.json", "\"version\": \""),
     ("core/c/packages/README.md", "FetchContent_Declare(smr URL smr-c-"),
@@ -15,7 +15,6 @@ const REPEATED: &[(&str, &str)] = &[
     ("core/c/packages/esp-idf/idf_component.yml", "version: \""),
 ];
 
-/// The crates, and the package for Python, which takes its version from its crate.
 const CRATES: &str = "core core/c core/python host-sim host-sim/scene host-sim/recordings host-sim/reference \
                       host-sim/evaluation host-sim/pages";
 
@@ -24,7 +23,7 @@ fn read(file: &str) -> String {
     fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
 }
 
-/// The text after `before`, up to the first character that no version has.
+/// Returns the text after `before`, up to the first character that a version cannot contain.
 fn after<'a>(text: &'a str, before: &str) -> Option<&'a str> {
     let (_, rest) = text.split_once(before)?;
     let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());

@@ -1,4 +1,4 @@
-//! `core/c/include/smr.h` is what cbindgen writes from the source.
+//! Compares `core/c/include/smr.h` with the header that cbindgen generates from the source.
 //!
 //! Write it with `SMR_RECORD=1 cargo test -p smr-api`.
 
@@ -37,7 +37,7 @@ fn the_header_is_current() {
     assert!(current == written, "include/smr.h is not current: SMR_RECORD=1 cargo test -p smr-api");
 }
 
-/// Puts the texts and ranges of the settings before the fields of a struct.
+/// Inserts the texts and ranges of the settings before the fields of a struct.
 fn document<C: Settings>(header: &mut String, name: &str) {
     let start = header.find(&format!("typedef struct {name} {{\n")).expect("the struct is there");
     let start = start + header[start..].find('\n').expect("it has lines") + 1;
@@ -57,7 +57,7 @@ fn document<C: Settings>(header: &mut String, name: &str) {
     header.replace_range(start..end, &fields);
 }
 
-/// The statuses in the header. A macro defines them, and cbindgen cannot read macros.
+/// Returns the enum of statuses as C. A macro defines the statuses, and cbindgen does not expand macros.
 fn statuses() -> String {
     let mut text = String::from(
         "
@@ -88,14 +88,15 @@ typedef int32_t smr_status;
 "
 }
 
-/// The sizes of this library, by the names of the types.
+/// Expands to the size of each named type in this library, with the name.
 macro_rules! sizes {
     ($($type:ident),* $(,)?) => {
         BTreeMap::from([$((stringify!($type), size_of::<$type>())),*])
     };
 }
 
-/// Lines of C that compile only if each struct has the library's size. They fail if another header has left a packing on.
+/// Returns C code that compiles only if each struct has the size that it has in this library. It fails if an earlier
+/// header leaves a `#pragma pack` on.
 fn sizes(types: &str) -> String {
     let mut text = String::from(
         "
@@ -146,14 +147,15 @@ SMR_UNPACKED(smr_storage, offsetof(struct smr_storage, storage) == SMR_ALIGNMENT
 "
 }
 
-/// The size of each struct of the header by the rules of C, which are those of `repr(C)`, with pointers of 4 and of 8 bytes.
+/// Computes the size of each struct of the header for pointers of 4 and of 8 bytes, by the layout rules of C, which
+/// `repr(C)` follows.
 fn layouts(types: &str) -> Vec<(&str, [usize; 2])> {
     let mut known =
         BTreeMap::from([("uint8_t", [[1_usize, 1]; 2]), ("uint16_t", [[2, 2]; 2]), ("size_t", [[4, 4], [8, 8]])]);
     known.extend(["int32_t", "uint32_t", "smr_state", "smr_entry_kind"].map(|name| (name, [[4, 4]; 2])));
     let mut found = Vec::new();
     for block in types.split("typedef struct ").skip(1) {
-        // A struct that is only declared has no fields.
+        // A forward declaration has no fields.
         let Some((name, body)) = block.split_once(" {\n").filter(|(name, _)| !name.contains(';')) else { continue };
         let body = body.split_once("\n}").expect("a struct has an end").0;
         let fields = body.lines().map(str::trim).filter(|line| line.ends_with(';') && !line.starts_with('*'));

@@ -1,4 +1,4 @@
-//! The public interface of smr-core, item by item. If it changes, `smr-core.txt` must change with it.
+//! Compares the public interface of smr-core with `smr-core.txt`, item by item.
 //!
 //! Record it with `SMR_RECORD=1 cargo test -p smr-api`.
 
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The only compiler whose crate description the library `public-api` reads.
+/// The Rust version whose JSON output of rustdoc the library `public-api` reads.
 const COMPILER: &str = "1.95";
 
 fn compiler_is_read() -> bool {
@@ -24,7 +24,7 @@ fn listed() -> String {
         .args(["rustdoc", "-p", "smr-core", "--lib", "--all-features", "--locked", "--quiet", "--target-dir"])
         .arg(&target)
         .args(["--", "-Zunstable-options", "--output-format", "json"])
-        // The description is not stable yet.
+        // The JSON output is unstable: this variable allows it on a stable compiler.
         .env("RUSTC_BOOTSTRAP", "1")
         .output()
         .expect("cargo");

@@ -1,11 +1,11 @@
-//! The lists of settings in the stubs and READMEs are those of smr-core.
+//! Compares the lists of settings in the stubs and READMEs with the settings of smr-core.
 //!
 //! Write them with `SMR_RECORD=1 cargo test -p smr-api`.
 
 use smr_core::{Setting, Settings, Shape, paper, robust};
 use std::path::Path;
 
-/// Compares the part of a file between two texts with `now`, or writes it.
+/// Compares the part of a file between `start` and `end` with `now`, or writes it there.
 fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     let text = std::fs::read_to_string(&path).expect("the file is there");
@@ -18,7 +18,7 @@ fn is_recorded(file: &str, start: &str, end: &str, now: &str) {
     }
 }
 
-/// Makes a line for each setting, from the setting, its text and its range in words.
+/// Returns one line for each setting: `line` gets the setting, its text and its range in words.
 fn lines<C: Settings>(line: impl Fn(&Setting, &str, &str) -> String) -> String {
     let line = |(setting, text): (&Setting, &&str)| {
         let range = match setting.shape {

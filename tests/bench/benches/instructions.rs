@@ -1,5 +1,5 @@
-//! Instructions of the costly parts, counted by valgrind: `.ci/run instructions` runs this and compares with the recorded
-//! counts. Backends are named, not chosen: the figures are those of AVX2.
+//! Instructions of the most expensive functions, counted by valgrind. `.ci/run instructions` compares them with the
+//! recorded counts. The benches name their backends, so that the counts do not depend on the machine.
 
 #![allow(unused_qualifications)] // in what the macros write
 
@@ -10,7 +10,7 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Answer, Image, Rect};
 use std::hint::black_box;
 
-/// A usual threshold: alpha is a quarter of the largest change.
+/// A typical threshold: a quarter of the largest change.
 const THRESHOLD: u16 = 30;
 
 fn scorer(backend: Backend) -> (Scorer<'static>, Patch) {

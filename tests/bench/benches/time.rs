@@ -1,4 +1,4 @@
-//! Time of the costly parts, on the built-in recording, for every backend that this machine has: `cargo bench -p
+//! Time of the most expensive functions on the built-in recording, for every backend of this machine: `cargo bench -p
 //! smr-bench --bench time`.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -8,7 +8,7 @@ use smr_core::unstable::{CutTable, Scorer};
 use smr_core::{Image, Rect};
 use std::hint::black_box;
 
-/// A usual threshold: alpha is a quarter of the largest change.
+/// A typical threshold: a quarter of the largest change.
 const THRESHOLD: u16 = 30;
 
 fn score(criterion: &mut Criterion) {

@@ -1,4 +1,4 @@
-"""Milliseconds of processor time of an update of smr's trackers and of OpenCV's, in frames of recordings: the second half of `run`."""
+"""Times updates of smr's trackers and of OpenCV's on recordings, in milliseconds of processor time. Called by `run`."""
 
 import statistics
 import time
@@ -8,11 +8,12 @@ import smr
 
 SIDE = 64
 WINDOWS = {"+-16": (16, 16), "+-60x50": (60, 50)}
-# About this many updates are timed, each up to REPEATS times until ENOUGH seconds are spent; the shortest time counts.
+# Number of updates to time, at most; each is repeated up to REPEATS times or for ENOUGH seconds, and the shortest time
+# counts.
 UPDATES, REPEATS, ENOUGH = 60, 15, 0.01
-# Pixels by which the target may move in the second frame before its window is cut, where there is room for it.
+# Largest shift of the target in the second frame in pixels; smaller near the frame's edge.
 SPARE = 8
-# At most this part of OpenCV's time.
+# Largest time as a fraction of OpenCV's.
 GOALS = [
     ("smr.Paper, +-16", "matchTemplate, +-16", 1 / 10),
     ("smr.Paper, +-60x50", "matchTemplate, +-60x50", 1 / 3),
@@ -21,7 +22,7 @@ GOALS = [
 
 
 def cases(paths):
-    """Three frames in a row, and the box in the first: about UPDATES of them in all."""
+    """Yields three successive frames and the true box in the first, at most about UPDATES times."""
     recordings = [smr.Recording(path) for path in paths]
     if hidden := [recording.name for recording in recordings if recording.truth is None]:
         raise ValueError(f"{hidden[0]}: no ground truth beside it")
@@ -36,7 +37,7 @@ def cases(paths):
 
 
 def boxed(frame, box, reach):
-    """A box of 64x64 as close to the middle of `box` as leaves its window inside the frame; None if there is no room."""
+    """The box of 64x64 pixels nearest to `box` whose window is inside the frame; None if the frame is too small."""
     place = []
     for at, side, radius, size in zip(box, box[2:], reach, frame.shape[1::-1]):
         room = size - SIDE - 2 * radius
@@ -48,7 +49,7 @@ def boxed(frame, box, reach):
 
 
 def shortest(prepare):
-    """Seconds of what `prepare` gives: what is timed begins anew each time."""
+    """Shortest time in seconds of the function that `prepare` returns; each repetition prepares a new one."""
     times = []
     while len(times) < REPEATS and sum(times) < ENOUGH:
         work = prepare()
@@ -86,7 +87,7 @@ def add_searches(times, frames, truth):
 
 
 def measure(paths):
-    """Seconds of each update by the name of the tracker."""
+    """{name of the tracker: seconds of each update}."""
     cv2.setNumThreads(1)
     times = {}
     for frames, truth in cases(paths):

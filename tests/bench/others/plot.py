@@ -1,4 +1,4 @@
-"""Draws host-sim/assets/work.svg, accuracy against time, from the table beside OpenCV in core/python/README.md.
+"""Draws host-sim/assets/work.svg, accuracy over time, from the comparison with OpenCV in core/python/README.md.
 
     python tests/bench/others/plot.py >host-sim/assets/work.svg
 """
@@ -9,10 +9,10 @@ import re
 
 README = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../core/python/README.md")
 ROW = re.compile(r"\| ([\w.\"()]+)( \(.*\))? \| ([\d.]+) ± ([\d.]+) \| [\d.]+ \| ([\d.]+) \|")
-# As in host-sim/pages/src/colors.rs; all others are gray.
+# The colors of host-sim/pages/src/colors.rs; peers are gray.
 COLORS = {"smr.Paper": "rgb(255,64,64)", "smr.Robust(\"robust\")": "rgb(255,130,220)"}
 OTHERS, INK, GRID = "rgb(150,160,170)", "rgb(255,255,255)", "rgb(90,90,90)"
-# NanoTrack v2 in host-sim/RESULTS.md: its time was not measured.
+# Score of NanoTrack v2 in host-sim/RESULTS.md, drawn without a time: none was measured.
 NETWORK = 0.853
 
 

@@ -1,4 +1,4 @@
-//! The pixels that the benches search: the built-in recording, so every run and every machine has the same pixels.
+//! Inputs of the benches, cut from the built-in recording, so that every run and every machine has the same pixels.
 
 use smr_core::paper::{Config, Radius};
 use smr_core::similarity::Backend;
@@ -6,21 +6,20 @@ use smr_core::{Answer, Paper, Rect, Tracker};
 use smr_recordings::GrayFrame;
 use smr_recordings::synthetic::{self, HEIGHT, WIDTH};
 
-/// Room for a template of 64x64 pixels and a window of +-16, as on a microcontroller.
 pub type Small = Tracker<Paper<4096, 33>>;
 
-/// Three frames in which the target moves freely.
+/// First of three frames in which nothing covers the target.
 const FIRST: usize = 40;
 
 const RADIUS: Radius = Radius { x: 16, y: 16 };
 
-/// A tracker that is about to search a frame.
+/// A tracker after a lock and one update: the next update is measured.
 pub struct Prepared {
     tracker: Box<Small>,
     frame: GrayFrame,
 }
 
-/// The target, in a box of another size around the same middle, with the window inside the frame.
+/// Returns a box of this size with the target in its middle and the search window inside the frame.
 pub fn target(width: u16, height: u16) -> Rect {
     let truth = synthetic::truth(FIRST).and_then(|truth| truth.to_rect()).expect("the target is visible");
     let place = |from: i32, own: u16, size: u16, radius: u16, frame: u16| {
@@ -46,7 +45,7 @@ pub fn tracker(backend: Backend, pruning: bool) -> Box<Small> {
 }
 
 impl Prepared {
-    /// Locks in the first frame and updates with the second, so that template and alpha are as in a long run.
+    /// Locks in the first frame and updates with the second, so that template and threshold are as in a long run.
     pub fn new(backend: Backend, pruning: bool, target: Rect) -> Self {
         let mut tracker = tracker(backend, pruning);
         tracker.lock(&frame().frame(), target).expect("the box lies in the frame");
@@ -60,14 +59,13 @@ impl Prepared {
     }
 }
 
-/// A patch and a template of the target's next frame, and the threshold that they are compared with.
+/// A template, the target's patch in the next frame, and the threshold of their comparison.
 pub struct Patch {
     pub frame: GrayFrame,
     pub template: GrayFrame,
     pub target: Rect,
 }
 
-/// Two pictures of 64x64 pixels of the target, one frame apart.
 pub fn patch() -> Patch {
     let target = target(64, 64);
     let first = frame();

@@ -1,5 +1,5 @@
-//! Sequences of calls of a tracker: no panic, no read outside the windows it asks for, and the same answers as a second tracker with
-//! plain loops and whole updates.
+//! Runs sequences of calls on a tracker. The tracker must not panic, must not read outside the windows that it
+//! requests, and must answer as a second tracker with plain kernels and whole updates.
 
 use crate::Fuzzed;
 use crate::extent::Extent;
@@ -9,7 +9,7 @@ use arbitrary::{Result, Unstructured};
 use smr_core::{Answer, LockError, Rect, Tracker, UpdateError};
 
 struct Pair<T: Fuzzed> {
-    /// The tracker under test: any backend, any steps, any parts of the frame.
+    /// The tracker under test: any kernels, updates in steps, partial frames.
     any: Box<Tracker<T>>,
     plain: Option<Box<Tracker<T>>>,
     scene: Scene,
@@ -27,13 +27,13 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8], extent: &'static Extent) -> Result<()
         return Ok(());
     };
     let ran = pair.calls(u);
-    // Both must be equal also if the bytes end in the middle of a call.
+    // Compares also if the input ends in the middle of an update.
     pair.same_to_the_last_bit();
     ran
 }
 
 impl<T: Fuzzed> Pair<T> {
-    /// Locks with a configuration from the input.
+    /// Locks new trackers with a configuration from the input.
     fn locked(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Option<Self>> {
         let config = T::configuration(u, extent)?;
         let Ok(any) = Tracker::<T>::with(config) else {
@@ -45,7 +45,6 @@ impl<T: Fuzzed> Pair<T> {
         Ok(Some(pair))
     }
 
-    /// Restores a saved target.
     fn restored(u: &mut Unstructured<'_>, extent: &'static Extent) -> Result<Self> {
         let start = u.choose(T::starts())?;
         let any = Tracker::<T>::with(T::by(start.config, paper::backend(u)?)).expect("it was one");
@@ -71,7 +70,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// A tracker that is slow to lock is seldom locked.
+    /// Locks, but rarely if the tracker is slow to lock.
     fn lock_or_not(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         if self.is_slow_to_lock() && u.ratio(63, 64)? {
             return self.update(u);
@@ -94,7 +93,7 @@ impl<T: Fuzzed> Pair<T> {
         }
     }
 
-    /// Any box, mostly one that fits; if `lock` is slow, mostly one that is refused.
+    /// Returns any box, mostly one that fits; if `lock` is slow, mostly one that `lock` refuses.
     fn target(&self, u: &mut Unstructured<'_>) -> Result<Rect> {
         let (Rect { width, height, .. }, most) = (self.scene.bounds(), self.extent.side);
         let any = |u: &mut Unstructured<'_>| -> Result<Rect> {
@@ -139,7 +138,8 @@ impl<T: Fuzzed> Pair<T> {
         };
         match locked {
             Ok(_) => assert_eq!(self.any.bbox(), Some(target.into())),
-            // Refused only if the part is not the lock window, which was too large for memory.
+            // `lock` refuses a part of the frame only if it does not contain the lock window, which was too large to
+            // allocate.
             Err(LockError::LockWindowNotInMemory) => assert_ne!(part.rect, window),
             Err(_) => assert_eq!(before, saved(&self.any)),
         }
@@ -150,12 +150,12 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// One pixel, because a frame needs at least one.
+    /// Returns one pixel: a frame must have at least one.
     fn corner(&self) -> Option<Part> {
         self.scene.part(Rect::new(0, 0, 1, 1), 0)
     }
 
-    /// The windows of the next update, in memory; `None` if they are too large.
+    /// Allocates the windows of the next update; `None` if they are too large.
     fn needed(&self, gap: usize) -> Option<(Part, Option<Part>)> {
         let window = self.any.window()?;
         let sweep = self.any.sweep_window();
@@ -225,7 +225,7 @@ impl<T: Fuzzed> Pair<T> {
         assert_eq!((next.window(), next.bbox(), next.state()), (self.any.window(), self.any.bbox(), self.any.state()));
         *self.any = next;
         self.same();
-        // Every change of a single bit must be noticed.
+        // Restoring must detect every change of a single bit.
         let at = u.choose_index(bytes.len())?;
         bytes[at] ^= 1 << u.int_in_range(0..=7_u8)?;
         assert!(self.any.restore(&bytes).is_err());
@@ -233,7 +233,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// A frame of another size, and one without the needed pixels.
+    /// Calls the tracker with a frame of another size, and with one that lacks the needed pixels.
     fn other_size(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let (width, height) = (self.scene.width, self.scene.height);
         self.scene.width = mostly_other(u, width)?;
@@ -264,7 +264,7 @@ impl<T: Fuzzed> Pair<T> {
         Ok(())
     }
 
-    /// Begins an update, and ends it by a turn of the camera.
+    /// Starts an update, and ends it by a turn of the camera.
     fn give_up(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let Some((first, second)) = self.needed(gap(u)?) else { return Ok(()) };
         let shown = frame(&self.scene, &first, second.as_ref());
@@ -277,11 +277,11 @@ impl<T: Fuzzed> Pair<T> {
                 }
             }
         }
-        // The next call does not continue the update.
+        // Any other call gives up the unfinished update.
         self.turn(u)
     }
 
-    /// Checks that both ask for the same windows and, if bytes are compared after each call, save the same bytes.
+    /// Checks that both trackers request the same windows and, if `each_call` is set, save the same bytes.
     fn same(&self) {
         if let Some(plain) = &self.plain {
             assert_eq!(self.any.window(), plain.window());
@@ -311,7 +311,7 @@ fn gap(u: &mut Unstructured<'_>) -> Result<usize> {
     u.int_in_range(0..=7_usize)
 }
 
-/// A grant, from no work to more than an update needs.
+/// Returns the work that a step is granted, from none to more than an update needs.
 fn work(u: &mut Unstructured<'_>) -> Result<u32> {
     Ok(u32::from(u.arbitrary::<u8>()?) << u.int_in_range(0..=24_u8)?)
 }

@@ -1,6 +1,6 @@
-//! The size of the trackers' inputs: the same calls in few large inputs or in many small ones.
+//! Limits of the trackers' inputs: the same calls are tested with few large inputs or with many small ones.
 
-/// The limits of one input. A few inputs exceed the sizes.
+/// Limits of one input. A few inputs exceed the sizes.
 pub(crate) struct Extent {
     pub(crate) width: (u16, u16),
     pub(crate) height: (u16, u16),
@@ -8,11 +8,11 @@ pub(crate) struct Extent {
     pub(crate) window: u16,
     pub(crate) grown: u16,
     pub(crate) calls: u32,
-    /// Updates of the paper's tracker, and of the robust one.
+    /// Most updates of the paper's tracker and of the robust tracker.
     pub(crate) updates: [u32; 2],
-    /// True if saved bytes are compared after each call, not only before a lock and at the end.
+    /// Compares the saved bytes after each call, not only before a lock and at the end.
     pub(crate) each_call: bool,
-    /// True if a tracker that is slow to lock mostly continues with a saved target.
+    /// Makes a tracker that is slow to lock start mostly from a saved target.
     pub(crate) from_saved: bool,
 }
 

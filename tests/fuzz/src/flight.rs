@@ -1,4 +1,4 @@
-//! A flight record with changed entries and correct checksums: replayed to the end, to a difference, or to the place of the damage.
+//! Replays a flight record with changed entries and correct checksums: to its end, to a difference, or to the damage.
 
 use arbitrary::{Result, Unstructured};
 use host_sim::replay::replay;
@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 type Entry = Vec<u8>;
 
-/// The first flight in the vectors of each tracker. The robust one is slow to lock.
+/// The first flight of each tracker's vectors.
 static FLIGHTS: LazyLock<[Vec<Entry>; 2]> = LazyLock::new(|| {
     let records: [&[u8]; 2] = [include_bytes!("../../vectors/paper.smr"), include_bytes!("../../vectors/robust.smr")];
     records.map(|record| {
@@ -60,7 +60,7 @@ fn entries(mut record: &[u8]) -> Vec<Entry> {
     all
 }
 
-/// The bytes of an entry in a record, with its true length and a correct checksum.
+/// Encodes an entry with its true length and a correct checksum.
 fn sealed(entry: &Entry) -> Vec<u8> {
     let mut bytes = entry.clone();
     let holds = u32::try_from(entry.len() - HEAD).expect("it is small");
@@ -70,7 +70,7 @@ fn sealed(entry: &Entry) -> Vec<u8> {
     bytes
 }
 
-/// Changes a number, the length, the kind, the place or the presence of an entry.
+/// Changes the kind, a number, the length or bytes of an entry, or moves, repeats or removes it.
 fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
     if entries.is_empty() {
         return Ok(());
@@ -86,7 +86,7 @@ fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
         4 => entry[4..8].copy_from_slice(&u.arbitrary::<u32>()?.to_le_bytes()),
         5 => entry.truncate(HEAD + u.choose_index(entry.len() - HEAD + 1)?),
         6 => entry.extend_from_slice(u.bytes(u.len().min(9))?),
-        // Mostly in the numbers before the pixels.
+        // Changes mostly the numbers before the pixels.
         _ => {
             let end = if u.ratio(3, 4)? { entry.len().min(HEAD + 40) } else { entry.len() };
             let at = HEAD + u.choose_index((end - HEAD).max(1))?;
@@ -98,7 +98,7 @@ fn change(u: &mut Unstructured<'_>, entries: &mut Vec<Entry>) -> Result<()> {
     Ok(())
 }
 
-/// Correct numbers of entries: none is missing, and each begin is 0.
+/// Numbers the entries anew, from 0 at each `Begin`.
 fn number(entries: &mut [Entry]) {
     let mut number = 0_u32;
     for entry in entries {

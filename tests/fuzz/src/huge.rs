@@ -1,6 +1,6 @@
-//! Targets and frames of any size, up to 65,535x65,535 pixels: no panic, no overflow, and no more work than `most_work`.
+//! Targets and frames up to 65,535x65,535 pixels: no panic, no overflow, and at most the work of `most_work`.
 //!
-//! A frame is nearly all black and lies in memory that is never touched, so it costs nothing. It needs 4 GiB of addresses.
+//! A frame needs 4 GiB of address space, but little memory: nearly all of its pixels are black and never written.
 
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect, Robust, Target, Tracker, robust::Config};
@@ -8,7 +8,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 const MOST: usize = u16::MAX as usize * u16::MAX as usize;
 
-/// All zeroes between two inputs.
+/// All zero between two inputs.
 static MEMORY: LazyLock<Mutex<Vec<u8>>> = LazyLock::new(|| Mutex::new(vec![0; MOST]));
 
 pub(crate) fn run(bytes: &[u8]) -> Result<()> {

@@ -1,4 +1,4 @@
-//! The fuzz targets. Each takes any bytes and panics if something is wrong.
+//! The fuzz targets. Each takes any bytes and panics if it finds a fault.
 //!
 //! - `calls`: sequences of calls of a tracker, compared with the same calls of a plain tracker.
 //! - `huge`: targets and frames of any size.
@@ -20,10 +20,10 @@ mod scene;
 use arbitrary::Unstructured;
 use smr_core::similarity::Backend;
 
-/// A fuzz target: takes any bytes, and panics at a finding.
+/// A fuzz target, which panics if it finds a fault.
 pub type Run = fn(&[u8]);
 
-/// All targets by name, which is also the name of the folder in `corpus`.
+/// All fuzz targets, each with its name, which is also its folder in `corpus`.
 pub const TARGETS: &[(&str, Run)] = &[
     ("paper", |bytes| ran(calls::run::<paper::Small>(bytes, &extent::WIDE))),
     ("robust", |bytes| ran(calls::run::<smr_core::Robust>(bytes, &extent::WIDE))),
@@ -51,27 +51,27 @@ pub fn target(name: &str) -> Option<Run> {
 fn ran(_: arbitrary::Result<()>) {}
 
 trait Fuzzed: smr_core::Target<Config: 'static> {
-    /// The index into [`extent::Extent::updates`]: a slow tracker is called less often.
+    /// Index into [`extent::Extent::updates`]: a slow tracker gets fewer updates.
     const PACE: usize;
-    /// The place of the frame's width and height in a saved target.
+    /// Offset of the frame's width and height in a saved target.
     const SIZE_AT: usize;
 
     fn configuration(u: &mut Unstructured<'_>, extent: &extent::Extent) -> arbitrary::Result<Self::Config>;
 
-    /// The configuration with this backend; `None` for the fastest.
+    /// Returns the configuration with this backend; `None` selects the fastest.
     fn by(config: Self::Config, backend: Option<Backend>) -> Self::Config;
 
     fn usual() -> Self::Config;
 
     fn plain(config: Self::Config) -> Self::Config;
 
-    /// Targets to be saved, made once, with the usual configuration.
+    /// Returns saved targets with the usual configuration and their scenes; made once.
     fn locked() -> &'static [(scene::Scene, Vec<u8>)];
 
-    /// Saved targets to continue with if `lock` is slow; made once.
+    /// Returns saved targets to start from if `lock` is slow; made once.
     fn starts() -> &'static [Start<Self::Config>];
 
-    /// True if this input is compared with the plain loops.
+    /// Returns true if this input is also run with the plain kernels.
     fn beside(u: &mut Unstructured<'_>) -> arbitrary::Result<bool>;
 }
 
@@ -81,7 +81,7 @@ struct Start<C> {
     saved: Vec<u8>,
 }
 
-/// Mostly a number in the range, sometimes any.
+/// Returns mostly a number in `range`, sometimes any.
 fn mostly(u: &mut Unstructured<'_>, range: std::ops::RangeInclusive<u16>) -> arbitrary::Result<u16> {
     if u.ratio(1, 16)? { u.arbitrary() } else { u.int_in_range(range) }
 }

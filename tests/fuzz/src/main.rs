@@ -1,4 +1,4 @@
-//! One target under libFuzzer: the one that the environment names, `SMR_FUZZ=paper`.
+//! Runs one fuzz target under libFuzzer; the environment names the target: `SMR_FUZZ=paper`.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The paper's tracker, small, with configurations of every kind.
+//! The paper's tracker with small sizes and with configurations of every kind.
 
 use crate::extent::Extent;
 use crate::scene::Scene;
@@ -8,7 +8,7 @@ use smr_core::paper::{Config, Fraction, Margins, Radius};
 use smr_core::similarity::{Backend, Table};
 use std::sync::LazyLock;
 
-/// Small enough for many executions per second; none of its sizes is special.
+/// Small enough for many executions per second.
 pub(crate) type Small = smr_core::Paper<256, 41>;
 
 static TABLES: LazyLock<[Table; 4]> =
@@ -18,7 +18,7 @@ pub(crate) fn table(u: &mut Unstructured<'_>) -> Result<&'static Table> {
     u.choose(&*TABLES)
 }
 
-/// The best backend, or any that the machine has.
+/// Returns the fastest backend (`None`) or any that the machine has.
 pub(crate) fn backend(u: &mut Unstructured<'_>) -> Result<Option<Backend>> {
     static ALL: LazyLock<Vec<Backend>> = LazyLock::new(|| Backend::available().collect());
     let chosen = ALL.get(usize::from(u.int_in_range(0..=7_u8)?)).copied();

@@ -1,4 +1,4 @@
-//! Every reader of host-sim: an error or the content, and never a panic.
+//! Every reader of host-sim: it returns an error or the content, and never panics.
 
 use smr_core::Rect;
 use smr_evaluation::robustness::Former;
@@ -8,14 +8,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// The files of one target, one after the other under the same name.
+/// The folder of one fuzz target's file.
 struct Place(TempDir);
 
 thread_local! {
     static PLACE: Place = Place(TempDir::new().expect("a folder for files"));
 }
 
-/// Lets `read` read `bytes` as the file `name`.
 fn as_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     PLACE.with(|Place(folder)| {
         let file: PathBuf = folder.path().join(name);
@@ -25,7 +24,7 @@ fn as_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     });
 }
 
-/// Frames for a tracker have the stated number of pixels, and at least one.
+/// Checks that every frame has the stated number of pixels, and at least one.
 fn check(sequence: anyhow::Result<Sequence>) {
     let Ok(sequence) = sequence else { return };
     let _ = sequence.start();
@@ -42,7 +41,7 @@ fn recording(name: &str, bytes: &[u8], size: Option<(u16, u16)>) {
     });
 }
 
-/// PNM, PNG and JPEG, detected by their first bytes.
+/// Reads PNM, PNG or JPEG, detected by the first bytes.
 pub(crate) fn picture(bytes: &[u8]) {
     let Ok(frame) = smr_recordings::decode_picture(bytes) else { return };
     assert_eq!(frame.pixels.len(), usize::from(frame.width) * usize::from(frame.height));
@@ -70,7 +69,7 @@ pub(crate) fn raw(bytes: &[u8]) {
     recording("1.raw", pixels, Some((u16::from_le_bytes([a, b]) >> 6, u16::from_le_bytes([c, d]) >> 6)));
 }
 
-/// Ground truth, starts and results in the forms of TLD, OTB, VOT and GOT-10k.
+/// Reads ground truth, starts and results in the formats of TLD, OTB, VOT and GOT-10k.
 pub(crate) fn boxes(bytes: &[u8]) {
     let Some((form, text)) = bytes.split_first() else { return };
     let names = ["gt.txt", "groundtruth_rect.txt", "groundtruth.txt", "init.txt", "absence.label", "result.txt"];
@@ -91,7 +90,7 @@ pub(crate) fn boxes(bytes: &[u8]) {
     });
 }
 
-/// Arguments of the command line: a box, a region, a range of frames, a size.
+/// Parses arguments of the command line: a box, a region, a range of frames, a size.
 pub(crate) fn words(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let _ = text.parse::<BoundingBox>();

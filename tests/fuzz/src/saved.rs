@@ -1,4 +1,5 @@
-//! Changed bytes of a saved target with a correct checksum: refused, or accepted and updated without a panic.
+//! Restores a saved target with changed bytes and a correct checksum. The tracker refuses it, or updates without a
+//! panic.
 
 use crate::extent::WIDE;
 use crate::scene::{KINDS, Part, Scene, frame};
@@ -25,10 +26,10 @@ pub(crate) fn run<T: Fuzzed>(bytes: &[u8]) -> Result<()> {
     if tracker.restore(&saved).is_err() {
         return Ok(());
     }
-    // A restored target is saved as the same bytes. Bytes after the saved target are ignored.
+    // A restored target saves as the same bytes. Restoring ignores bytes behind the saved target.
     let again = calls::saved(&tracker).expect("it is locked");
     assert!(saved.starts_with(&again), "what was restored is saved as other bytes");
-    // The frames have the size in the bytes.
+    // Takes the frame size from the saved bytes.
     (scene.width, scene.height) = (number(&saved, T::SIZE_AT), number(&saved, T::SIZE_AT + 2));
     follow(&mut tracker, &mut scene, u)
 }
@@ -41,7 +42,7 @@ pub(crate) fn locked<T: Fuzzed>() -> Vec<(Scene, Vec<u8>)> {
     locked_by::<T>(T::usual())
 }
 
-/// Targets locked with `config` in scenes of every kind.
+/// Saves targets locked with `config` in scenes of every kind.
 pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
     let mut tracker = Box::new(Tracker::<T>::with(config).expect("one that a tracker takes"));
     let saved = (0..KINDS).map(|kind| {
@@ -55,7 +56,7 @@ pub(crate) fn locked_by<T: Fuzzed>(config: T::Config) -> Vec<(Scene, Vec<u8>)> {
 
 /// Changes a few bytes, a number, or the length.
 fn change(u: &mut Unstructured<'_>, saved: &mut Vec<u8>) -> Result<()> {
-    // Mostly in the configuration and the track, which come first.
+    // Changes mostly the configuration and the track, which come first.
     let end = if u.arbitrary()? { 100.min(saved.len()) } else { saved.len() };
     let at = u.choose_index(end.max(1))?;
     match u.int_in_range(0..=5_u8)? {
@@ -73,7 +74,7 @@ fn put(saved: &mut [u8], at: usize, bytes: &[u8]) {
     saved.iter_mut().skip(at).zip(bytes).for_each(|(old, &new)| *old = new);
 }
 
-/// Sets the correct length and checksum.
+/// Rewrites the length and the checksum.
 fn seal(saved: &mut [u8]) {
     let Some(end) = saved.len().checked_sub(4).filter(|&end| end >= LENGTH.end) else { return };
     let length = u32::try_from(saved.len()).expect("a few thousand");
@@ -82,7 +83,7 @@ fn seal(saved: &mut [u8]) {
     saved[end..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// Updates the tracker with frames of which only its windows are in memory.
+/// Updates the tracker with partial frames that contain only the requested windows.
 fn follow<T: Fuzzed>(tracker: &mut Tracker<T>, scene: &mut Scene, u: &mut Unstructured<'_>) -> Result<()> {
     for _ in 0..u.int_in_range(1..=4 * WIDE.updates[T::PACE])? {
         let part = |rect: Option<Rect>| rect.and_then(|rect| scene.part(rect, 1));

@@ -1,10 +1,10 @@
-//! Computed pictures: every pixel follows from a few numbers, so a frame can have any size without being stored.
+//! Synthetic pictures: each pixel is computed from a few numbers, so a frame of any size needs no memory.
 
 use crate::extent::Extent;
 use arbitrary::{Result, Unstructured};
 use smr_core::{Frame, Image, Rect};
 
-/// The most pixels of a part in memory.
+/// Most pixels of a part of the frame in memory.
 const MOST: u32 = 1 << 16;
 
 pub(crate) const KINDS: u8 = 7;
@@ -20,7 +20,7 @@ pub(crate) struct Scene {
     gain: u8,
 }
 
-/// A rectangle of the scene in memory, with rows `stride` apart and no byte more than needed.
+/// A rectangle of the scene in memory: rows `stride` bytes apart, no byte after the last pixel.
 pub(crate) struct Part {
     pixels: Vec<u8>,
     pub(crate) stride: usize,
@@ -40,7 +40,7 @@ impl Scene {
         Ok(Self { width, height, kind: u.arbitrary()?, seed: u.arbitrary()?, right: 0, down: 0, gain: 64 })
     }
 
-    /// A small scene with the camera at rest.
+    /// Returns a small scene of one of the kinds, with the camera at rest.
     pub(crate) fn of(kind: u8) -> Self {
         Self { width: 64, height: 48, kind, seed: 0x1234_5678, right: 0, down: 0, gain: 64 }
     }
@@ -49,7 +49,7 @@ impl Scene {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// The next frame: moved, darker, another scene, or unchanged.
+    /// Changes the scene to the next frame: moved, darker, another scene, or unchanged.
     pub(crate) fn change(&mut self, u: &mut Unstructured<'_>) -> Result<()> {
         let by: [i8; 2] = [u.arbitrary()?, u.arbitrary()?];
         match u.int_in_range(0..=7_u8)? {
@@ -98,7 +98,7 @@ impl Scene {
         u8::try_from(u32::from(seen) * u32::from(self.gain) / 64).unwrap_or(255)
     }
 
-    /// A rectangle of the scene in memory; `None` if it is empty, outside, or too large.
+    /// Copies a rectangle of the scene into memory; `None` if it is empty, outside the frame, or too large.
     pub(crate) fn part(&self, rect: Rect, gap: usize) -> Option<Part> {
         if rect.is_empty() || rect.area() > MOST || !self.bounds().contains(rect) {
             return None;
@@ -126,7 +126,7 @@ impl Part {
     }
 }
 
-/// The frame with these parts in memory; there is at least one.
+/// Makes a frame of one or two parts in memory.
 pub(crate) fn frame<'a>(scene: &Scene, first: &'a Part, second: Option<&'a Part>) -> Frame<'a> {
     let (x, y) = first.corner();
     let frame = Frame::part(first.image(), x, y, scene.width, scene.height).expect("it lies in the frame");

@@ -1,4 +1,4 @@
-//! Runs every committed input through the target of its folder: seeds and former findings.
+//! Runs every committed input, seeds and former faults, through the fuzz target of its folder.
 
 use smr_fuzz::TARGETS;
 use std::collections::BTreeSet;
@@ -29,7 +29,7 @@ fn every_input_passes() {
     }
 }
 
-/// Inputs that end early are the most common ones.
+/// Runs each target on the empty input and on beginnings of a whole one: a fuzzer's inputs mostly end early.
 #[test]
 fn nothing_and_the_beginning_of_an_input_pass() {
     for (name, target) in TARGETS {

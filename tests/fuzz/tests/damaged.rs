@@ -1,17 +1,17 @@
-//! Input files, damaged in a few places: a short run of what a fuzzer does, in every run of the tests.
+//! Damages input files in a few places, as a fuzzer does, in every run of the tests.
 
 use smr_fuzz::target;
 use smr_scene::random::Random;
 use std::fs;
 use std::path::Path;
 
-/// The readers of files and words. The other targets are slow, or need a long run to find anything.
+/// Fuzz targets of host-sim's readers. The others are slow, or find faults only in a long run.
 const READERS: [&str; 8] = ["pnm", "png", "jpeg", "picture", "y4m", "raw", "boxes", "words"];
 
-/// The number of damaged copies of each file.
+/// Damaged copies of each file.
 const TIMES: u32 = 60;
 
-/// Changes up to three bytes, and cuts half of the files.
+/// Changes up to three bytes, and cuts off the end in half of the copies.
 fn damaged(whole: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for _ in 0..random.place(4) {

@@ -1,5 +1,6 @@
-//! Firmware in QEMU: `smr-qemu ELF` prints its log, `smr-qemu ELF SEQ` gives `core/examples/replay` the record of a recording: it must
-//! give every answer of the host. An instruction is a nanosecond of the emulated time, so that the firmware's timer counts instructions.
+//! Firmware in QEMU. `smr-qemu ELF` prints the firmware's log. `smr-qemu ELF SEQ` gives the firmware
+//! `core/examples/replay` a recording and compares every answer with the host's. QEMU runs one instruction in each
+//! emulated nanosecond, so the firmware's timer counts instructions.
 
 mod replay;
 
@@ -21,36 +22,36 @@ use std::time::Duration;
 
 const FIRMWARE: input::Kind = input::Kind { expected: "firmware, an ELF file of 32 bits", most: 256 };
 
-/// Options by which QEMU writes a trace: each block of code when it is translated, and each time that it runs.
+/// QEMU options for a trace: each block of code when it is translated, and its address each time it runs.
 const TRACE: [&str; 4] = ["-d", "exec,nochain,in_asm", "-D", "/dev/stdout"];
 
-/// The instructions that the firmware's timer may miss.
+/// Resolution of the firmware's timer in instructions.
 const A_TICK: u64 = 100;
 
 /// Run firmware in QEMU and print its log, or compare its answers on recordings with the host's
 #[derive(Debug, clap::Parser)]
 #[command(version, max_term_width = 120)]
 struct Qemu {
-    /// The board, in this order: Cortex-M3 (for firmware of a Cortex-M0+), M4, M7, M55, RV32IMAC
+    /// The QEMU machine: these are a Cortex-M3 (for Cortex-M0+ firmware), M4, M7, M55 and RV32IMAC, in this order
     #[arg(long, default_value = "mps2-an386", overrides_with = "machine")]
     #[arg(value_parser = ["mps2-an385", "mps2-an386", "mps2-an500", "mps3-an547", "virt"])]
     machine: String,
-    /// The firmware
+    /// The firmware's ELF file
     #[arg(value_name = "ELF")]
     elf: PathBuf,
     /// Recordings for the firmware core/examples/replay, folders of recordings, or flight records (.smr)
     #[arg(value_name = "SEQ")]
     paths: Vec<PathBuf>,
-    /// The tracker; smr is that of --config camera, with a window of +-16
+    /// The tracker; smr is the paper's with the preset camera and a search radius of 16
     #[arg(long, value_enum, default_value = "smr")]
     method: CoreKind,
-    /// The robust tracker with its refiner
+    /// Use the robust tracker's refiner
     #[arg(long)]
     refiner: bool,
-    /// Then update in steps of so much work, too, as firmware with a deadline does
+    /// Also update in steps of WORK units, as firmware with a deadline does
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
-    /// Estimate cycles of a lock, then of updates, each between two calls of `smr_ticks`; needs LLVM (Debian: llvm-19)
+    /// Estimate the cycles of the lock and of each update from a trace; needs LLVM (Debian: llvm-19)
     #[arg(long, conflicts_with = "step")]
     cycles: bool,
     #[command(flatten)]
@@ -69,7 +70,7 @@ impl Qemu {
         let elf = elf.with_context(|| format!("cannot open the firmware {name}"))?;
         let parsed = File::parse(elf.as_slice()).ok().filter(|file| matches!(file, File::Elf32(_)));
         let parsed = parsed.with_context(|| format!("{name} is not firmware: expected an ELF file of 32 bits"))?;
-        // Firmware may write files into its working folder: here.
+        // The working folder, because firmware may write files there.
         let here = Path::new(".");
         let holds = if !self.paths.is_empty() {
             self.replay(sizes(&parsed))?
@@ -84,7 +85,7 @@ impl Qemu {
         Ok(if holds { Outcome::Holds } else { Outcome::CheckFailed })
     }
 
-    /// Runs the firmware on each recording, and prints its cost. True if all answers are the host's.
+    /// Runs the firmware on each recording and prints its cost. Returns true if all answers equal the host's.
     fn replay(&self, (flash, statics): (u64, u64)) -> Result<bool> {
         let (mut holds, mut all) = (true, Vec::new());
         let is_record = |path: &PathBuf| path.extension().is_some_and(|end| end == "smr");
@@ -103,7 +104,7 @@ impl Qemu {
             };
             let folder = smr_recordings::output::Exchange::create()?;
             replay::write(&record, self.step, folder.path())?;
-            // The first measurement is the calibration of the timer.
+            // The first measurement calibrates the timer.
             let (_, estimated) = match self.cycles {
                 true => self.traced(folder.path(), 1).map(|(holds, estimated)| (holds, Some(estimated)))?,
                 false => self.start(folder.path(), &[], drained)?,
@@ -137,13 +138,13 @@ impl Qemu {
         format!("{}{refined}", smr_evaluation::MethodKind::from(self.method).name())
     }
 
-    /// Runs the firmware with a trace: the median of the instructions of an update in it, and the estimates. `calibrations` measurements come
-    /// before the lock.
+    /// Runs the firmware with a trace. Returns the median of the instructions of an update, and the estimated cycles.
+    /// The first `calibrations` measurements are not of the tracker.
     fn traced(&self, folder: &Path, calibrations: u32) -> Result<(bool, (u64, String))> {
         self.start(folder, &TRACE, |trace| {
             let mut python = Command::new("python3");
             python.args(["-c", include_str!("../cycles.py")]).arg(self.elf.canonicalize()?).arg(&self.machine);
-            // Without QEMU its input ends.
+            // When QEMU ends, the script's input ends.
             let output =
                 python.arg(calibrations.to_string()).stdin(trace).output().context("--cycles: cannot run python3")?;
             let [said, complaint] =
@@ -154,11 +155,11 @@ impl Qemu {
         })
     }
 
-    /// Runs the firmware with `folder` as the place for its files, and `read`s what QEMU prints. True if it ended with 0.
-    /// Errors: it is QEMU itself that has failed.
+    /// Runs the firmware with `folder` for its files, and passes QEMU's output to `read`. Returns true if the exit code
+    /// is 0. Fails if QEMU itself does.
     fn start<T>(&self, folder: &Path, more: &[&str], read: impl FnOnce(ChildStdout) -> Result<T>) -> Result<(bool, T)> {
         let (program, package, bios) = match self.machine.as_str() {
-            // Without QEMU's own firmware before this one.
+            // No BIOS: QEMU would run its own before the firmware.
             "virt" => ("qemu-system-riscv32", "qemu-system-misc", &["-bios", "none"][..]),
             _ => ("qemu-system-arm", "qemu-system-arm", &[][..]),
         };
@@ -194,12 +195,12 @@ fn drained<T>(mut log: impl Read) -> Result<Option<T>> {
     Ok(None)
 }
 
-/// Flash and statics of the firmware, in bytes. The stack comes to these.
+/// Returns the bytes of flash and of statics. The stack is not part of the statics.
 fn sizes(file: &File<'_>) -> (u64, u64) {
     let (mut flash, mut statics) = (0, 0);
     for section in file.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-        // The section `.stack` of riscv-rt is all memory that is left: it does not count.
+        // Skips the section `.stack` of riscv-rt, which covers all free memory.
         if sh_flags & u64::from(SHF_ALLOC) == 0 || section.name() == Ok(".stack") {
             continue;
         }
@@ -209,7 +210,7 @@ fn sizes(file: &File<'_>) -> (u64, u64) {
     (flash, statics)
 }
 
-/// Prints the firmware's log as it comes. If its reader goes away, the firmware goes on: its verdict is still wanted.
+/// Prints the firmware's log line by line. If stdout is closed, reads on, because the exit code is still needed.
 fn print(mut log: impl Read, table: Option<&Table>) -> Result<()> {
     let mut decoder = table.map(Table::new_stream_decoder);
     let mut bytes = [0; 4096];
@@ -234,7 +235,7 @@ fn print(mut log: impl Read, table: Option<&Table>) -> Result<()> {
     }
 }
 
-/// Median, 95th percentile and largest of some measurements; zero if there is none.
+/// Returns the median, the 95th percentile and the largest of `measurements`; zeros if there are none.
 fn spread(measurements: &[u64]) -> [u64; 3] {
     let mut sorted = measurements.to_vec();
     sorted.sort_unstable();

@@ -1,4 +1,4 @@
-//! Makes a record for the firmware `core/examples/replay`, and reads what the firmware writes.
+//! Writes the record for the firmware `core/examples/replay`, and parses the firmware's output.
 
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use host_sim::replay::values;
@@ -15,7 +15,8 @@ use std::path::Path;
 const VERSION: u32 = 5;
 const RADIUS: u16 = 16;
 
-/// Records a recording on this machine, with the saved target after each answer, so that templates and weights are compared, too.
+/// Records a recording on the host. The record has the saved target after each answer, so that the firmware also
+/// compares templates and weights.
 pub fn record(sequence: Sequence, method: CoreKind, refiner: bool) -> Result<Vec<u8>> {
     match method {
         CoreKind::Smr => of::<Paper>(paper::Config::camera_within(RADIUS), sequence, method),
@@ -60,27 +61,27 @@ pub fn write(record: &[u8], step: Option<NonZeroU32>, folder: &Path) -> Result<(
     step.context("cannot write step.smr for QEMU")
 }
 
-/// The result of a record on the firmware, and its cost.
+/// Result and cost of a record on the firmware.
 pub struct Report {
-    /// Bytes of a target, of its workspace, and of the buffer for an entry.
+    /// Bytes of a target, of a workspace, and of the buffer for one entry.
     memory: [u32; 3],
-    /// The first frame, from 1, with a value that is not the recorded one: its name, the firmware's and the recorded one.
+    /// First frame (from 1) with a difference: name of the value, the firmware's value, the recorded value.
     pub difference: Option<(usize, (&'static str, String, String))>,
     work: [u64; 3],
-    /// Instructions of an update, and of its longest step.
+    /// Instructions of an update and of its longest step: median, 95th percentile, largest.
     pub updates: [u64; 3],
     longest: [u64; 3],
-    /// Instructions of each update, and of the lock.
+    /// Instructions of the lock and of each update.
     pub counts: Vec<u64>,
     lock: u64,
-    /// Bytes of stack used in all, and by an update.
+    /// Largest stack in bytes, of the whole run and of an update.
     pub stack: u32,
     of_update: u32,
 }
 
 impl Report {
-    /// Reads the firmware's output file in `folder`.
-    /// Errors: The firmware refuses the record, or writes something else.
+    /// Parses the firmware's output file in `folder`. Fails if the firmware refused the record or the file has another
+    /// format.
     pub fn of(folder: &Path, record: &[u8]) -> Result<Self> {
         let bytes = fs::read(folder.join("said.smr")).unwrap_or_default();
         let words = |line: &[u8; 64]| {
@@ -139,13 +140,12 @@ impl fmt::Display for Report {
     }
 }
 
-/// Reads the firmware's line about an answer that differs: the frame, and the value that differs.
-/// Errors: The line is about something else.
+/// Parses the firmware's line about a difference into the frame and the value. Fails if the line has another format.
 fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, String, String))> {
     let [5, at, why, x, y, width, height, state, confidence, ratio, runner_up, alpha, scale, again, ..] = *line else {
         bail!("the firmware says {line:?}: expected what an update took")
     };
-    // The lock is of the first frame.
+    // The lock counts as the first frame's entry.
     let of_frame = |entry: &Entry<'_>| matches!(entry, Entry::Lock { .. } | Entry::Answer(_));
     let before = entries(record).flatten().take_while(|found| found.at < at as usize);
     let frame = 1 + before.filter(|found| of_frame(&found.entry)).count();
@@ -172,7 +172,7 @@ fn refusal(line: &[u32; 16], record: &[u8]) -> Result<(usize, (&'static str, Str
     differ.next().map(|values| (frame, values)).context("the firmware gives the recorded answer as another one")
 }
 
-/// Returns the text of a reason that the firmware gives as a number, as in `core/examples/replay`.
+/// Returns the text of an error code of `core/examples/replay`.
 fn reason(why: u32) -> &'static str {
     match why {
         1 => "it finds no entry of a record where it expects one",

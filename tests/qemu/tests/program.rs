@@ -1,5 +1,5 @@
-//! The program smr-qemu when something is wrong: one clear line, and no process left behind. Small scripts replace QEMU, LLVM and firmware;
-//! `.ci/firmware` runs the real ones.
+//! Errors of the program smr-qemu: each prints one clear line and leaves no process behind. Shell scripts replace QEMU,
+//! LLVM and firmware; `.ci/firmware` runs the real programs.
 #![cfg(unix)]
 
 #[path = "../../missing.rs"]
@@ -12,15 +12,15 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
-/// A folder with a file that looks like firmware, and with programs that come first on the PATH.
+/// A folder with a file that looks like firmware, and with scripts that come first on the PATH.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
-    /// `qemu` is a shell script.
+    /// Makes the folder; `qemu` is the shell script that replaces QEMU.
     fn new(qemu: &str) -> Self {
         let bench = Self(tempfile::tempdir().unwrap());
         bench.program("qemu-system-arm", qemu);
-        // An ELF header of 32 bits, for Arm, without sections.
+        // An ELF header: 32 bits, Arm, no sections.
         let mut elf = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0\x02\0\x28\0\x01\0\0\0".to_vec();
         elf.extend([0; 16]);
         elf.extend([52, 0, 32, 0, 0, 0, 40, 0, 0, 0, 0, 0]);
@@ -68,7 +68,7 @@ impl Bench {
 
 const SEQ: &[&str] = &["synthetic", "--frames", "..3"];
 const HELLO: &[u32] = &[1, 5, 9252, 4500, 4600, 2_000_000, 80_000];
-/// A byte of the record in the entry of the lock.
+/// Offset of a byte in the record's lock entry.
 const LOCKED: u32 = 600;
 
 #[test]
@@ -107,7 +107,7 @@ fn another_answer_is_a_failed_check() {
     }
 }
 
-/// The firmware fails when nobody reads its log any more.
+/// The reader closes the log while the firmware runs. smr-qemu must still return the firmware's exit code.
 #[test]
 fn a_reader_that_goes_away_does_not_hide_that_firmware_fails() {
     let bench = Bench::new("echo first; sleep 0.3; yes | head -n 100000; exit 3");
@@ -129,7 +129,6 @@ fn a_signal_ends_qemu_as_well() {
     let id = std::iter::repeat_with(started).find_map(|id| id).unwrap();
     let kill = |signal: &str, id: &str| runs(Command::new("sh").args(["-c", &format!("kill {signal} {id}")]));
     assert!(kill("-INT", &child.id().to_string()));
-    // 128 and the number of SIGINT.
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
     assert!(!kill("-0", &id));
 }
@@ -139,7 +138,7 @@ fn cycles_are_those_of_the_blocks_that_ran() {
     if !has("cycles_are_those_of_the_blocks_that_ran", "python3", &["--version"]) {
         return;
     }
-    // A lock of one block, an update of the same block twice.
+    // A trace in which the lock runs one block, and the update runs it twice.
     let bench = Bench::new("cat \"${0%/*}/trace\"");
     let translated = "IN: a\n0x00000100:  4812       ldr\n0x00000102:  c004       stm\n\n";
     let [block, mark] = ["00000100", "00000200"].map(|at| format!("Trace 0: 0x7f [0/{at}/0/ff020200] name\n"));
@@ -156,7 +155,7 @@ fn cycles_are_those_of_the_blocks_that_ran() {
     );
     let (code, out, err) = bench.run(&["--cycles"]);
     assert_eq!((code, err.as_str()), (Some(0), ""));
-    // On the Cortex-M4: two instructions in two cycles, two more words, and two more cycles for each branch that is taken.
+    // On the Cortex-M4: two instructions in two cycles, two more words, and two more cycles for each taken branch.
     for line in [
         "cortex-m4: lock 0.00, update median 0.000, at most 0.000; 3.00 an",
         "at 168 MHz: 14000000 updates",
