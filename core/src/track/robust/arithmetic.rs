@@ -1,7 +1,5 @@
-//! Division of wide numbers.
-//!
-//! On processors with registers of 32 bits, the compiler's function for a wide division takes 1 KB of flash. An update divides few
-//! wide numbers, so here a loop divides bit by bit.
+//! 64-bit division. On 32-bit processors the compiler's function for it takes 1 KB of flash. An update does few 64-bit
+//! divisions, so a slower loop, bit by bit, replaces it.
 
 /// `number` / `divisor`, rounded toward zero; 0 if `divisor` is 0.
 #[inline(never)]
@@ -20,13 +18,13 @@ fn divided(number: u64, divisor: u64) -> u64 {
     long_division(number, divisor)
 }
 
-/// The quotient, bit by bit from the highest; 0 if `divisor` is 0.
+/// Long division in binary; 0 if `divisor` is 0.
 #[cfg(any(not(target_pointer_width = "64"), test))]
 fn long_division(number: u64, divisor: u64) -> u64 {
     if divisor == 0 {
         return 0;
     }
-    // The divisor is shifted below the highest bit of the number, then back place by place.
+    // Aligns the divisor's highest bit with that of the number, then shifts it back bit by bit.
     let places = divisor.leading_zeros().saturating_sub(number.leading_zeros());
     let (mut rest, mut subtracted, mut quotient) = (number, divisor << places, 0);
     for _ in 0..=places {

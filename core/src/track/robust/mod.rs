@@ -1,8 +1,8 @@
-//! Beyond the paper: a tracker for targets that change in light, size and view. It reports when it is uncertain.
+//! The robust tracker follows targets that change in light, size and view, and reports when it is uncertain.
 //!
-//! A correlation filter finds the target. It learns the target and its surroundings in every frame with enough
-//! evidence. SMR verifies the target: an early template, which learns very slowly, is compared tile by tile. All
-//! numbers are integers.
+//! A correlation filter finds the target, and learns it and its surroundings in every frame with enough evidence. An
+//! early template, which learns very slowly, verifies the target: SMR (the similarity matching ratio of the paper)
+//! compares it tile by tile. All arithmetic is in integers.
 //!
 //! ```text
 //!                                                                                                M units of work
@@ -32,17 +32,17 @@
 //!   answer        its state is the worse of those of confidence and opinion                   14.15 in all
 //! ```
 //!
-//! The numbers are the most work of each stage (`run/cost.rs`; a unit is about one instruction of a Cortex-M4), with the
-//! filter that has the most, without the refiner. A frame is learned or redetected, never both: the sum is that of a
-//! frame that is redetected, and the rest of it is the coding of weights.
+//! The figures are the most work of each stage in millions of units, without the refiner (`run/cost.rs`; a unit is
+//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection, which replaces learning. It
+//! includes the coding of the weights.
 //!
 //! | folder or file | what it does |
 //! |---|---|
 //! | `features/`, `filter/`, `verification/`, `refiner/` | these stages |
-//! | `decision/` | confidence and redetection, and what the tracker remembers, also as bytes |
+//! | `decision/` | confidence, redetection, and the memory of a target from frame to frame, also as bytes |
 //! | `run/` | runs a frame through the stages in pieces, for an update (`pipeline.rs`) and a lock (`lock.rs`) |
-//! | `target.rs` | the calls, and the workspace |
-//! | `arithmetic.rs` | divides wide numbers, and takes roots |
+//! | `target.rs` | the public calls, and the workspace |
+//! | `arithmetic.rs` | 64-bit division |
 //! | `constants.rs` | most constants of the method that are not in [`Config`] |
 
 mod arithmetic;

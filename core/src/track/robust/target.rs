@@ -1,4 +1,4 @@
-//! The calls of a target of the robust tracker.
+//! The public calls of the robust tracker's target.
 
 use super::config::Config;
 use super::constants::SCALE;
@@ -19,12 +19,12 @@ use crate::track::{
     Answer, ConfigError, LockError, MostWork, Quality, RestoreError, SaveError, State, Target, UpdateError,
 };
 
-/// A target of the robust tracker: size, light and view may change.
+/// A target of the robust tracker. It may change in size, light and view.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect, Robust, State, Tracker, robust::Config};
 ///
-/// // A target of 40x40 pixels with some texture, on a plain background.
+/// // A textured target of 40x40 pixels on a plain background.
 /// fn picture(left: usize, top: usize) -> Vec<u8> {
 ///     let mut pixels = vec![90; 160 * 120];
 ///     for (y, x) in (0..40).flat_map(|y| (0..40).map(move |x| (y, x))) {
@@ -58,20 +58,19 @@ impl Robust {
         Self { config: Slot::Empty, memory: Memory::new() }
     }
 
-    /// The configuration that was set, or the default.
     #[cfg_attr(smr_small, inline(never))]
     fn configured(config: &Slot<Config>) -> &Config {
         config.or(&Self::DEFAULT)
     }
 
-    /// The early template, which verifies the target: its pixels, row by row. `None` before the first lock. Its shape
-    /// is that of [`Robust::grid`].
+    /// Pixels of the early template, row by row; the template verifies the target. `None` before the first lock.
+    /// [`Robust::grid`] has its columns and rows.
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
         self.memory.track.as_ref().map(|_| self.memory.template.pixels())
     }
 
-    /// The grid; `None` before the first lock.
+    /// The grid to which the target is resampled; `None` before the first lock.
     #[must_use]
     pub fn grid(&self) -> Option<Grid> {
         self.memory.track.map(|track| track.grid)
@@ -113,7 +112,7 @@ impl Robust {
         Ok(pipeline::responses(&inputs, &mut workspace.buffers, &mut workspace.under_way.budget))
     }
 
-    /// The inputs of the stages of an update; `None` before the first lock.
+    /// Inputs of an update's stages; `None` before the first lock.
     fn inputs(&self) -> Option<Inputs<'_>> {
         let track = self.memory.track.as_ref()?;
         Some(Inputs { config: Self::configured(&self.config), memory: &self.memory, track })
@@ -140,7 +139,7 @@ impl Target for Robust {
 
     const SAVED_SIZE: usize = saved::SAVED_SIZE;
 
-    /// The most work, which is the same for every box: see [`Config::most_work`].
+    /// Upper bounds of the work. They are the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work()
     }
@@ -163,7 +162,7 @@ impl Target for Robust {
         Self::configured(&self.config)
     }
 
-    /// The box and its surroundings, up to the reach of a search window, and the refiner's crop of the box.
+    /// The box, its surroundings up to the radius of a search window, and the refiner's crop (1.75 times the box).
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
         if bounds.contains(bbox) { lock_pixels(bounds, bbox, Self::configured(&self.config)) } else { Rect::default() }
     }
@@ -204,7 +203,7 @@ impl Target for Robust {
         self.memory.save(Self::configured(&self.config), bytes)
     }
 
-    #[inline(always)] // so that a program that does not name settings does not link their names
+    #[inline(always)] // a program that does not name settings does not link their names
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         self.memory.restore(Self::configured(&self.config), bytes).map_err(Refusal::named::<Config>)
     }
@@ -248,7 +247,7 @@ impl Steps for Robust {
         }
     }
 
-    #[inline(never)] // a step need not reserve its stack
+    #[inline(never)] // keeps its stack out of `step`
     fn start_lock(&mut self, workspace: &mut Workspace, bounds: Rect, bbox: Rect, _: &Seal) {
         let Workspace { progress, buffers, .. } = workspace;
         let track = Track::new(bounds, bbox);
@@ -264,7 +263,7 @@ impl Steps for Robust {
         }
     }
 
-    #[inline(never)] // a step of an update need not reserve its stack
+    #[inline(never)] // keeps its stack out of `step`
     fn step_lock(&mut self, workspace: &mut Workspace, frame: &Frame<'_>, _: &Seal) -> bool {
         let Workspace { progress: Progress::Lock(lock), buffers, under_way } = workspace else { return true };
         lock.step((Self::configured(&self.config), &mut self.memory), buffers, &mut under_way.budget, frame)
@@ -294,26 +293,26 @@ impl Steps for Robust {
         }
     }
 
-    #[inline(never)] // a step need not reserve its stack
+    #[inline(never)] // keeps its stack out of `step`
     fn commit_lock(&mut self, workspace: &mut Workspace, _: &Frame<'_>, _: &Seal) -> Quality {
         let Workspace { progress: Progress::Lock(lock), buffers, .. } = workspace else { return Quality::NONE };
         lock.commit(Self::configured(&self.config), &mut self.memory, buffers)
     }
 }
 
-/// The progress of the present or last update or lock.
+/// The stages of the present or last update or lock.
 #[derive(Clone, Copy)]
-#[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
+#[repr(u32)] // `Nothing` is 0, so a `static` workspace is all zeroes and takes no flash
 pub(super) enum Progress {
     Nothing,
     Update(Pipeline),
     Lock(LockPipeline),
 }
 
-/// Scratch memory: what an update needs in addition to the target. It serves any number of targets, one update at a time.
+/// Scratch memory of an update or a lock. It serves any number of targets, one call at a time.
 ///
 /// ```
-/// // Firmware often keeps it in a static.
+/// // Firmware often has it in a static.
 /// static WORKSPACE: smr_core::robust::Workspace = smr_core::robust::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 48 * 1024);
 /// ```
@@ -325,15 +324,15 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// A workspace. All its bytes are 0, so that in a `static` it takes no flash.
+    /// A workspace whose bytes are all 0, so that in a `static` it takes no flash.
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the last update's peak, or at the peak of redetection if that found the
-    /// target. Unit: 1/16384. 0 after a lock, and during an update until its candidate is refined.
+    /// The filter's penalised response at the peak of the last update, in units of 1/16384. After redetection has found
+    /// the target, at the peak of that window. 0 after a lock, and during an update until its peak is refined.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
-//! contrast. A gradient g is split between the two orientations u and v next to it: g = a u + b v. That is linear, so
-//! it takes no root, angle or division.
+//! contrast. A gradient g is split linearly between the two orientations u and v next to it: g = a u + b v. So no root,
+//! angle or division is computed.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -16,7 +16,7 @@
 //! | `norm`, `floor` | norm of the gradients | 1/8 gray level | 2^16 |
 //! | `x` | feature | 1/127 of 0.4 `norm` | -128 to 127 |
 //!
-//! `kernels` computes the sums of a cell. Cost on the M4, with sampling: about 64 instructions for each sample.
+//! `kernels` computes the sums of a cell. Cost on the Cortex-M4, with sampling: about 64 instructions for each sample.
 
 use super::super::constants::{CELL, CHANNELS, MOST_SIDE, NORM_FLOOR, NORM_GAIN, REACH};
 use super::grid::Extent;
@@ -26,26 +26,25 @@ use crate::kernels::{PACKED, Packed, SIDE, features, gradients, norms, rolled};
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Cells in the longest row.
+/// Cells in the longest row of a search window.
 pub(super) const ROW: usize = (MOST_SIDE + 2 * REACH) as usize;
 
-/// Units of work for each sample, including its share of the features.
+/// Units of work for each sample, including its share of its cell's features.
 const FEATURED: u32 = 64;
-/// Lines of samples that a row of cells needs.
+/// Lines of samples for a row of cells: its own, and one above and below for the gradients.
 const LINES: u32 = CELL as u32 + 2;
 
-/// The most work for the features of a window.
+/// Upper bound of the work for the features of a search window.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let (columns, rows) = (columns(extent), (extent.down + 2 * extent.reach) * CELL as u32 + 2);
     columns * rows * FEATURED + most_read(columns, rows)
 }
 
-/// The most work for a row of cells.
+/// Upper bound of the work for the features of one row of cells.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
 }
 
-/// Columns of samples of a window.
 const fn columns(extent: Extent) -> u32 {
     (extent.across + 2 * extent.reach) * CELL as u32 + 2
 }
@@ -54,18 +53,18 @@ const fn columns(extent: Extent) -> u32 {
 pub(super) type Row = [[u16; ROW]];
 const _: () = assert!(2 * ROW * CHANNELS <= PACKED);
 
-/// Computes features row by row. It holds only the lines of samples and the rows of cells that the present row needs.
+/// Computes features row by row. It holds only the samples and the cells that the present row needs.
 pub(crate) struct Extractor {
     sampling: Sampling,
     lines: [[u8; COLUMNS]; SIDE],
-    /// Sums of the last two rows of cells. Between two windows, the filter's products use this memory.
+    /// Sums of the last two rows of cells. Between two windows, products of the filter use this memory.
     sums: Packed,
-    /// Energies of the last three rows of cells.
+    /// Gradient energies of the last three rows of cells.
     energies: [[u32; ROW]; 3],
-    /// Cells on each axis of the window.
+    /// Columns and rows of the window, in cells.
     across: u16,
     down: u16,
-    /// The next row of cells.
+    /// Index of the next row of cells.
     next: u16,
 }
 
@@ -83,7 +82,7 @@ impl Extractor {
         }
     }
 
-    /// Lends the memory of the sums to the filter's products, between two windows.
+    /// Lends the memory of the sums as scratch memory for the filter's products, between two windows.
     pub(crate) fn lend_sums(&mut self) -> &mut Packed {
         &mut self.sums
     }
@@ -92,13 +91,13 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of `lattice`, which covers whole cells and one sample more on each side. False if there is
-    /// no room; `out` is then empty.
+    /// Begins the features of a window. `lattice` covers whole cells and a border of one sample. Returns false, and
+    /// clears `out`, if its capacity is too small.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
-        // Old cells need not be cleared: every byte is written.
+        // Bytes of the window before need not be cleared, because every byte is overwritten.
         let fits = out.resize_default(cells * CHANNELS).is_ok();
         if !fits {
             out.clear();
@@ -114,7 +113,7 @@ impl Extractor {
         lattice.prepare(bounds, &mut self.sampling);
     }
 
-    /// Computes the next row of cells. True after the last one, or if a needed pixel is not in memory.
+    /// Computes the next row of cells. True after the last row, or if a needed pixel is not in memory.
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [i8], budget: &mut Budget) -> bool {
         let done = self.row(frame, out);
@@ -128,10 +127,10 @@ impl Extractor {
         let Some(mut sampler) = sampling.sampler(frame) else { return true };
         let (across, down, row) = (usize::from(*across).min(ROW), *down, *next);
         *next += 1;
-        // This call computes the sums and energies of `row`, and then normalises the row before it, which now knows the row below.
+        // Computes sums and energies of `row`. Then normalises the row above it, which needs the energies below.
         let (even, odd) = sums.0.as_chunks_mut().0.split_at_mut(CHANNELS);
         let (computed, finished) = if row.is_multiple_of(2) { (even, odd) } else { (odd, even) };
-        let [above, at, below] = &mut *energies; // of the finished row; `below` is `row`
+        let [above, at, below] = &mut *energies; // around the row to normalise; `below` is `row`
         for (above, (at, below)) in rolled(above.iter_mut().zip(at.iter_mut().zip(below.iter_mut())).take(across)) {
             (*above, *at, *below) = (*at, *below, 0);
         }
@@ -141,7 +140,8 @@ impl Extractor {
                 sampler.row(number, line);
             }
             gradients(lines, computed, below, across);
-            // The next row of cells begins with the last two lines. An assignment would copy by way of the stack.
+            // The first two lines of the next row of cells are the last two of this one. An assignment would copy them
+            // by way of the stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
@@ -151,7 +151,7 @@ impl Extractor {
             }
         }
         let of_row = across * CHANNELS;
-        // Not by `chunks`: the compiler would link the panic of `chunks`.
+        // Not `chunks`, because the compiler would link its panic.
         let from = row.checked_sub(1).map(|row| usize::from(row) * of_row);
         if let Some(out) = from.and_then(|from| out.get_mut(from..from + of_row)) {
             normalise(finished, energies, 1 + u32::from(row > 1) + u32::from(row < down), out);
@@ -160,7 +160,8 @@ impl Extractor {
     }
 
     #[cfg(feature = "unstable")]
-    /// Computes all features at once. False if a needed pixel is not in memory, or if there is no room.
+    /// Computes all features at once. False if a needed pixel is not in memory, or if the capacity of `out` is too
+    /// small.
     pub(crate) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,
@@ -176,13 +177,13 @@ impl Extractor {
     }
 }
 
-/// Normalises a row of cells by the energies of three rows, `rows` of which lie in the lattice; the others are 0. The
-/// first row of energies is used as scratch memory.
+/// Normalises a row of cells by the energies of three rows. `rows` of these lie in the window; the energies of other
+/// rows are 0. The energies `above` are overwritten as scratch memory.
 #[inline(never)]
 fn normalise(sums: &Row, [above, at, below]: &mut [[u32; ROW]; 3], rows: u32, out: &mut [i8]) {
     let (out, _) = out.as_chunks_mut::<CHANNELS>();
     let Some(inverses) = above.get_mut(..out.len()) else { return };
     rolled(inverses.iter_mut().zip(at.iter().zip(below))).for_each(|(sum, (at, below))| *sum += *at + *below);
-    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR)); // factors of the sums, times 2^16
+    norms(inverses, rows, |norm| (NORM_GAIN << 16) / (norm + NORM_FLOOR)); // factors of the sums, in units of 2^-16
     features(sums, above, out);
 }

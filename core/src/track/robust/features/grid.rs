@@ -1,10 +1,9 @@
-//! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on it.
+//! The target's grid: the step at which the frame is resampled, and the shapes of template and filter on it. A target
+//! of any size has about 1600 pixels on its grid, so its size hardly changes the cost.
 //!
 //! ```text
 //! step = sqrt(area / 1600) pixels of the frame, at least half a pixel
 //! ```
-//!
-//! A target of any size has about 1600 pixels on its grid, so its size hardly changes the cost.
 
 use super::super::constants::{
     CELL, CHANNELS, COVER, LEAST_SIDE, LEAST_STEP, MOST_CELLS, MOST_PIXELS, MOST_SIDE, PIXEL_BITS,
@@ -13,7 +12,7 @@ use crate::image::Rect;
 use crate::kernels::rolled;
 use crate::track::update::units;
 
-/// The shapes of the template and of the filter, and the grid's step at scale 1.
+/// The grid to which a target is resampled: shapes of the template and of the filter, and the step at scale 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -22,19 +21,18 @@ pub struct Grid {
     pub columns: u16,
     /// Rows of the template, in pixels of the grid.
     pub rows: u16,
-    /// Columns of the filter, in cells of 4x4 pixels of the grid. It covers 1.4 times the target.
+    /// Columns of the filter, in cells of 4x4 pixels of the grid: 1.4 times the target's width.
     pub across: u16,
-    /// Rows of the filter, in cells.
+    /// Rows of the filter, in cells of 4x4 pixels of the grid.
     pub down: u16,
-    /// Frame pixels from one pixel of the grid to the next at scale 1, in units of 1/4096.
+    /// Frame pixels between neighbouring pixels of the grid at scale 1, in units of 1/4096.
     pub step: u32,
 }
 
 impl Grid {
-    /// The grid for a box of this size.
+    /// The grid for a box of this size. Sides are rounded. Template and filter have at most 1600 pixels and 200 cells,
+    /// so they cover only the middle of a very long box.
     ///
-    /// Sides are rounded. The longer one is cut until template and filter have room, so only the middle of a very long
-    /// box is used.
     ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
@@ -59,31 +57,29 @@ impl Grid {
         usize::from(self.across) * usize::from(self.down) * CHANNELS
     }
 
-    /// Work of one unit for each weight.
+    /// The work of one unit for each weight of the filter.
     pub(crate) fn work_on_weights(&self) -> u32 {
         units(self.weights())
     }
 
-    /// The step at `scale`, in units of 1/4096 pixel.
+    /// The grid's step at `scale`, in units of 1/4096 pixel of the frame.
     #[inline(never)]
     pub(crate) fn step_at(&self, scale: u32) -> i64 {
         ((i64::from(self.step) * i64::from(scale)) >> 16).max(1)
     }
 }
 
-/// The largest grid for a filter of a given number of cells, and the reach of its search. The most work of a stage
-/// depends on them.
+/// Columns and rows of the largest filter, in cells, and the radius of its search. Upper bounds of work depend on them.
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
     pub(crate) across: u32,
     pub(crate) down: u32,
-    /// The reach of the search, in cells.
+    /// The radius of the search window, in cells.
     pub(crate) reach: u32,
 }
 
-#[allow(clippy::cast_possible_truncation)] // 10 channels, 1600 pixels
+#[allow(clippy::cast_possible_truncation)] // constants: 10 channels, 1600 pixels
 impl Extent {
-    /// This filter with another reach.
     pub(crate) const fn with_reach(self, reach: u16) -> Self {
         Self { reach: reach as u32, ..self }
     }
@@ -107,8 +103,8 @@ impl Extent {
     }
 }
 
-/// The step for a box of this area: the square root, rounded down, of area / `MOST_PIXELS`, bit by bit. It is below
-/// 2^23.
+/// The grid's step for a box of `area` pixels: sqrt(area / `MOST_PIXELS`) in units of 1/4096 pixel, below 2^23,
+/// computed bit by bit and rounded down.
 fn step(area: u32) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;
@@ -121,8 +117,8 @@ fn step(area: u32) -> u32 {
     root.max(LEAST_STEP)
 }
 
-/// Cells of the filter on a side of the target with `size` pixels. Nothing overflows: 7 * 65535 * 2^12 is below 2^31,
-/// and so are 20 steps.
+/// Cells of the filter on an axis on which the target has `size` pixels. Nothing overflows: 7 * 65535 * 2^12 and 20
+/// steps are below 2^31.
 #[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
     let [cover, of] = COVER;
@@ -131,15 +127,14 @@ fn cells(size: u16, step: u32) -> u16 {
     u16::try_from(cells).unwrap_or(MOST_SIDE).clamp(LEAST_SIDE, MOST_SIDE)
 }
 
-/// Pairs of pixels on a side of the template. With an even number of pixels the template and the window have the same
-/// middle.
+/// Pairs of template pixels on an axis. An even number of pixels gives template and search window the same middle.
 #[inline(never)]
 fn pairs(size: u16, cells: u16, step: u32) -> u16 {
     let pairs = ((u32::from(size) << PIXEL_BITS) + step) / (2 * step).max(1);
     u16::try_from(pairs).unwrap_or(u16::MAX).min(cells * CELL / 2).max(2)
 }
 
-/// Cuts the longer side until the product of both is at most `most`.
+/// Shortens the longer side until the product of the sides is at most `most`.
 #[inline(never)]
 fn fitting([mut across, mut down]: [u16; 2], most: usize) -> (u16, u16) {
     for () in rolled(core::iter::repeat(())) {

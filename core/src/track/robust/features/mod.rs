@@ -1,4 +1,5 @@
-//! The features of a window: where it lies (`motion`), its samples on the target's grid (`grid`, `sampling`), and `cells` of them.
+//! The features of a search window: its place (`motion`), its samples on the target's grid (`grid`, `sampling`), and
+//! the cells computed from them (`cells`).
 
 pub(super) mod cells;
 mod grid;

@@ -1,18 +1,18 @@
-//! The target's motion: its expected place, from its last place and its velocity.
+//! The target's motion: predicts its place in the next frame from its last place and its velocity.
 //!
 //! ```text
 //! expected  = place + velocity / 2
 //! velocity' = (velocity + place' - place) / 2
 //! ```
 //!
-//! Positions are in units of 1/4096 pixel; the position of a pixel is that of its middle. Scales are in units of
-//! 1/65536. Positions lie within the frame, so both coordinates are below 2^28.
+//! Positions are in units of 1/4096 pixel. A pixel's position is that of its middle. Scales are in units of 1/65536.
+//! Positions lie within the frame, so coordinates are below 2^28.
 
 use super::super::constants::{PIXEL, SCALE};
 use super::grid::Grid;
 use crate::image::Rect;
 
-/// A target's middle and size.
+/// The middle of a target in the frame (1/4096 pixel), and its scale (1/65536).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) x: i64,
@@ -23,20 +23,20 @@ pub(crate) struct Place {
 impl Place {
     pub(crate) const NONE: Self = Self { x: 0, y: 0, scale: 0 };
 
-    /// The middle of a box.
+    /// The middle of a box, at scale 1.
     #[inline(never)]
     pub(crate) fn of(target: Rect) -> Self {
         let middle = |from: i32, size: u16| (2 * i64::from(from) + i64::from(size) - 1) * PIXEL / 2;
         Self { x: middle(target.x, target.width), y: middle(target.y, target.height), scale: SCALE }
     }
 
-    /// This place moved to the right and down, in units of 1/64 pixel of the grid.
+    /// Moves the place right and down, in units of 1/64 pixel of the grid.
     pub(crate) fn moved(self, grid: &Grid, (right, down): (i32, i32)) -> Self {
         let moved = |from: i64, by: i32| from + ((i64::from(by) * grid.step_at(self.scale)) >> 6);
         Self { x: moved(self.x, right), y: moved(self.y, down), ..self }
     }
 
-    /// This place moved into the frame.
+    /// Clamps the place to the frame.
     #[inline(never)]
     pub(crate) fn inside(self, bounds: Rect) -> Self {
         let end = |size: u16| i64::from(size.saturating_sub(1)) * PIXEL;
@@ -44,11 +44,10 @@ impl Place {
     }
 }
 
-/// A target's place and velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Motion {
     pub(crate) place: Place,
-    /// Velocity to the right and down, in units of positions per frame.
+    /// Velocity to the right and down, in units of 1/4096 pixel per frame.
     pub(crate) velocity: [i64; 2],
 }
 
@@ -57,7 +56,7 @@ impl Motion {
         Self { place, velocity: [0; 2] }
     }
 
-    /// The expected place in the next frame.
+    /// Predicts the place in the next frame, clamped to the frame.
     #[inline(never)]
     pub(crate) fn expected(&self, bounds: Rect) -> Place {
         let [right, down] = self.velocity;
@@ -65,15 +64,16 @@ impl Motion {
         Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
     }
 
-    /// Follows the target to `place` and updates the velocity. `None`: it was not seen. Then its place stays, and its
-    /// velocity is halved.
+    /// Follows the target to `place` and updates the velocity. With `None`, for a target that was not seen, the place
+    /// stays and the velocity is halved.
     pub(crate) fn follow(&mut self, place: Option<Place>) {
         let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
-    /// Moves the place along with the picture when the camera turns (1/256 pixel). The target's own velocity stays.
+    /// Moves the place along with the picture when the camera turns, in units of 1/256 pixel. The velocity stays: it is
+    /// the target's own.
     pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

@@ -1,17 +1,17 @@
-//! Sampling: the target and its surroundings, resampled on a lattice over the frame.
+//! Sampling: resamples the target and its surroundings to a lattice, by bilinear interpolation in steps of 1/256.
 //!
-//! If a step of the lattice is two pixels or more, the frame is first reduced to blocks of 2x2 pixels (4x4, 8x8, ...),
-//! until a step is less than two blocks. Each sample is then interpolated from four neighbours (bilinear, fractions of
-//! 1/256). Beyond the frame its edge pixels are repeated. Each row of blocks is computed once.
+//! For a lattice step of two pixels or more, the frame is first reduced to means of blocks of 2x2 pixels (4x4, 8x8,
+//! ...), until a step is less than two blocks. Beyond the frame its edge pixels are repeated. Each row of blocks is
+//! computed once.
 //!
-//! The mean of a block of any size is that of four of its pixels: two in each of two rows, a quarter of its side from
-//! its edges. These pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
+//! The mean of a larger block is approximated by four of its pixels: two in each of two rows, a quarter of its side
+//! from its edges. These pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
 //!
-//! | number | unit | bound |
+//! | value | unit | bound |
 //! |---|---|---|
 //! | position | 1/4096 pixel of the reduced frame | 2^29 |
 //! | sum of a block | gray level | 4 * 255 |
-//! | row mixed from two | 1/256 gray level | 256 * 255 |
+//! | row interpolated from two | 1/256 gray level | 256 * 255 |
 
 use super::super::constants::{CELL, MARGIN, MOST_SIDE, PIXEL, PIXEL_BITS, REACH};
 use super::grid::Grid;
@@ -20,21 +20,21 @@ use crate::image::{Frame, Image, Rect};
 use crate::kernels::{BIAS, Interpolation, MixedRow, rolled};
 use heapless::Vec;
 
-/// Columns of the largest lattice: a search window, and the pixel on each side that gradients need.
+/// Columns of the largest lattice: a search window, and a pixel on each side for the gradients.
 pub(super) const COLUMNS: usize = ((MOST_SIDE + 2 * REACH) * CELL + 2) as usize;
-/// Units of work for each sample.
+/// Units of work for each sample, without the pixels read.
 pub(crate) const SAMPLED: u32 = 32;
-/// The most pixels or blocks that a row of the largest lattice covers.
+/// The most pixels or blocks of the frame under a row of the largest lattice.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The most pixels of the frame that a lattice reads; each is a unit of work. Its steps are less than two blocks, and
-/// it reads four pixels of each block.
+/// The most pixels of the frame that a lattice reads; each is a unit of work. A lattice step is less than two blocks,
+/// and four pixels of each block are read.
 pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
 
-/// The places of samples: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096
-/// pixel of the frame.
+/// Sample positions: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096 pixel
+/// of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lattice {
     pub(crate) x: i64,
@@ -45,13 +45,13 @@ pub(crate) struct Lattice {
     pub(crate) rows: u16,
 }
 
-/// One axis of a lattice on the reduced frame. Positions are below 2^29: a frame has at most 65,535 pixels on a side,
-/// and a lattice reaches less than twice `COLUMNS` blocks beyond it.
+/// One axis of a lattice on the reduced frame, in units of 1/4096 block. Positions are below 2^29: a frame has at most
+/// 65,535 pixels on a side, and a lattice reaches less than twice `COLUMNS` blocks beyond it.
 #[derive(Clone, Copy)]
 struct Axis {
     first: i32,
     step: i32,
-    /// The last position, at least 0.
+    /// The position of the last block, at least 0.
     end: i32,
 }
 
@@ -59,24 +59,24 @@ impl Axis {
     #[inline(never)]
     fn new(centre: i64, step: i64, count: u16, halvings: u32, size: u16) -> Self {
         let first = centre - (i64::from(count) - 1) * step / 2;
-        // The middle between the two pixels that are read of the first block.
+        // The middle of the first block, which is between the two pixels that are read of it.
         let middle = pair(halvings).map(i64::from).iter().sum::<i64>() * PIXEL / 2;
         let blocks = i32::from((size >> halvings).max(1));
         let small = |number: i64| i32::try_from(number >> halvings).unwrap_or(0);
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
     }
 
-    /// The block of a sample, and the weight of the next block in units of 1/256.
-    #[inline(always)] // a few instructions, run for each column
+    /// The block at a sample, and the weight of the next block in units of 1/256.
+    #[inline(always)] // a few instructions, once for each column
     fn place(&self, number: u16) -> (u16, u8) {
-        // Nothing overflows (see above). Not `clamp`: the compiler would link its panic.
+        // Nothing overflows (see `Axis`). Not `clamp`, because the compiler would link its panic.
         let position = self.first.wrapping_add(i32::from(number).wrapping_mul(self.step)).min(self.end).max(0);
         let position = position.unsigned_abs();
         let [fraction, ..] = (position >> (PIXEL_BITS - 8)).to_le_bytes();
         (low(position >> PIXEL_BITS), fraction)
     }
 
-    /// The block of a sample, the next block, and its weight in units of 1/256.
+    /// The block at a sample, the next block, and the next block's weight in units of 1/256.
     #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
         let (block, fraction) = self.place(number);
@@ -85,15 +85,14 @@ impl Axis {
 }
 
 impl Lattice {
-    /// The search window: the filter's cells, `reach` more cells on each side, and the pixel on each side that
-    /// gradients need.
+    /// The search window: the filter's cells, `reach` cells on each side, and a border of one pixel for the gradients.
     #[inline(never)]
     pub(crate) fn search_window(place: &Place, grid: &Grid, reach: u16) -> Self {
         let side = |cells: u16| (cells + 2 * reach) * CELL + 2;
         Self::around(place, grid, side(grid.across), side(grid.down))
     }
 
-    /// The view: the template's pixels, and `MARGIN` more on each side.
+    /// The view for verification: the template's pixels, and `MARGIN` pixels on each side.
     pub(crate) fn view(place: &Place, grid: &Grid) -> Self {
         Self::around(place, grid, grid.columns + 2 * MARGIN, grid.rows + 2 * MARGIN)
     }
@@ -104,7 +103,7 @@ impl Lattice {
         Self { x, y, step, step_down: step, columns, rows }
     }
 
-    /// The number of times that the frame must be halved until the mean step is less than two blocks.
+    /// The number of times that the frame is halved, until the mean step is less than two blocks.
     #[inline(never)]
     fn halvings(&self) -> u32 {
         // The least h for which the sum of both steps is below 2^(h + BITS).
@@ -120,7 +119,7 @@ impl Lattice {
         (x, Axis::new(self.y, self.step_down, self.rows, halvings, bounds.height))
     }
 
-    /// The pixels of a frame that the lattice reads.
+    /// The rectangle of frame pixels that the lattice reads.
     #[inline(never)]
     pub(crate) fn pixels(&self, bounds: Rect) -> Rect {
         let (x, y) = self.axes(bounds);
@@ -134,7 +133,7 @@ impl Lattice {
         Rect::new(left, top, u16::try_from(width).unwrap_or(u16::MAX), u16::try_from(height).unwrap_or(u16::MAX))
     }
 
-    /// Begins to sample: computes the places of columns and rows.
+    /// Begins to sample: computes the block and the interpolation weight of each column.
     #[inline(never)]
     pub(crate) fn prepare(&self, bounds: Rect, sampling: &mut Sampling) {
         let (across, down) = self.axes(bounds);
@@ -142,7 +141,7 @@ impl Lattice {
         (sampling.down, sampling.halvings) = (down, self.halvings());
         let (left, _) = across.place(0);
         sampling.columns.clear();
-        // There is room for COLUMNS.
+        // Cannot overflow: there is room for COLUMNS.
         for column in 0..self.columns {
             let (block, fraction) = across.place(column);
             sampling.columns.push(block.wrapping_sub(left), fraction);
@@ -151,14 +150,14 @@ impl Lattice {
         (sampling.next, sampling.rows) = (0, self.rows);
     }
 
-    /// Begins to sample into `out`. False if there is no room.
+    /// Begins to sample into `out`. False if its capacity is too small.
     pub(crate) fn begin<const N: usize>(&self, bounds: Rect, sampling: &mut Sampling, out: &mut Vec<u8, N>) -> bool {
         out.clear();
         self.prepare(bounds, sampling);
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
     }
 
-    /// Samples all rows. False if a needed pixel is not in memory or there is no room.
+    /// Samples all rows. False if a needed pixel is not in memory, or the capacity of `out` is too small.
     #[cfg(test)]
     pub(crate) fn sample<const N: usize>(
         &self,
@@ -174,25 +173,24 @@ impl Lattice {
 
 const _: () = assert!(ROW < Interpolation::<COLUMNS>::PLACES);
 
-/// The memory of sampling: the lattice on the reduced frame, and rows of that frame.
+/// The state of sampling: the lattice on the reduced frame, and two rows of that frame.
 pub(crate) struct Sampling {
     columns: Interpolation<COLUMNS>,
     down: Axis,
-    /// The number of times that the frame is halved.
     halvings: u32,
-    /// The pixels of the frame that the lattice reads.
+    /// The rectangle of frame pixels that the lattice reads.
     pixels: Rect,
-    /// Rows of block means with an even and an odd number; unused if the frame is not halved.
+    /// Block means of an even and of an odd row; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
-    /// The numbers of these rows.
+    /// Indices of the rows in `means`.
     made: [Option<u16>; 2],
-    /// The next row of the lattice, and the number of rows.
+    /// Index of the next row of the lattice, and the number of rows.
     next: u16,
     rows: u16,
-    /// Pixels read from the frame, and samples computed.
+    /// Pixels read from the frame and samples computed, since their work was last counted.
     read: u32,
     sampled: u32,
-    /// Sums of blocks while a row of means is computed; then the row that is mixed from two rows.
+    /// Sums of blocks while a row of means is computed; then the row that is interpolated from two rows.
     mixed: MixedRow,
 }
 
@@ -214,19 +212,19 @@ impl Sampling {
         }
     }
 
-    /// Samples `frame` row by row, after [`Lattice::prepare`]. `None` if a needed pixel is not in memory.
+    /// A sampler of `frame`, after [`Lattice::prepare`]. `None` if a needed pixel is not in memory.
     #[inline(never)]
     pub(super) fn sampler<'a>(&'a mut self, frame: &Frame<'a>) -> Option<Sampler<'a>> {
         Some(Sampler { pixels: frame.patch(self.pixels)?, sampling: self })
     }
 
-    /// The number of the next row.
+    /// Index of the next row of the lattice.
     pub(crate) fn next(&self) -> u16 {
         self.next
     }
 
     /// Samples the next row, from the top, into its place in `out`. True after the last row. If a needed pixel is not
-    /// in memory, the row stays as it is.
+    /// in memory, the row in `out` stays unchanged.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
@@ -234,7 +232,7 @@ impl Sampling {
         self.next_row_alone(frame, out.get_mut(from..from + columns).unwrap_or_default())
     }
 
-    /// Samples the next row into `out`: see [`Sampling::next_row`].
+    /// Samples the next row as [`Sampling::next_row`] does, but to the beginning of `out`.
     pub(crate) fn next_row_alone(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let row = self.next;
         if let Some(mut sampler) = self.sampler(frame) {
@@ -244,36 +242,35 @@ impl Sampling {
         self.next >= self.rows
     }
 
-    /// The work since the last call: 1 for each pixel read, and `each` for each sample.
+    /// Returns and resets the work since the last call: 1 for each pixel read, and `each` for each sample.
     pub(crate) fn work(&mut self, each: u32) -> u32 {
         core::mem::take(&mut self.read) + each * core::mem::take(&mut self.sampled)
     }
 }
 
-/// Computes rows of a lattice from a frame.
 pub(super) struct Sampler<'a> {
     pixels: Image<'a>,
     sampling: &'a mut Sampling,
 }
 
 impl Sampler<'_> {
-    /// Samples row `number` of the lattice. The caller asks for each row once, from the top.
+    /// Samples row `number` of the lattice. Each row is sampled once, from the top, because only two rows are kept.
     #[inline(never)]
     pub(crate) fn row(&mut self, number: u16, out: &mut [u8]) {
         let (upper, lower, fraction) = self.sampling.down.at(number);
-        // Blocks are counted from the first pixel that is read, not from the frame's edge.
+        // Block indices start at the first block that is read, not at the frame's edge.
         let (top, _) = self.sampling.down.place(0);
         let (upper, lower) = (upper.wrapping_sub(top), lower.wrapping_sub(top));
         self.make(upper);
         self.make(lower);
         let Self { pixels, sampling: Sampling { columns, means, mixed, halvings, sampled, .. } } = self;
         mix(row(*pixels, means, *halvings, upper), row(*pixels, means, *halvings, lower), fraction, mixed);
-        // No block follows the last one; its fraction is 0.
+        // The last block has no next one, but the fraction there is 0.
         columns.mix(mixed, out);
         *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
 
-    /// Computes a row of blocks, unless it is already there.
+    /// Computes the means of a row of blocks, unless they are in memory.
     #[inline(never)]
     fn make(&mut self, block: u16) {
         let Self { pixels, sampling: Sampling { means: [even, odd], made, read, mixed, halvings, .. } } = self;
@@ -292,10 +289,10 @@ impl Sampler<'_> {
     }
 }
 
-/// Mixes two rows: upper * (256 - fraction) + lower * fraction, less `BIAS`. At most 255 * 256.
+/// Interpolates two rows: upper * (256 - fraction) + lower * fraction - `BIAS`. Before the bias at most 255 * 256.
 #[cfg(not(any(smr_helium, smr_swar)))]
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
-    // Mixes two 16-bit numbers at a time. Subtracting 2^15 inverts the highest bit.
+    // Computes two 16-bit values at a time. Subtracting 2^15 inverts the highest bit.
     const EVEN: u32 = 0x00FF_00FF;
     const BOTH: u32 = (BIAS as u32) << 16 | BIAS as u32;
     let fraction = u32::from(fraction);
@@ -315,8 +312,8 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Mixes two rows as the plain version does, in a loop that the compiler vectorizes by eight for Helium. Without fast
-/// access to words it is faster as well.
+/// Interpolates two rows in a plain loop, which the compiler vectorizes by eight for Helium. Without fast access to
+/// words it is faster as well.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -326,24 +323,24 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-#[allow(clippy::cast_possible_truncation)] // as named
+#[allow(clippy::cast_possible_truncation)] // keeps the lower 16 bits
 fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// The two columns (and rows) that are read of a block: both of a 2x2 block, otherwise those a quarter of its side from
-/// its edges.
+/// Indices of the two columns (and rows) of a block that are read: both of a 2x2 block, otherwise a quarter of its side
+/// from its edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Computes the means of the row of blocks that begins at row `first`. Returns the number of pixels read. `sums` is
-/// scratch memory.
+/// Computes the means of a row of blocks, whose first pixel row is `first`. Returns the number of pixels read. `sums`
+/// is scratch memory.
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);
-    // Cannot fail: at most COLUMNS columns lie less than two blocks apart.
+    // Cannot fail: the lattice has at most COLUMNS columns, less than two blocks apart.
     let _ = means.resize_default(blocks.into());
     let sums = sums.get_mut(..means.len()).unwrap_or_default();
     sums.fill(0);
@@ -357,7 +354,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
     4 * u32::from(blocks)
 }
 
-/// A row of blocks, or of pixels if the frame is not halved.
+/// A row of block means, or of pixels if the frame is not halved.
 #[cfg_attr(smr_dsp, inline(never))]
 fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32, block: u16) -> &'a [u8] {
     if halvings == 0 {
@@ -366,14 +363,13 @@ fn row<'a>(pixels: Image<'a>, [even, odd]: &'a [Vec<u8, ROW>; 2], halvings: u32,
     if block.is_multiple_of(2) { even } else { odd }
 }
 
-/// Row `first` + `row` of `pixels`. The last row is repeated below, because the frame's edge may cut a block.
+/// Row `first` + `row` of `pixels`. Below the last row, repeats it, because the frame's edge may cut a block.
 #[cfg_attr(smr_dsp, inline(never))]
 pub(crate) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 
-/// Adds the two pixels of each block in a row to its sum. Where the frame's edge cuts a block, the last pixel is
-/// repeated.
+/// Adds two pixels of each block in a row to its sum. Beyond the frame's edge, repeats the last pixel.
 fn add_row(sums: &mut [u16], row: &[u8], halvings: u32) {
     let (pairs, _) = row.as_chunks::<2>();
     let whole = if halvings == 1 { pairs } else { &[] };
@@ -397,7 +393,7 @@ mod tests {
         (0..pixels).map(|at| (at.wrapping_mul(2_654_435_761) ^ at >> 7).to_be_bytes()[1]).collect()
     }
 
-    /// A sampler with arithmetic of its own: the samples, and the number of pixels read.
+    /// The samples and the number of pixels read, computed independently in plain 64-bit arithmetic.
     fn plainly(lattice: &Lattice, pixels: &[u8], width: u16, height: u16) -> (std::vec::Vec<u8>, usize) {
         let side = (0..).map(|places| 1_i64 << places).find(|side| lattice.step < 2 * PIXEL * side).unwrap();
         let read = match side {
@@ -478,7 +474,7 @@ mod tests {
         }
     }
 
-    /// Steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows.
+    /// Lattice steps of a box of 65535x65535 pixels that has grown fivefold, and the longest rows.
     #[test]
     fn the_farthest_positions() {
         let (pixels, most) = (noise(65_535, 1), u16::try_from(COLUMNS).unwrap());

@@ -1,4 +1,4 @@
-//! The measure of a filter: its responses to a window of cells, and the gradient of its error.
+//! The correlation filter: its weights, its responses to a window of features, and the gradient of its error.
 //!
 //! ```text
 //! response   r[d]    = sum over cells c and channels k of  w[c, k] * x[c + d, k]
@@ -8,17 +8,17 @@
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
 //! | `x` | feature | 1/127 | -128 to 127 |
-//! | `w` | coded weight ([`Coded`]) | 2^shift of a weight's 2^-16 / 16384 | +-8191 |
+//! | `w` | coded weight ([`Coded`]) | 2^shift of a weight's unit, 2^-16 / 16384 | +-8191 |
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | `e` | coded error | 2^shift / 16384 | +-16,383 |
 //!
-//! At most 2000 weights and 289 offsets keep every sum below 2^31: 2000 * 8191 * 128 and 289 * 16,383 * 128.
-//! Cost: one product for each weight and offset.
+//! At most 2000 weights and 289 offsets keep every sum below 2^31: 2000 * 8191 * 128 and 289 * 16,383 * 128. Cost: one
+//! product for each weight and offset.
 
 use crate::kernels::{GradientStep, Layout, Packed, Products, ScaledSums, rolled};
 use heapless::Vec;
 
-/// Cells, and the layout of the filter on them.
+/// A window of features, cell by cell, and the layout of the filter on it.
 #[derive(Clone, Copy)]
 pub(crate) struct FeatureWindow<'a> {
     pub(crate) cells: &'a [i8],
@@ -26,7 +26,7 @@ pub(crate) struct FeatureWindow<'a> {
 }
 
 impl FeatureWindow<'_> {
-    /// The part of the window on which the filter lies at offsets of up to 5/8 of the reach.
+    /// The part of the window that the filter covers at offsets of up to 5/8 of the search radius.
     pub(super) fn inner(mut self) -> Self {
         let Layout { stride, step, span, .. } = self.layout;
         let margin = span / 2 - 5 * (span / 2) / 8;
@@ -36,7 +36,7 @@ impl FeatureWindow<'_> {
     }
 }
 
-/// Adds one piece of the gradient. Returns true after the last piece. `packed` and `spare` are scratch memory.
+/// Adds one piece of the gradient. True after the last piece. `packed` and `spare` are scratch memory.
 pub(super) fn add_gradient<const S: usize>(
     products: Products,
     packed: &mut Packed,
@@ -50,10 +50,11 @@ pub(super) fn add_gradient<const S: usize>(
     piece + 1 >= products.gather_pieces(layout, gradient.len())
 }
 
-/// The largest coded number: 2000 of them times a byte stay below 2^31.
+/// The largest coded value: 2000 of them times a feature of 8 bits stay below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
-/// Up to `N` numbers coded in 16 bits each, with one power of two for all (block floating point). The value of each is number * 2^`shift`.
+/// Up to `N` integers of 16 bits with one common power of two (block floating point). The value of each is number *
+/// 2^`shift`.
 pub(crate) struct Coded<const N: usize> {
     numbers: Vec<i16, N>,
     shift: u32,
@@ -73,12 +74,12 @@ impl<const N: usize> Coded<N> {
         self.shift
     }
 
-    /// Sets the numbers to `sums`, in units of 2^`unit`, + `beta` * the numbers before. Beta has 25 fractional bits. If it
-    /// is not 0, the sums are at most 2047.
+    /// Sets the direction to `sums` + `beta` * the direction before. Sums are in units of 2^`unit`, beta in units of
+    /// 2^-25. If beta is not 0, sums are at most 2047.
     #[inline(never)]
-    #[allow(clippy::cast_possible_truncation)] // 2047 + 3/4 * 8191 is a coded number
+    #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn follow(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // In units of 1/65536 and of both codes.
+        // Beta converted to the units of the old and the new code; the bound is in units of 1/65536.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);
@@ -88,7 +89,7 @@ impl<const N: usize> Coded<N> {
         }
     }
 
-    /// Computes one piece of the responses at all offsets, in units of 2^`shift`. Returns true after the last piece.
+    /// Computes one piece of the responses at all offsets, in units of 2^`shift`. True after the last piece.
     pub(crate) fn respond<const S: usize>(
         &self,
         products: Products,
@@ -102,18 +103,18 @@ impl<const N: usize> Coded<N> {
         piece + 1 >= products.pieces(layout, self.numbers.len())
     }
 
-    /// Turns sums that `respond` computed into responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.
+    /// Converts the sums of `respond` to responses in units of 1/16384: times 2^(`shift` - 16), within +-2^24.
     #[inline(never)]
     pub(crate) fn to_responses<const S: usize>(&self, sums: &mut [[i32; S]]) {
-        // One of both is 0.
+        // One of these shifts is 0.
         let (left, right) = (self.shift.saturating_sub(16), 16_u32.saturating_sub(self.shift));
-        // The bound holds before the shift to the left, which then loses no bit.
+        // Clamps before the left shift, which then loses no bit.
         let most = (1 << 24) >> left;
         rolled(sums.as_flattened_mut().iter_mut()).for_each(|sum| *sum = (*sum >> right).min(most).max(-most) << left);
     }
 }
 
-/// The least shift to the right that makes `largest` less than `bound`.
+/// The least right shift that makes `largest` less than `bound`.
 #[cfg_attr(smr_small, inline(never))]
 pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     let mut shift = 0;
@@ -123,7 +124,8 @@ pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     shift
 }
 
-/// The filter: up to `N` weights, for each channel of each cell on the target and around it, cell by cell, in units of 2^-16 / 16384.
+/// The correlation filter: up to `N` weights, one for each channel of each cell, cell by cell, in units of 2^-16 /
+/// 16384.
 pub(crate) struct Filter<const N: usize> {
     weights: Vec<i32, N>,
 }
@@ -134,14 +136,13 @@ impl<const N: usize> Filter<N> {
         Self { weights: Vec::new() }
     }
 
-    /// Sets `count` weights to 0.
+    /// Starts with `count` weights of 0.
     pub(crate) fn start(&mut self, count: usize) {
         self.weights.clear();
         // Cannot fail: no grid has more than `N` weights.
         let _ = self.weights.resize_default(count);
     }
 
-    /// Takes `count` saved weights.
     pub(crate) fn restore(&mut self, count: usize, weights: impl Iterator<Item = i32>) {
         self.start(count);
         self.weights.iter_mut().zip(weights).for_each(|(weight, saved)| *weight = saved);
@@ -151,18 +152,18 @@ impl<const N: usize> Filter<N> {
         &self.weights
     }
 
-    /// Writes the weights to `coded`.
+    /// Codes the weights in 16 bits.
     #[inline(never)]
     pub(crate) fn code(&self, coded: &mut Coded<N>) {
         let numbers = ScaledSums::of(&self.weights);
         coded.shift = shift_below(numbers.largest(), LARGEST);
-        // Cannot fail: there is room for as many.
+        // Cannot fail: both vectors have a capacity of `N`.
         let _ = coded.numbers.resize_default(self.weights.len());
         numbers.code(coded.shift, &mut coded.numbers);
     }
 
-    /// Takes a step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
-    /// below 2^60. A weight that would overflow an `i32` stays as it is.
+    /// A gradient step: w -= length * direction. `length` has 44 fractional bits and is below 2^47, so every product is
+    /// below 2^60. A weight that would overflow an `i32` stays unchanged.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<N>) {
         GradientStep { length, back: 44u32.saturating_sub(direction.shift()) }

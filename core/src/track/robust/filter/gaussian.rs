@@ -1,18 +1,17 @@
-//! Gaussians: the label, which is the wanted response around the target, and the mask of learning over the filter's
-//! cells.
+//! Gaussians over distances in units of 1/256 cell: the label, which is the wanted response around the target, and the
+//! mask that weights the filter's cells in learning. In two dimensions, a Gaussian is the product of those on both
+//! axes.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
 //! ```
-//!
-//! In two dimensions it is the product of the Gaussians of both axes. Distances are in units of 1/256 cell.
 
 use super::super::constants::{LABEL_WIDTH, LEARNED_WIDTH};
 use super::super::features::Grid;
 use crate::kernels::rolled;
 use crate::similarity::PAPER;
 
-/// exp(-256 / 255), in units of 1/65536.
+/// The factor exp(-256 / 255), in units of 1/65536.
 const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]
@@ -22,14 +21,14 @@ pub(crate) struct Gaussian {
 }
 
 impl Gaussian {
-    /// The label's Gaussian: sigma is a tenth of the root of the target's area.
+    /// The Gaussian of the label on each axis. Sigma is a tenth of the root of the target's area.
     pub(crate) fn label(grid: &Grid) -> Self {
-        // A pixel of the grid is 64 units, so sigma^2 = 64^2 * 0.1^2 * pixels.
+        // A pixel of the grid is 64 units of distance, so sigma^2 = 64^2 * 0.1^2 * pixels.
         let [width, of] = LABEL_WIDTH;
         Self::new(grid.pixels() * 4096 * width / of)
     }
 
-    /// The mask's Gaussians across and down: sigma is half of the target's side.
+    /// The Gaussians of the mask on the horizontal and the vertical axis. Sigma is half of the target's side.
     pub(crate) fn mask(grid: &Grid) -> [Self; 2] {
         [grid.columns, grid.rows].map(|side| Self::new((LEARNED_WIDTH * u32::from(side)).pow(2)))
     }
@@ -38,10 +37,9 @@ impl Gaussian {
         Self { factor: (255 << 24) / squared_sigma.max(1) }
     }
 
-    /// The Gaussian at a distance from its middle, in units of 1/16384. The distance is in units of 1/256 cell, and less
-    /// than 256 cells.
+    /// The Gaussian in units of 1/16384, at a distance of less than 256 cells, in units of 1/256 cell.
     #[inline(never)]
-    #[allow(clippy::cast_possible_truncation)] // the lower eight bits
+    #[allow(clippy::cast_possible_truncation)] // keeps the lower eight bits
     pub(crate) fn at(self, distance: i32) -> i32 {
         let x = (u64::from(distance.unsigned_abs().pow(2)) * u64::from(self.factor)) >> 25;
         let x = u32::try_from(x).unwrap_or(u32::MAX);
@@ -52,8 +50,8 @@ impl Gaussian {
         (value + 2).cast_signed() >> 2
     }
 
-    /// The value at an offset on one axis of a search. `target` is the target's distance from the middle, in units of
-    /// 1/256 cell.
+    /// The Gaussian around the target at an offset of the search, on one axis. `target` is the target's distance from
+    /// the window's middle, in units of 1/256 cell.
     pub(super) fn at_offset(self, offset: usize, target: i32, reach: u16) -> i32 {
         self.at(256 * (i32::try_from(offset).unwrap_or(0) - i32::from(reach)) - target)
     }

@@ -1,5 +1,5 @@
-//! Learning: ridge regression on a Gaussian label. A lock takes `FIRST_STEPS` steps of conjugate gradients, and each
-//! later frame with enough evidence one step of steepest descent.
+//! Learning of the correlation filter: ridge regression on a Gaussian label. A lock takes `FIRST_STEPS` steps of
+//! conjugate gradients, and each later frame with enough evidence one step of steepest descent.
 //!
 //! ```text
 //! minimise   E(w) = sum over offsets d of  (r(d) - y(d))^2  +  lambda * |w|^2
@@ -13,9 +13,9 @@
 //! `rp` is the response to the direction `p`, so `a` is the exact step for this quadratic: of steepest descent (as in
 //! ATOM; Danelljan et al., 2019), or of conjugate gradients (Hestenes and Stiefel, 1952) with the preconditioner `m`.
 //! Offsets around the target are its negative examples (as in BACF; Galoogahi et al., 2017). `m` is a Gaussian on the
-//! filter's cells: cells far from the target's middle show the target less often, so they learn less. In an update a
-//! whole step would follow each frame too closely; `rate` shortens it. An update computes `rp` only at
-//! offsets of up to 5/8 of the reach, and takes their mean square for that of all offsets.
+//! filter's cells: cells far from the target's middle show the target less often, so they learn less. An update
+//! shortens the step by `rate`, because a whole step would follow each frame too closely. It computes `rp` only at
+//! offsets of up to 5/8 of the search radius, and takes the mean square there for that of all offsets.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -23,7 +23,7 @@
 //! | `e` | error, clamped; coded | 1/16384; a power of two | 65,535; 16,383 |
 //! | `grad E`, `z` | coded | a power of two | 8191; with a direction before 2047 |
 //! | `p` | coded | a power of two | 2047 + 3/4 * 8191 < 8191 |
-//! | `beta` | in units of both codes | 1/65536 | 3/4 |
+//! | `beta` | in units of both directions | 1/65536 | 3/4 |
 //! | `grad E . z` | descent | | 2000 * 8191^2 < 2^37 |
 //! | `a` | step length | 44 fractional bits | 2^47 |
 //!
@@ -38,15 +38,15 @@ use super::response::{self, CODED, Responses};
 use crate::kernels::{GradientStep, Packed, Products, ScaledSums, rolled};
 use crate::track::update::{Budget, largest, units};
 
-/// Units of work for each weight when the direction is computed.
+/// Units of work for each weight in computing the direction.
 const SLOPED: u32 = 64;
 
-/// The most work for a step of a lock: the errors, the gradient, the direction, and the responses to it.
+/// Upper bound of the work for one step of a lock: errors, gradient, direction, and the responses to the direction.
 pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(extent)
 }
 
-/// The most work for the step of an update, which needs fewer responses.
+/// Upper bound of the work for the step of an update, which computes the responses to the direction at fewer offsets.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
 }
@@ -55,31 +55,31 @@ const fn without_responses(extent: Extent) -> u32 {
     extent.offsets() + response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
-/// The most work for a piece: the errors, the direction, or the last piece of responses, which changes the weights.
+/// Upper bound of the work for an indivisible piece: the errors, the direction, or the last row of responses and the
+/// change of the weights.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
     let last = response::most_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
     largest(&[errors, SLOPED * extent.weights(), last])
 }
 
-/// The inputs of a step: the filter, and a window in which the target was found.
+/// The inputs of a step: the filter, and the window of features in which the target was found.
 pub(crate) struct Training<'a> {
     pub(crate) filter: &'a Filter<WEIGHTS>,
     pub(crate) grid: &'a Grid,
     pub(crate) window: FeatureWindow<'a>,
-    /// The filter's responses to the window.
     pub(crate) responses: &'a Responses,
     pub(crate) products: Products,
 }
 
-/// Sums for each weight and for each offset, and coded errors. Other stages use the sums, too: see `run/buffers.rs`.
+/// Sums for each weight and for each offset, and coded errors. Other stages reuse this memory: see `run/buffers.rs`.
 pub(crate) struct Sums {
-    /// The gradient, in the unit of the coded errors. While responses are computed, their spare memory.
+    /// The gradient, in the unit of the coded errors. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
-    /// The errors before they are coded, in units of 1/16384; spare memory while the gradient is summed; then the
-    /// responses to the direction, in the unit of the direction.
+    /// The errors before coding, in units of 1/16384. While the gradient is summed, scratch memory. Then the responses
+    /// to the direction, in the direction's unit.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
-    /// In units of 2^`error_shift` / 16384.
+    /// Errors of the responses, in units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
 }
 
@@ -89,7 +89,7 @@ impl Sums {
         Self { per_weight: [0; WEIGHTS], per_offset: [[0; SPAN]; SPAN], coded_errors: [[0; SPAN]; SPAN] }
     }
 
-    /// Computes and codes the errors, and clears the gradient. Returns the shift of the errors.
+    /// Computes and codes the errors, and clears the gradient. Returns `error_shift`.
     #[inline(never)]
     fn code_errors(&mut self, training: &Training<'_>, target: (i32, i32)) -> u32 {
         let Self { per_weight: gradient, per_offset: errors, coded_errors: coded } = self;
@@ -99,19 +99,19 @@ impl Sums {
         shift
     }
 
-    /// Computes and codes the direction. `direction` is that of the step before, and `descent_before` its descent, or 0
-    /// for steepest descent. Returns the descent, in the squared unit of the direction.
+    /// Computes and codes the direction. `direction` holds that of the step before, and `descent_before` its descent,
+    /// or 0 for steepest descent. Returns the descent, in the squared unit of the direction.
     ///
-    /// A slope, an element of grad E, is `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
-    /// below 2^30, and `error_shift` is at most 3, so a slope can take more than 32 bits. Units of 2^`unit` are tried from
-    /// the largest on, until the steepest slope has 8191 of them. So it keeps 13 bits, if it has them (11 beside a
-    /// direction before):
+    /// A slope is an element of grad E: `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
+    /// below 2^30, and `error_shift` is at most 3, so a slope can exceed 32 bits. The loop tries units of 2^`unit`, the
+    /// largest first, until the steepest slope is at least 8191 units. So it keeps 13 bits, if it has them (11 if a
+    /// direction before is added):
     ///
-    /// | `unit` | used if | slopes are below |
+    /// | `unit` | condition | bound of slopes |
     /// |---|---|---|
     /// | 16 + `error_shift` | the steepest slope has 8191 units | 2^31 units |
-    /// | 14 | else, and it has 8191 of these | 2^18 units, since it was below 8191 * 2^19 |
-    /// | 0 | else | 2^27, since it was below 8191 * 2^14 |
+    /// | 14 | else, the steepest slope has 8191 units | 2^18 units, since it was below 8191 * 2^19 |
+    /// | 0 | else | 2^27, since the steepest was below 8191 * 2^14 |
     #[inline(never)]
     fn code_direction(
         &mut self,
@@ -120,15 +120,15 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // The gradient has used this memory. The length of the step depends on all of it, so the rows and columns
-        // without a response must be 0.
+        // Clears what the gradient left as scratch memory. The step length sums over all offsets, so offsets without a
+        // response must be 0.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
         let gradient_unit = 16 + error_shift;
         let mut unit = gradient_unit;
         loop {
-            // In units of 2^`unit`: weight * factor / 2^32 + gradient * 2^left.
+            // Slopes in units of 2^`unit`: weight * factor / 2^32 + gradient * 2^left.
             let slopes =
                 ScaledSums { weights, factor: REGULARISATION << (32 - unit), sums, left: gradient_unit - unit };
             let steepest = slopes.largest();
@@ -144,7 +144,7 @@ impl Sums {
         }
     }
 
-    /// Subtracts `length` times the responses to the direction from the responses. Their codes take 15 bits, and the
+    /// Subtracts `length` times the responses to the direction from the responses. Codes the former in 15 bits, in the
     /// memory of the errors.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
@@ -156,14 +156,14 @@ impl Sums {
             .apply(responses.rows.as_flattened_mut(), coded);
     }
 
-    /// The length of the step: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47. Of `offsets` offsets
-    /// `measured` have a response to the direction.
-    #[inline(never)] // gives its loops registers of their own
+    /// The step length: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47. `measured` of the
+    /// `offsets` offsets have a response to the direction.
+    #[inline(never)] // own registers for its loops
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
-        // A response is below 2^31: shifted by 9 bits and squared, below 2^44. 289 of these are below 2^53. Shifted right
-        // by 8 bits and times 289 they stay below 2^54.
+        // A response is below 2^31, and its square after a shift by 9 bits below 2^44. 289 squares are below 2^53.
+        // Shifted right by 8 bits and times 289 they stay below 2^54.
         let responses = rolled(self.per_offset.as_flattened().iter()).map(|&sum| i64::from(sum >> 9).pow(2));
         let responses = quotient((responses.sum::<i64>() >> 8) * offsets, measured) << 8;
         let curvature = ((REGULARISATION * squared) >> 18) + responses;
@@ -171,9 +171,9 @@ impl Sums {
     }
 }
 
-/// e = r - y at all offsets, clamped. Returns the largest. `target` is the target's place from the middle, in units of
-/// 1/256 cell.
-#[inline(never)] // keeps its stack out of that of a step
+/// Computes the clamped errors e = r - y at all offsets. Returns the largest. `target` is the target's place from the
+/// window's middle, in units of 1/256 cell.
+#[inline(never)] // keeps its stack out of `next_piece`
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);
     let reach = u16::try_from(span / 2).unwrap_or(0);
@@ -194,12 +194,12 @@ fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i3
     largest
 }
 
-/// Codes the slopes weight * `factor` / 2^32 + sum * 2^`left`, divided by 2^`shift`, and masks them, in place: z = m *
-/// grad E. Returns grad E . z.
+/// Computes and codes the slopes weight * `factor` / 2^32 + sum * 2^`left`, divided by 2^`shift`. Replaces `sums` by
+/// the masked slopes z = m * grad E, and returns grad E . z.
 #[inline(never)]
 fn mask(grid: &Grid, weights: &[i32], (factor, left, shift): (i64, u32, u32), sums: &mut [i32]) -> i64 {
     let [across, down] = Gaussian::mask(grid);
-    // The distance from the target's middle to a cell's, in units of 1/256 cell.
+    // The distance of a cell from the target's middle, in units of 1/256 cell.
     let from_middle = |at: u16, cells: u16| 128 * (2 * i32::from(at) + 1 - i32::from(cells));
     let (mut descent, mut coded) = (0, [0; CHANNELS]);
     let (mut x, mut y, mut vertical) = (grid.across, 0, 0);
@@ -218,7 +218,7 @@ fn mask(grid: &Grid, weights: &[i32], (factor, left, shift): (i64, u32, u32), su
     descent
 }
 
-/// z = m * grad E for a cell, whose `part` of m is in units of 1/16384. Returns grad E . z.
+/// Masks the slopes of one cell: z = m * grad E. `part` is its m in units of 1/16384. Returns grad E . z.
 fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
     let pairs = rolled(masked.iter_mut().zip(slopes));
     let product = |(masked, &slope): (&mut i32, &i16)| {
@@ -232,9 +232,9 @@ fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
 pub(crate) struct Learning {
     /// The target's place from the middle of the window, in units of 1/256 cell.
     target: (i32, i32),
-    /// The part of a whole step. Unit: 1/256.
+    /// The learning rate: the fraction of an exact step, in units of 1/256.
     rate: u16,
-    /// True in a lock, which needs the responses to the direction at all offsets.
+    /// True in a lock, which requires the responses to the direction at all offsets.
     locks: bool,
     /// The descent of the last direction; 0 before the first.
     descent: i64,
@@ -243,29 +243,26 @@ pub(crate) struct Learning {
 
 #[derive(Clone, Copy)]
 enum Phase {
-    /// Computes the errors.
     Errors,
-    /// Adds a piece of the gradient.
     Gradient { piece: usize, error_shift: u32 },
-    /// Computes the direction.
     Direction { error_shift: u32 },
-    /// Computes a piece of the responses to the direction.
+    /// Computes the responses to the direction, which give the step length.
     Curvature { piece: usize },
 }
 
 impl Learning {
-    /// The step of an update.
+    /// Begins the step of an update.
     pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
         Self { target, rate, locks: false, descent: 0, phase: Phase::Errors }
     }
 
-    /// The steps of a lock. The target is in the middle of the window.
+    /// Begins the steps of a lock, with the target in the middle of the window.
     pub(crate) fn lock() -> Self {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Does one piece of work. Returns the length of the step after the last piece; only then is `direction` valid. The
-    /// next piece begins a conjugate step.
+    /// Computes one piece of a step. After the last piece returns the step length; only then is `direction` valid. The
+    /// next call begins a conjugate step.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,
@@ -321,7 +318,7 @@ mod tests {
     use crate::kernels::Backend;
     use std::vec::Vec as Many;
 
-    /// Compares with sums in 64 bits, where all units are 1: of steepest descent, and then of a conjugate step.
+    /// Compares with plain 64-bit sums, for steepest descent and then for a conjugate step.
     #[test]
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));
@@ -377,7 +374,7 @@ mod tests {
         }
     }
 
-    /// The most beta, after a direction of the largest numbers.
+    /// Tries the largest beta after a direction of the largest coded values.
     #[test]
     fn a_direction_stays_a_code() {
         let (mut direction, mut filter) = (Coded::<2>::new(), Filter::<2>::new());

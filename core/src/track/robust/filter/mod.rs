@@ -1,4 +1,5 @@
-//! The correlation filter: weights and their sums (`correlation`), the `response` in place and `scale`, `learning` on a label (`gaussian`).
+//! The correlation filter: its weights (`correlation`), its `response` at each offset and `scale`, and its `learning`
+//! on a Gaussian label (`gaussian`).
 
 mod correlation;
 mod gaussian;

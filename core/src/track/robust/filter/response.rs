@@ -2,20 +2,19 @@
 //!
 //! ```text
 //! r(d) = sum over cells c and channels k of  w[c, k] * x[c + d, k]
-//! counted(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
+//! penalised(d) = r(d) * (1 - 0.3 * |d|^2 / reach^2), where r(d) is positive
 //! ```
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
 //! | `d` | offset | cell | `reach` cells on each axis |
 //! | `r` | response | 1/16384 of the label | +-2^24 |
-//! | peak | place of the largest counted response | 1/256 cell | |
+//! | peak | place of the largest penalised response | 1/256 cell | |
 //!
-//! The counted response is the penalised one; the scale search counts responses without penalty. The place and the
-//! response of the peak, and all that follows from them, are those of the counted responses. A parabola through the
-//! peak and its neighbours on each axis refines the place. Of equal responses the middle one wins, otherwise the first
-//! in scan order. So in a black frame the place stays. Cost: one product for each weight and offset, by default 289 for
-//! each weight.
+//! Place and height of the peak are those of the penalised responses; the scale search omits the penalty. A parabola
+//! through the peak and its neighbours on each axis refines the place. Of equal responses the middle one wins,
+//! otherwise the first in scan order. So in a black frame the place stays. Cost: one product for each weight and
+//! offset, by default 289 for each weight.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
@@ -24,35 +23,33 @@ use super::correlation::{Coded, FeatureWindow};
 use crate::kernels::{Layout, Packed, Products};
 use crate::track::update::{Budget, units};
 
-/// Responses, row by row.
 pub(crate) struct Responses {
     pub(crate) rows: [[i32; SPAN]; SPAN],
-    /// Offsets on an axis.
+    /// Offsets on each axis of the search.
     pub(crate) span: usize,
 }
 
 /// Units of work for each weight that is coded or changed.
 pub(crate) const CODED: u32 = 16;
 
-/// The most work for the responses at all offsets.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     extent.offsets() * extent.weights()
 }
 
-/// The most work for a piece. Some backends multiply two rows of cells at a time.
+/// Upper bound of the work for an indivisible piece. Some backends compute two rows of offsets in one piece.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     2 * extent.span() * extent.weights()
 }
 
-/// The peak: the largest counted response.
+/// The largest response, penalised or not, and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Peak {
-    /// Place from the middle, in units of 1/256 cell.
+    /// Place from the middle of the window, in units of 1/256 cell.
     pub(crate) x: i32,
     pub(crate) y: i32,
-    /// The counted response there, in units of 1/16384.
+    /// The response at the offset of the peak, in units of 1/16384.
     pub(crate) response: i32,
-    /// The counted response at the top of the parabolas, in units of 1/16384.
+    /// The height of the parabolas' top, in units of 1/16384.
     pub(crate) height: i32,
 }
 
@@ -68,7 +65,7 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
-    /// Sets all responses to 0, which weights of 0 have.
+    /// Sets all responses to 0, the responses of weights of 0.
     pub(crate) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }
@@ -100,7 +97,7 @@ impl Responses {
     }
 }
 
-/// The peak of the responses at `span` offsets on each axis. With `penalty`, responses far from the middle count less.
+/// The peak of the responses at `span` offsets on each axis. `penalty` lowers responses far from the middle.
 #[inline(never)]
 pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let responses = Counted { rows, span, penalty };
@@ -108,7 +105,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     let mut response = responses.at(x, y).unwrap_or(i32::MIN);
     for (down, row) in rows.iter().take(span).enumerate() {
         for (right, &candidate) in row.iter().take(span).enumerate() {
-            // The penalty never raises a response.
+            // Skips lower responses without their penalty, which never raises a response.
             let counted = if candidate > response { responses.count(right, down, candidate) } else { candidate };
             if counted > response {
                 (response, x, y) = (counted, right, down);
@@ -119,7 +116,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
         (Some(before), Some(after)) => top(before, response, after),
         _ => (0, 0),
     };
-    // An index that wraps below 0 is outside, where `at` gives `None`.
+    // For an index that wraps below 0, `at` returns `None`.
     let (right, across) = vertex(responses.at(x.wrapping_sub(1), y), responses.at(x + 1, y));
     let (below, down) = vertex(responses.at(x, y.wrapping_sub(1)), responses.at(x, y + 1));
     let cells = |at: usize| i32::try_from(2 * at + 1).unwrap_or(0) - i32::try_from(span).unwrap_or(0);
@@ -127,7 +124,7 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// The counted responses at `span` offsets on each axis. With `penalty`, those far from the middle count less.
+/// The responses at `span` offsets on each axis. `penalty` lowers those far from the middle.
 struct Counted<'a> {
     rows: &'a [[i32; SPAN]],
     span: usize,
@@ -135,7 +132,7 @@ struct Counted<'a> {
 }
 
 impl Counted<'_> {
-    /// The counted response at an offset; `None` outside.
+    /// The response at an offset, with its penalty; `None` outside of the search.
     #[cfg_attr(smr_small, inline(never))]
     fn at(&self, x: usize, y: usize) -> Option<i32> {
         let response = self.rows.get(..self.span)?.get(y)?.get(..self.span)?.get(x)?;
@@ -147,7 +144,7 @@ impl Counted<'_> {
     }
 }
 
-/// The penalised response at an offset. Negative responses are not penalised.
+/// The penalised response at an offset. Negative responses have no penalty.
 #[inline(never)]
 fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     let reach = u32::try_from(span / 2).unwrap_or(0);
@@ -158,8 +155,8 @@ fn penalised(x: usize, y: usize, span: usize, response: i32) -> i32 {
     i32::try_from(less).unwrap_or(0) + response.min(0)
 }
 
-/// The top of a parabola through three responses: its place from the middle one, in units of 1/256 of their distance
-/// (-128 to 128), and its height above the middle one. Both are 0 if the middle one is no maximum.
+/// The top of a parabola through three equidistant responses: its place from the middle one, in units of 1/256 of the
+/// distance (-128 to 128), and its height above the middle one. Both are 0 if the middle one is no maximum.
 #[inline(never)]
 fn top(before: i32, at: i32, after: i32) -> (i32, i32) {
     // Responses are at most 2^24.

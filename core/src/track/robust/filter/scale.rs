@@ -1,14 +1,14 @@
-//! The scale search: compares the filter's response at the last scale and at 1/1.02 and 1.02 times it (as in DSST;
-//! Danelljan et al., 2014).
+//! The scale search: compares the filter's response at the last scale with those at 1/1.02 and 1.02 times it (as in
+//! DSST; Danelljan et al., 2014).
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
 //! ```
 //!
-//! `peak(s)` is the top of the parabolas through the responses, without penalty. All three scales are sampled around
-//! the same place, so that none has an advantage by its place. Offsets of up to one cell are searched. A frame in which
-//! refinement has found the growth needs no search.
-//! Cost: three small windows of features, and 27 products for each weight.
+//! `peak(s)` is the height of the peak without distance penalty. All three scales are sampled around the same place, so
+//! that none has an advantage by its place, and searched at offsets of up to one cell. In frames in which refinement
+//! finds the growth, the scale search does not run. Cost: three small windows of features, and 27 products for each
+//! weight.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{
@@ -23,24 +23,22 @@ use crate::kernels::Products;
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Bytes of the largest window. The longest filter has the longest margin.
+/// Bytes of the largest window of features, that of the longest filter, which has the longest margin.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
-/// Offsets on each axis.
+/// Offsets of the search on each axis.
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
-/// The most work for all three scales.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let extent = extent.with_reach(SCALE_REACH);
     3 * (cells::most_work(extent) + response::most_work(extent))
 }
 
-/// The most work for a piece: the responses at one scale.
+/// Upper bound of the work for an indivisible piece: the responses at one scale.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     response::most_work(extent.with_reach(SCALE_REACH))
 }
 
-/// The features at one scale.
 pub(crate) type Cells = Vec<i8, CELLS>;
 
 #[derive(Clone, Copy)]
@@ -49,9 +47,9 @@ pub(crate) struct ScaleSearch {
     /// The height of the best peak so far, in units of 1/16384, and its scale, in units of 1/65536.
     highest: i64,
     best: u32,
-    /// The number of the present scale. 0: the last, 1: the smaller, 2: the larger one.
+    /// Index of the present scale. 0: the last scale, 1: the smaller, 2: the larger one.
     number: usize,
-    /// True if the features at the present scale are known.
+    /// True if the features at the present scale are computed.
     sampled: bool,
 }
 
@@ -63,7 +61,6 @@ pub(crate) struct Tools<'a> {
     pub(crate) products: Products,
 }
 
-/// The memory that a scale search borrows.
 pub(crate) struct Borrowed<'a> {
     pub(crate) extractor: &'a mut Extractor,
     pub(crate) cells: &'a mut Cells,
@@ -77,7 +74,7 @@ impl ScaleSearch {
         Self { place, highest: i64::MIN, best: place.scale, number: 0, sampled: false }
     }
 
-    /// Does one piece of work. Returns the best scale after the last piece.
+    /// Computes one piece of the search. Returns the best scale after the last piece.
     pub(crate) fn next_piece(
         &mut self,
         tools: &Tools<'_>,
@@ -106,7 +103,6 @@ impl ScaleSearch {
     }
 }
 
-/// The height of the responses' peak at one scale.
 fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
     let Borrowed { extractor, cells, sums: Sums { per_weight: spare, per_offset: responses, .. } } = borrowed;
     let window = FeatureWindow { cells: &cells[..], layout: layout(tools.grid, OFFSETS) };
@@ -119,7 +115,7 @@ fn peak_height(tools: &Tools<'_>, borrowed: &mut Borrowed<'_>) -> i64 {
     peak(rows, OFFSETS, false).height.into()
 }
 
-/// The next smaller and the next larger scale.
+/// The neighbouring scales: the smaller and the larger one.
 #[inline(never)]
 pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
     let scale = i64::from(scale);
@@ -127,13 +123,13 @@ pub(crate) fn other_scales(scale: u32) -> [u32; 2] {
         .map(|scale| u32::try_from(scale).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE))
 }
 
-/// A scale grown by `growth` / 65536, within the least and the most scale.
+/// The scale after a growth of `growth` / 65536, clamped to the least and the most scale.
 pub(crate) fn grown(scale: u32, growth: i32) -> u32 {
     let grown = i64::from(scale) + ((i64::from(scale) * i64::from(growth)) >> 16);
     u32::try_from(grown).unwrap_or(SCALE).clamp(LEAST_SCALE, MOST_SCALE)
 }
 
-/// True if a target can have this scale.
+/// True if the scale is within the bounds for a target.
 pub(crate) fn is_possible(scale: u32) -> bool {
     (LEAST_SCALE..=MOST_SCALE).contains(&scale)
 }
