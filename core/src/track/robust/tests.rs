@@ -1,4 +1,4 @@
-//! Tests of the whole tracker: its work, and targets that change, are covered and come back.
+//! Tests of the whole tracker: bounds of its work, and targets that change, are covered and come back.
 
 use super::{Config, Robust};
 use crate::track::tests::{cut, drawn, locked, most_parts, of_size};
@@ -9,14 +9,14 @@ fn noise(pixels: usize) -> Vec<u8> {
     (0..pixels as u32).map(|at| (at.wrapping_mul(2_654_435_761) >> 13) as u8).collect()
 }
 
-/// The updates of a target in frames of this size.
+/// A tracker that is locked on `target`, as a function from each further frame to its answer.
 fn following(first: &[u8], size: (u16, u16), target: Rect) -> impl FnMut(&[u8]) -> Answer + use<> {
     let mut tracker = locked::<Robust>(most_parts(), &of_size(first, size), target);
     move |pixels| tracker.update(&of_size(pixels, size)).unwrap()
 }
 
-/// A few pixels of each block are read, so the size of the target hardly affects the work. The largest target has a
-/// frame of 4 GiB, nearly all of which is never touched.
+/// The size of the target hardly affects the work, because only a few pixels of each block are read. The largest frame
+/// has 4 GiB, nearly all of which is never touched.
 #[cfg(target_pointer_width = "64")]
 #[test]
 fn a_target_of_any_size_costs_about_the_same() {
@@ -29,14 +29,14 @@ fn a_target_of_any_size_costs_about_the_same() {
         assert!(u64::from(work) <= most.update, "{target:?}: {work} of {most:?}");
         work
     };
-    // The target is in the middle of a frame, with a margin of half its sides if the frame has room for that.
+    // Puts the target in the middle of a frame of twice its size, or of as large a frame as possible.
     let around = |across: u16, down: u16, pixels: fn(usize) -> Vec<u8>| {
         let [width, height] = [across, down].map(|side| side.saturating_mul(2));
         let pixels = pixels(usize::from(width) * usize::from(height));
         let [left, top] = [width - across, height - down].map(|room| i32::from(room / 2));
         let target = Rect::new(left, top, across, down);
         work_of(Config { refiner: cfg!(feature = "refiner"), ..Config::robust() }, &pixels, (width, height), target);
-        // Compared without scale search and refiner, which run only in some frames, and with one window of the sweep.
+        // Compares without scale search and refiner, which run only in some frames, and with one window of the sweep.
         work_of(Config { refiner: false, size: false, sweep: 1, ..Config::robust() }, &pixels, (width, height), target)
     };
     let black: fn(usize) -> Vec<u8> = |pixels| vec![0; pixels];
@@ -49,7 +49,8 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // The last two pairs: boxes as long as possible, and boxes six times as long as wide, whose step is almost doubled.
+    // The last two pairs: the longest possible boxes; and boxes six times as long as wide, whose grid step almost
+    // doubles.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {
@@ -57,12 +58,12 @@ fn a_target_of_any_size_costs_about_the_same() {
     }
 }
 
-/// The most work that was done: in an update, in a lock, and in a step beyond its grant.
+/// The most work done in an update, in a lock, and in a step beyond its grant.
 fn most_done(config: Config) -> [u64; 3] {
     let mut most = [0; 3];
-    // The last step is nearly two blocks.
+    // The grid step of the last size is nearly two blocks, for which sampling reads the most pixels.
     for (width, height) in [(79, 79), (158, 66), (316, 50), (300, 48)] {
-        // A row of the sweep has at least four windows.
+        // Five widths, so that a row of the sweep has at least four windows.
         let (across, down) = (5 * width, 3 * height);
         let pixels = 15 * usize::from(width) * usize::from(height);
         let (first, other) = (noise(pixels), vec![0; pixels]);
@@ -82,7 +83,7 @@ fn most_done(config: Config) -> [u64; 3] {
     most
 }
 
-/// The computed bound is not much more than the work done, during learning and during redetection.
+/// The computed bounds of work exceed the work done by at most 15 %, in learning and in redetection.
 #[test]
 fn the_most_work_is_nearly_done() {
     let lost = |config| Config { lost_below: u16::MAX, uncertain_below: u16::MAX, ..config };
@@ -100,7 +101,7 @@ fn the_most_work_is_nearly_done() {
     }
 }
 
-/// A smaller reach is less work, in a smaller window, and still follows slow targets.
+/// A smaller search radius takes less work and a smaller window, and still follows slow targets.
 #[test]
 fn every_reach_follows() {
     let mut before = (0, 0);
@@ -108,7 +109,7 @@ fn every_reach_follows() {
         let config = Config { reach, ..most_parts() };
         let mut tracker =
             locked::<Robust>(config, &of_size(&scene(Some((100, 90)), 100), (320, 240)), Rect::new(100, 90, 40, 40));
-        // The least work of a frame: the refiner works in some only.
+        // The least work of a frame, because the refiner runs only in some frames.
         let mut after = (u32::MAX, 0);
         for number in 1..12 {
             let place = (100 + 3 * number, 90 - 2 * number);
@@ -123,7 +124,7 @@ fn every_reach_follows() {
     }
 }
 
-/// A target without contrast cannot be told from anything else: it keeps its place, and is lost.
+/// A target without contrast resembles everything else: its box stays, and it is lost.
 #[test]
 fn a_plain_frame_holds_the_box() {
     let target = Rect::new(40, 30, 20, 20);
@@ -134,8 +135,8 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels with strong tiles on a background of weak tiles. `light` scales all gray levels, in percent.
-/// If `at` is `None`, there is only the background.
+/// A target of 40x40 pixels with strong tiles on a background of weak tiles. `light` scales all gray levels, in
+/// percent. If `at` is `None`, there is only the background.
 fn scene(at: Option<(i32, i32)>, light: u32) -> Vec<u8> {
     drawn((320, 240), |x, y| {
         let level = match at.map(|(left, top)| (x - left, y - top)) {
@@ -190,8 +191,8 @@ fn light_may_change() {
     }
 }
 
-/// Targets of 40x40 pixels, each on its own background, in frames of 160x120: dark, bright, textured, smooth, clipped,
-/// noisy. They move slowly.
+/// A slowly moving target of 40x40 pixels on a background of its own, in a frame of 160x120: dark, bright, textured,
+/// smooth, clipped or noisy.
 fn on_ground(kind: i32, frame: i32) -> Vec<u8> {
     let (left, top) = (40 + frame / 2, 30 + frame / 4);
     on_its_ground(kind, (left, top), |x, y| {
@@ -208,7 +209,7 @@ fn on_ground(kind: i32, frame: i32) -> Vec<u8> {
     })
 }
 
-/// A target of 40x40 pixels in a frame of 160x120.
+/// A target of 40x40 pixels on a weak background, in a frame of 160x120.
 fn on_its_ground(kind: i32, (left, top): (i32, i32), target: impl Fn(i32, i32) -> u8) -> Vec<u8> {
     drawn((160, 120), |x, y| match (x - left, y - top) {
         (x @ 0..40, y @ 0..40) => target(x, y),
@@ -216,7 +217,8 @@ fn on_its_ground(kind: i32, (left, top): (i32, i32), target: impl Fn(i32, i32) -
     })
 }
 
-/// A target that `lock` calls distinct is followed at least while it stands still, however much of it is black or white.
+/// A target that `lock` rates as distinct is not called lost while it stands still, however much of it is black or
+/// white.
 #[test]
 fn a_distinct_target_is_not_refused() {
     let targets: [fn(i32, i32) -> u8; 4] = [
@@ -258,7 +260,8 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // A search of the whole frame repeats after a few of them. One kind meets as many as `eval --fault cover`.
+            // The sweep of the whole frame repeats after a few updates. One kind is covered for as long as in `eval
+            // --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

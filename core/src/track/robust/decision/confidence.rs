@@ -1,5 +1,5 @@
-//! The confidence that the tracker still follows the target: a running mean of each frame's evidence. It decides the
-//! state.
+//! The confidence that the tracker still follows the target, which decides the state: a running mean of each frame's
+//! evidence.
 //!
 //! ```text
 //! evidence   = agreement + min(response, 1/2)
@@ -7,17 +7,17 @@
 //! confidence = 2/3 mean
 //! ```
 //!
-//! `response` is the penalised one ([`response`](super::super::filter::response)), at least 0. A filter that learns from its own
-//! answers responds well to anything it follows, so its response is weak evidence and counts for at most 1/2. The early
-//! template hardly learns, so its agreement counts for up to 1. Evidence and mean are in units of 1/65536, at most 1.5.
-//! A patch that cannot show the target has an evidence of 0.
+//! `response` is the penalised one ([`response`](super::super::filter::response)), at least 0. It adds at most 1/2,
+//! because a filter that learns from its own answers responds well to anything it follows. The early template hardly
+//! learns, so its agreement adds up to 1. Evidence and mean are in units of 1/65536, at most 1.5. A patch that cannot
+//! show the target has an evidence of 0.
 
 use super::super::config::Config;
 use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
 use super::super::verification::Candidate;
 use crate::track::State;
 
-/// The evidence for the target in one frame or one window.
+/// The evidence for the target in one frame or one window, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Evidence(i32);
 
@@ -34,18 +34,18 @@ impl Evidence {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 
-    /// True if the filter may learn from the frame.
+    /// True if the evidence suffices for the filter to learn from the frame.
     pub(crate) fn may_be_learned(self) -> bool {
         self.0 >= LEARNED_FROM
     }
 
-    /// True if this is enough evidence to find the lost target again. `there` is the evidence at its last place.
+    /// True if the evidence suffices to find a lost target again. `there` is the evidence at the target's last place.
     pub(crate) fn finds(self, there: Self) -> bool {
         self.0 >= FOUND_FROM && self.0 >= there.0 + FOUND_LEAD
     }
 }
 
-/// The running mean of the evidence.
+/// The running mean of the evidence, in units of 1/65536, 0 to 1.5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Confidence(i32);
 
@@ -53,26 +53,27 @@ impl Confidence {
     /// The confidence after a lock.
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
-    /// The confidence in a target that is given up.
+    /// The confidence in a target that is given up, and searched only by redetection.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after the target was found again: not *lost*, and below *tracking* if the bounds differ.
+    /// The confidence after the target was found again: at least `lost_below`, and below `uncertain_below` if that is
+    /// higher.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
         let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
         Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))
     }
 
-    /// The mean, as it is saved.
+    /// The running mean, for the saved target.
     pub(crate) const fn mean(self) -> i32 {
         self.0
     }
 
-    /// The confidence with a saved mean; `None` if the mean is out of range.
+    /// Restores the confidence from a saved mean; `None` if the mean is out of range.
     pub(crate) const fn restore(mean: i32) -> Option<Self> {
         if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
     }
 
-    /// The confidence after a frame with this evidence.
+    /// Updates the confidence by the evidence of a frame.
     pub(crate) fn after(self, evidence: Evidence, patience: u8) -> Self {
         let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))
@@ -95,7 +96,7 @@ impl Confidence {
         self.after(Evidence(0), config.patience).state(config) == State::Lost
     }
 
-    /// 2/3 of the mean, in units of 1/65535.
+    /// The confidence for the answer: 2/3 of the mean, in units of 1/65535.
     #[inline(never)]
     pub(crate) fn value(self) -> u16 {
         u16::try_from(self.0.max(0) * 2 / 3).unwrap_or(u16::MAX)
@@ -129,7 +130,7 @@ mod tests {
     #[test]
     fn states_begin_at_their_thresholds() {
         let state = |mean: i32| Confidence(mean).state(&Config::robust());
-        // The confidence is 2/3 of the mean.
+        // The mean is 3/2 of the confidence.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
         assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
     }
@@ -140,7 +141,7 @@ mod tests {
             let found = Confidence::found(Evidence(evidence), &Config::robust());
             assert_eq!(found.state(&Config::robust()), State::Uncertain, "{evidence}");
         }
-        // No confidence is between equal bounds.
+        // Equal bounds leave no range for *uncertain*.
         for below in [0, 1, 2, 30_000] {
             let config = Config { lost_below: below, uncertain_below: below, ..Config::robust() };
             assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking, "{below}");

@@ -1,4 +1,5 @@
-//! The decision: the state (`confidence`), a lost target (`redetection`), and what is remembered (`track`, `saved`).
+//! The decision in each frame: state (`confidence`), search for a lost target (`redetection`), and the memory that
+//! lasts to the next frame (`track`, `saved`).
 
 mod confidence;
 mod redetection;

@@ -1,14 +1,15 @@
-//! Redetection: each frame with a lost target searches some more windows. In time, they sweep the whole picture.
+//! Redetection: while the target is lost, each frame searches additional windows. Over several frames they sweep the
+//! whole picture.
 //!
-//! The windows cover the picture side by side, row by row. A frame takes the next `Config::sweep` windows of a row, or
-//! what is left of it, so that they lie in one rectangle. Each is searched and verified like the first window, until one
-//! shows the target. So a lost frame costs more searches, but no learning.
+//! The windows cover the picture side by side, row by row. A frame searches the next `Config::sweep` windows, but none
+//! beyond the end of a row, so that they lie in one rectangle. It searches and verifies each like the first window,
+//! until one shows the target. So a lost frame costs more searches, but no learning.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
 use crate::image::Rect;
 
-/// The sweep: the number of the window that is searched next.
+/// The state of the sweep: the index of the next window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Sweep {
     pub(crate) next: u32,
@@ -23,8 +24,8 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window, and true if it is the last of its row. Neighbouring windows are at most `side`
-    /// apart, in units of positions.
+    /// The middle of the next window, and true if the window is the last of its row. Middles are at most `side` apart,
+    /// in units of 1/4096 pixel.
     pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
@@ -33,13 +34,13 @@ impl Sweep {
     }
 }
 
-/// The number of windows on an axis. A step of the grid is at least 409, so a side is at least 13,088, and the product
-/// of two such counts is below 2^32.
+/// The number of windows on an axis. A step of the grid is at least 409, so `side` is at least 13,088, and the product
+/// of the counts on both axes is below 2^32.
 fn count(size: u16, side: u32) -> u32 {
     (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
 }
 
-/// The middle of a window on an axis.
+/// The middle of window `number` on an axis, in units of 1/4096 pixel.
 #[inline(never)]
 fn centre(number: u32, count: u32, size: u16) -> i64 {
     let middle = quotient((2 * i64::from(number) + 1) * i64::from(size) * PIXEL, 2 * i64::from(count));

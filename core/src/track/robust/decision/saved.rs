@@ -1,4 +1,5 @@
-//! The memory of a target from frame to frame, and the same as bytes: track, filter, early template, and the refiner's memory.
+//! The memory of a target from frame to frame, and its saved form: track, filter, early template, and the refiner's
+//! memory.
 
 use super::super::config::Config;
 use super::super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
@@ -20,13 +21,12 @@ const TRACK: usize = 62;
 pub(crate) const SAVED_SIZE: usize =
     around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
-/// Everything that the tracker remembers of a target.
 pub(crate) struct Memory {
-    /// `None` before the first lock.
+    /// The target's place and state; `None` before the first lock.
     pub(crate) track: Option<Track>,
     pub(crate) filter: Filter<WEIGHTS>,
     pub(crate) template: Template,
-    /// The first frame's target, as the refiner sees it.
+    /// The refiner's crop of the target in the first frame.
     pub(crate) first: First,
 }
 
@@ -36,7 +36,6 @@ impl Memory {
         Self { track: None, filter: Filter::new(), template: Template::new(), first: First::NONE }
     }
 
-    /// Bytes of the saved form.
     pub(crate) fn saved_size(&self, config: &Config) -> Result<usize, SaveError> {
         let refiner = if config.refines() { refiner::SAVED } else { 0 };
         let size =
@@ -69,7 +68,7 @@ impl Memory {
         Ok(to.finish())
     }
 
-    /// Restores what [`Memory::save`] wrote. If it fails, it changes nothing.
+    /// Restores a target that [`Memory::save`] wrote. Changes nothing if it fails.
     #[inline(never)]
     pub(crate) fn restore(&mut self, config: &Config, bytes: &[u8]) -> Result<(), Refusal> {
         let mut from = reader(config, bytes)?;
@@ -80,7 +79,7 @@ impl Memory {
         let mean = from.slice(2 * pixels).ok_or(RestoreError::Damaged)?;
         if config.refines() {
             track.review = Review::read(&mut from).ok_or(RestoreError::Damaged)?;
-            self.first.restore(&mut from).ok_or(RestoreError::Damaged)?; // the last that can fail
+            self.first.restore(&mut from).ok_or(RestoreError::Damaged)?; // nothing below can fail
         } else if !from.is_empty() {
             return Err(RestoreError::Damaged.into());
         }
@@ -91,7 +90,7 @@ impl Memory {
     }
 }
 
-/// Reads a saved track; `None` if a number is out of range.
+/// Reads a saved track; `None` if a value is out of range.
 fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let target = Rect::new(0, 0, from.u16()?, from.u16()?);
@@ -121,7 +120,7 @@ fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     })
 }
 
-/// A reader of the state, if the configuration is the one that the target was saved with.
+/// A reader of the saved state. Fails if the target was saved with another configuration.
 pub(crate) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
     Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

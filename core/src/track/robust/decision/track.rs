@@ -1,4 +1,4 @@
-//! The track of a target: what the tracker remembers of its place, size and state.
+//! The track of a target: its place, size and state from frame to frame.
 
 use super::super::config::Config;
 use super::super::constants::{PIXEL, SCALE};
@@ -10,15 +10,14 @@ use super::redetection::Sweep;
 use crate::image::{FineRect, Rect};
 use crate::track::{Quality, State};
 
-/// The track of a target: place, velocity, scale, confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Track {
     pub(crate) bounds: Rect,
     pub(crate) grid: Grid,
-    /// The size of the locked box.
+    /// Width and height of the locked box, in pixels.
     pub(crate) size: [u16; 2],
     pub(crate) motion: Motion,
-    /// The scale when the state was last tracking. Unit: 1/65536.
+    /// The scale when the state was last *tracking*, in units of 1/65536.
     pub(crate) tracked_scale: u32,
     pub(crate) confidence: Confidence,
     pub(crate) sweep: Sweep,
@@ -43,32 +42,32 @@ impl Track {
         }
     }
 
-    /// The state of the answer: that of the confidence, or that of the network's opinion if it is worse.
+    /// The state of the answer: the worse of that by confidence and that by the network's opinion.
     #[inline(never)]
     pub(crate) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.review.state());
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
-    /// True if the refiner's opinion gives the target up. Redetection alone can bring it back, so without that, or if no
-    /// target is ever *lost*, it goes on.
+    /// True if the refiner's opinion gives the target up. Never without redetection, which alone can find such a
+    /// target, or if the settings never call a target *lost*.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
         config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()
     }
 
-    /// The box of the answer: the followed box, corrected by the refiner.
+    /// The box of the answer: the tracked box, corrected by the refiner.
     #[inline(never)]
     pub(crate) fn bbox(&self) -> FineRect {
         self.corrected(self.motion.place)
     }
 
     /// The box of the target at a place, corrected by the refiner.
-    #[cfg_attr(feature = "refiner", inline(never))] // else its one caller is `bbox`
+    #[cfg_attr(feature = "refiner", inline(never))] // without the refiner its one caller is `bbox`
     pub(crate) fn corrected(&self, place: Place) -> FineRect {
         self.review.correct(self.at(place))
     }
 
-    /// The box of the target at a place.
+    /// The box of the target at a place, without the refiner's correction.
     pub(crate) fn at(&self, Place { x, y, scale }: Place) -> FineRect {
         let size = |size: u16| u32::try_from((u64::from(size) * u64::from(scale) + (1 << 7)) >> 8).unwrap_or(u32::MAX);
         let [width, height] = self.size.map(size);

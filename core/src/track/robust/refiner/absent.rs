@@ -1,5 +1,5 @@
-//! The absent refiner of a build without the feature `refiner`: an empty type stands for what is remembered, and a type without
-//! a value for the stages. [`Config::refines`](super::Config) is false there, and the compiler removes all calls.
+//! The refiner in a build without the feature `refiner`: an empty struct replaces its memory, and an enum without
+//! variants its stages. [`Config::refines`](super::Config) is false, so the compiler removes all calls.
 
 use super::features::Sampling;
 use crate::image::{FineRect, Frame, Rect};

@@ -1,4 +1,4 @@
-//! The correction of a box: the leaky sum of the network's estimates, carried from frame to frame.
+//! The correction of the box: the leaky sum of the network's estimates from frame to frame.
 //!
 //! ```text
 //! centre' = 15/16 (centre + estimate / 4)                     in units of the box's side
@@ -6,20 +6,20 @@
 //! ```
 //!
 //! The next crop is that of the corrected box, so the network corrects its own errors. Without the leak of 1/16 errors
-//! would add up. If the early template gives the exact place and size, the network does not run, and the correction
-//! fades by a quarter.
+//! would add up. In frames in which the early template gives the exact place and size, the network does not run, and
+//! the correction fades by a quarter.
 
 use super::network::Outputs;
 use crate::image::FineRect;
 use crate::track::saved::{Reader, Writer};
 
 const ONE: i32 = 1 << 16;
-/// The least and the largest factor of width and height: 1/2 and 2.
+/// The least and the largest factor of width and height, in units of 1/65536: 1/2 and 2.
 const LEAST: i32 = ONE / 2;
 const MOST: i32 = 2 * ONE;
-/// The largest shift of the centre: half a side of the box, in units of 1/4096.
+/// The largest shift of the centre, in units of 1/4096 of the box's side: half a side.
 const FARTHEST: i32 = 1 << 11;
-/// The largest estimate that counts: 1.
+/// The largest estimate, in units of 1/4096; larger ones are clamped to it: 1.
 const MOST_ESTIMATE: i32 = 1 << 12;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,6 @@ pub(crate) struct Correction {
 }
 
 impl Correction {
-    /// The correction after a lock.
     pub(crate) const NONE: Self = Self { centre: [0; 2], sides: [ONE; 2] };
 
     pub(crate) fn take(&mut self, [right, down, width, height, ..]: Outputs) {
@@ -40,13 +39,13 @@ impl Correction {
             *centre = (((4 * *centre + bounded(new)) * 15) >> 6).clamp(-FARTHEST, FARTHEST);
         }
         for (side, new) in self.sides.iter_mut().zip([width, height]) {
-            // At most 2^17 * 2^12.
+            // The product is at most 2^17 * 2^12.
             let grown = *side + ((*side * bounded(new)) >> 14);
             *side = (ONE + (((grown - ONE) * 15) >> 4)).clamp(LEAST, MOST);
         }
     }
 
-    /// Makes the correction smaller by a quarter, because place and size are exact without it.
+    /// Reduces the correction by a quarter, because place and size are exact without it.
     pub(crate) fn fade(&mut self) {
         self.centre = self.centre.map(|centre| (3 * centre) >> 2);
         self.sides = self.sides.map(|side| ONE + ((3 * (side - ONE)) >> 2));
@@ -61,14 +60,13 @@ impl Correction {
         FineRect { x, y, width, height }
     }
 
-    /// Bytes of the saved form.
     pub(super) const SAVED: usize = 16;
 
     pub(crate) fn save(&self, to: &mut Writer<'_>) {
         self.centre.into_iter().chain(self.sides).for_each(|number| to.i32(number));
     }
 
-    /// Reads a saved correction; `None` if a number is out of range.
+    /// Reads a saved correction; `None` if a value is out of range.
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
         Self::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
     }
@@ -80,7 +78,7 @@ impl Correction {
     }
 }
 
-/// The first edge and the side of a corrected box on one axis.
+/// The left or top edge and the side of a corrected box, on one axis.
 #[inline(never)]
 fn corrected(from: i32, side: u32, moved: i32, factor: i32) -> (i32, u32) {
     let new = (i64::from(side) * i64::from(factor) + (1 << 15)) >> 16;
@@ -108,7 +106,7 @@ mod tests {
         let correction = Correction { centre: [1 << 10, -(1 << 11)], sides: [ONE * 2, ONE / 2] };
         let FineRect { x, y, width, height } = correction.correct(BOX);
         assert_eq!([width, height], [256 * 80 + 6, 256 * 5 + 1]);
-        // A quarter of the new width to the right, half of the new height up.
+        // The centre moves right by a quarter of the new width, and up by half of the new height.
         assert_eq!([x, y], [256 * 20 + (128 * 40 + 1) + (256 * 20 + 1) - (128 * 80 + 3), -300 + 1280 - 641 - 640]);
     }
 

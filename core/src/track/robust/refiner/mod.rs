@@ -1,20 +1,20 @@
-//! The refiner: a small learned network that corrects the box of the answer. It needs the feature `refiner`.
+//! The refiner: a small learned network that corrects the box of the answer (feature `refiner`).
 //!
-//! The filter finds the target, but its box has one scale for width and height, and lags behind a target that comes
-//! nearer or turns. The network compares the target in the first frame and in the present one, and estimates the error
-//! of the box ([`network`]). The estimates are carried from frame to frame ([`correction`]). It corrects only the
-//! answer: place and scale of the tracker, and what it learns, stay as they are. (Moving the place or changing the
-//! scale by the estimates gained nothing on the recordings.) The network also estimates how far it may err, and that
-//! can make the state worse, and after a while the target lost ([`opinion`]).
+//! The filter's box has one scale for width and height, and lags behind a target that comes nearer or turns. The
+//! network compares the target in the first and in the present frame, and estimates the error of the box ([`network`]).
+//! The correction follows these estimates from frame to frame ([`correction`]). It changes only the answer, not the
+//! tracker's place and scale or its learning. (Moving the place or changing the scale by the estimates gained nothing
+//! on the recordings.) The network also estimates how large its errors may be, which can make the state worse and in
+//! time give the target up ([`opinion`]).
 //!
 //! ```text
 //! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
-//! at a lock:                crop, which is kept
+//! at a lock:                crop, which is kept as the first
 //! ```
 //!
-//! It corrects the box only in frames that the tracker learns from, so that an uncertain view changes no box. It does
-//! not run if the early template gives the exact place and size, if the patch cannot show the target, or if evidence
-//! says that the target is lost. Cost: 1024 samples and 428,176 products.
+//! The correction changes only in frames that the tracker learns from, so that an uncertain view changes no box. The
+//! network does not run if the early template gives the exact place and size, if the patch cannot show the target, or
+//! if the evidence says that the target is lost. Cost: 1024 samples and 428,176 products.
 
 mod correction;
 mod crop;
@@ -39,11 +39,11 @@ use opinion::Opinion;
 
 /// Bytes that the refiner adds to a saved target.
 pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVED;
-/// The most work of a crop, and of the refiner in a frame.
+/// Upper bounds of the work for sampling a crop, and for the refiner in a frame.
 pub(super) const CROP_WORK: u32 = crop::WORK;
 pub(super) const WORK: u32 = CROP_WORK + network::WORK;
 
-/// The network's review of the followed box, frame after frame.
+/// The network's correction of the tracked box and its opinion of it, from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Review {
     correction: Correction,
@@ -51,16 +51,15 @@ pub(super) struct Review {
 }
 
 impl Review {
-    /// The review after a lock.
     pub(super) const NONE: Self = Self { correction: Correction::NONE, opinion: Opinion::BEST };
 
-    /// Updates the review in a frame in which the early template matches exactly.
+    /// Updates the review in a frame in which the early template gives the exact place and size.
     pub(super) fn agree(&mut self) {
         self.correction.fade();
         self.opinion.agree();
     }
 
-    /// Follows an estimate. The box is corrected only in a frame from which the tracker has `learned`.
+    /// Follows an estimate of the network. The correction changes only if the tracker has `learned` from the frame.
     pub(super) fn follow(&mut self, estimate: Outputs, learned: bool) {
         self.opinion.follow(estimate);
         if learned {
@@ -77,7 +76,7 @@ impl Review {
         self.opinion.gives_up()
     }
 
-    /// Starts *uncertain* and with new patience, for a target that was found again.
+    /// Starts again as *uncertain*, for a target that redetection has found.
     pub(super) fn begin_again(&mut self) {
         self.opinion.begin_again();
     }
@@ -92,7 +91,7 @@ impl Review {
         self.opinion.save(to);
     }
 
-    /// Reads a saved review; `None` if a number is out of range.
+    /// Reads a saved review; `None` if a value is out of range.
     pub(super) fn read(from: &mut Reader<'_>) -> Option<Self> {
         Some(Self { correction: Correction::read(from)?, opinion: Opinion::read(from)? })
     }
@@ -101,15 +100,15 @@ impl Review {
 /// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]
 pub(super) enum Refiner {
-    /// Samples the present target.
+    /// Samples the box and its surroundings in the present frame.
     Crop(Crop),
-    /// Runs the layers of the network.
+    /// Computes the layers of the network.
     Layers(Layers),
 }
 
 impl Refiner {
     /// Begins with the crop of the box `target`. `bytes` become the memory of patches and layers.
-    #[inline(always)] // its one caller is a function of its own
+    #[inline(always)] // its only caller is a function that is not inlined
     pub(super) fn begin<const N: usize>(
         target: FineRect,
         bounds: Rect,
@@ -122,7 +121,7 @@ impl Refiner {
         Some(Self::Crop(Crop::begin(target, bounds, sampling)))
     }
 
-    /// Does one piece of work. Returns the network's estimate after the last one.
+    /// Runs one piece of work. Returns the network's estimate after the last piece.
     pub(super) fn next_piece(
         &mut self,
         backend: Backend,

@@ -1,4 +1,4 @@
-//! The network: four convolutions and two full layers, in integers.
+//! The network of the refiner: four convolutions and two fully connected layers, in integers.
 //!
 //! | layer | inputs | outputs | step | shift | products |
 //! |---|---|---|---|---|---|
@@ -9,14 +9,14 @@
 //! | full | 384 | 24 | | 8 | 9,216 |
 //! | full | 24 | 6 | | none | 144 |
 //!
-//! A layer is min(max((bias + sum of weights * inputs) >> shift, 0), 127), see `kernels/plain/dense.rs`. The unit of
-//! inputs and outputs is 1/16, that of weights 2^-shift (2^-8 in the last layer). Beyond the edge, the inputs of the
-//! first layer are 64, those of the others 0. The six outputs, in units of 1/4096: the shift of the centre to the right
-//! and down, in sides of the box; the logarithms of the factors of width and height; and those of the spread of the
-//! place and of the size, in units of e^-1.5 sides.
+//! A layer computes min(max((bias + sum of weights * inputs) >> shift, 0), 127): see `kernels/plain/dense.rs`. The unit
+//! of inputs and outputs is 1/16, that of weights 2^-shift (2^-8 in the last layer). Beyond the edge, inputs of the
+//! first layer are 64, those of later layers 0. The six outputs, in units of 1/4096: the shift of the centre to the
+//! right and down, in sides of the box; the logarithms of the factors of width and height; and the logarithms of the
+//! spread (the expected error) of place and of size, in units of e^-1.5 sides.
 //!
 //! `weights.bin` holds for each layer its biases (`i32`, little-endian) and its weights (`i8`): for each output its
-//! inputs row by row, with zeroes up to a multiple of 4. `weights.json` says how it was made.
+//! inputs row by row, with zeroes up to a multiple of 4. `weights.json` documents the training.
 
 use super::crop::{MEAN, SAMPLES, SIDE};
 #[cfg(smr_helium)]
@@ -24,8 +24,8 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height, of
-/// the spread of the place and of the size. Unit: 1/4096.
+/// The network's estimate, in units of 1/4096: the shift of the centre to the right and down; the logarithms of the
+/// factors of width and height; the logarithms of the expected errors of place and size.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -37,11 +37,10 @@ const ALL_WEIGHTS: usize = 8 * 20 + 16 * 72 + 24 * 144 + 24 * 216 + 24 * 384 + 6
 #[cfg(feature = "unstable")]
 pub(crate) const REFINER_WEIGHTS: &[u8] = FILE;
 
-/// The biases and the weights of all layers.
 static BIASES: [[u8; 4]; ALL_BIASES] = split().0;
 static WEIGHTS: [i8; ALL_WEIGHTS] = split().1;
 
-/// Splits the file into biases and weights, at compile time.
+/// Splits the file into the biases and the weights of all layers, at compile time.
 #[allow(clippy::indexing_slicing)] // at compile time
 const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     let (mut biases, mut weights) = ([[0; 4]; ALL_BIASES], [0; ALL_WEIGHTS]);
@@ -62,13 +61,13 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// Each layer, as (inputs of each output, outputs). Inputs are padded to a multiple of 4.
+/// Inputs of each output, and outputs, of each layer. Inputs are padded to a multiple of 4.
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
-/// A convolution. Its inputs have a border of one pixel.
+/// The shape of a convolution 3x3. Its inputs have a border of one pixel.
 #[derive(Clone, Copy)]
 struct Convolution {
-    /// Pixels on a side of its outputs.
+    /// Width and height of the outputs, in pixels.
     side: usize,
     step: usize,
     channels: usize,
@@ -81,11 +80,11 @@ const CONVOLUTIONS: [Convolution; 4] = [
     Convolution { side: 8, step: 1, channels: 16, shift: 7 },
     Convolution { side: 4, step: 2, channels: 24, shift: 7 },
 ];
-/// The shift of the first full layer.
+/// The shift of the first fully connected layer.
 const FULL_SHIFT: u32 = 8;
 
 impl Convolution {
-    /// Pixels on a side of its inputs, with the border.
+    /// Width and height of the inputs with their border, in pixels.
     const fn across(self) -> usize {
         self.side * self.step + 2
     }
@@ -102,7 +101,7 @@ fn layer(number: usize, shift: u32) -> Layer<'static> {
     Layer { inputs, weights: weights.unwrap_or_default(), biases: biases.unwrap_or_default(), shift }
 }
 
-/// The work of the network in units: its products, and its inputs each time they are copied.
+/// The work of the network, in units: one for each product, and one for each byte of input that is copied.
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // at compile time
 pub(super) const WORK: u32 = {
     let (mut sum, mut number) = (2 * SAMPLES, 0);
@@ -118,8 +117,8 @@ pub(super) const WORK: u32 = {
     sum as u32
 };
 
-/// Bytes of scratch memory: the patches of a row, the inputs of two layers, which take turns, and spare bytes for the
-/// kernels. The present crop lies where the patches are gathered later.
+/// Bytes of scratch memory: the patches of a row, the inputs of two layers in turn, and `SPARE` bytes for the kernels.
+/// The patches overwrite the present crop.
 const PATCHES: usize = 1152;
 const INPUTS: usize = 2592;
 pub(super) const ROOM: usize = PATCHES + 2 * INPUTS + SPARE;
@@ -135,21 +134,21 @@ const _: () = {
     assert!(SAMPLES <= PATCHES);
 };
 
-/// The place for the present crop.
+/// The memory for the present crop: the beginning of the scratch memory.
 pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; SAMPLES]> {
     scratch.first_chunk_mut()
 }
 
-/// The layers under way.
+/// The progress of the network.
 #[derive(Clone, Copy)]
 pub(crate) struct Layers {
-    /// The number of the layer, and the next row of its outputs.
+    /// Index of the present layer, and of the next row of its outputs.
     number: usize,
     row: usize,
 }
 
 impl Layers {
-    /// Makes the inputs of the first layer: both crops, sample by sample. Beyond the edge it writes their mean.
+    /// Interleaves both crops, sample by sample, as the inputs of the first layer. The border is their mean.
     #[inline(never)]
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], budget: &mut Budget) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
@@ -168,7 +167,7 @@ impl Layers {
         Self { number: 0, row: 0 }
     }
 
-    /// Computes a row of a convolution, or both full layers. Returns the outputs after the last piece.
+    /// Computes one row of a convolution, or both fully connected layers. Returns the outputs after the last piece.
     #[inline(never)]
     pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 6]) };
@@ -192,15 +191,15 @@ impl Layers {
         None
     }
 
-    /// The place of the first output of this row, and the number of outputs. If another convolution follows, the
-    /// outputs have a border.
+    /// The index of the first output of this row, and the number of outputs. Outputs that are inputs of another
+    /// convolution have a border.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)
     }
 }
 
-/// Splits the scratch memory into the patches, the two layers of inputs, and the spare bytes.
+/// Splits the scratch memory into patches, inputs of even layers, inputs of odd layers, and spare bytes.
 fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     let (patches, inputs) = scratch.split_at_mut_checked(PATCHES)?;
     let (even, inputs) = inputs.split_at_mut_checked(INPUTS)?;
@@ -208,7 +207,7 @@ fn regions(scratch: &mut [i8]) -> Option<[&mut [i8]; 4]> {
     Some([patches, even, odd, spare])
 }
 
-/// Gathers the inputs of each output of a row, one after the other. Returns the number of inputs.
+/// Copies the 3x3 inputs of each output of a row, one after the other. Returns the number of inputs.
 #[inline(never)]
 fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &mut [i8]) -> usize {
     let patches = patches.chunks_mut(length.max(1)).take(of.side);
@@ -218,7 +217,7 @@ fn gather(of: Convolution, length: usize, row: usize, inputs: &[i8], patches: &m
             let from = inputs.get(from..).unwrap_or_default();
             #[cfg(smr_helium)]
             copy(from, patch);
-            // Whole words, where the channels allow it.
+            // Copies in words if all channels of a pixel are whole words.
             #[cfg(not(smr_helium))]
             if of.channels.is_multiple_of(8) { copy::<8>(from, patch) } else { copy::<2>(from, patch) }
         }
@@ -232,7 +231,6 @@ fn copy<const N: usize>(from: &[i8], to: &mut [i8]) {
     rolled(pieces).for_each(|(from, to)| *to = *from);
 }
 
-/// Computes the two full layers.
 #[inline(never)]
 fn full(dense: Dense, inputs: &[i8], budget: &mut Budget) -> Outputs {
     let ([.., (count, outputs), (_, last)], mut hidden) = (LAYERS, [0; 24]);
@@ -246,7 +244,7 @@ fn full(dense: Dense, inputs: &[i8], budget: &mut Budget) -> Outputs {
 mod tests {
     use super::*;
 
-    /// Inputs of 0 and 127 at their worst: no sum of any layer leaves an `i32`.
+    /// With inputs of 0 or 127, whichever is worst, no sum of any layer exceeds an `i32`.
     #[test]
     fn the_largest_sums() {
         for (number, (inputs, outputs)) in LAYERS.into_iter().enumerate() {

@@ -1,45 +1,47 @@
-//! The network's opinion of the box, which can make the state worse: a running mean of how little it expects to err.
+//! The network's opinion of the box: a running mean of how small an error it expects. A bad opinion makes the state
+//! worse.
 //!
 //! ```text
 //! trust    = -(log spread of the place + log spread of the size), from 0 to 3; 3 if the early template is exact
-//! opinion' = opinion + (trust - opinion) / 8, while it rises from below 1.19 / 16
+//! opinion' = opinion + (trust - opinion) / 8, or / 16 while the opinion rises from below 1.19
 //! given up = opinion < 1.19 in 30 updates in a row
 //! ```
 //!
-//! In training the network learns how far its estimates of place and size are off. On a crop that does not show the
-//! first frame's target it expects large errors. The filter cannot tell: it learns what it follows.
+//! In training the network learns how large the errors of its estimates of place and size are. On a crop that does not
+//! show the first frame's target it expects large errors. The filter cannot notice that, because it learns whatever it
+//! follows.
 //!
-//! A bad opinion makes the state worse. A target that is doubted for long is given up: nothing is learned, and only
-//! redetection brings it back. On recordings in which the target leaves and returns elsewhere R gains 0.022 +- 0.010 by
-//! that, and F 0.029 +- 0.010. After 10 updates R would lose 0.011 +- 0.011 on others.
+//! A target that is doubted for long is given up: nothing is learned, and only redetection finds it again. On
+//! recordings in which the target leaves and returns elsewhere this raises R by 0.022 +- 0.010, and F by 0.029 +-
+//! 0.010. After 10 updates instead of 30, R would lose 0.011 +- 0.011 on other recordings.
 
 use super::network::Outputs;
 use crate::track::State;
 use crate::track::saved::{Reader, Writer};
 
-/// The most trust. Trust and opinion are in units of 1/4096.
+/// The largest trust and opinion, in units of 1/4096: 3.
 const MOST: i32 = 3 << 12;
-/// The target is uncertain while the opinion is below this: the network expects errors of 0.12 sides.
+/// The opinion below which the target is *uncertain*, in units of 1/4096: 1.19. The network then expects errors of 0.12
+/// sides of the box.
 const UNCERTAIN_BELOW: i32 = 4864;
-/// It is lost while the opinion is below this: errors of 0.15 sides.
-/// Of 95 targets covered by noise 67 are lost within 30 frames. With 2868 there are 55, and R +0.0008 +- 0.0006; with
-/// 3686 there are 80, and R -0.0020 +- 0.0011.
+/// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
+/// targets covered by noise 67 are lost within 30 frames; with 2868 there are 55, and R changes by +0.0008 +- 0.0006;
+/// with 3686 there are 80, and R changes by -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
-/// The target is given up after so many updates in a row with an opinion below `UNCERTAIN_BELOW`.
+/// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
 /// The opinion of a target that was found again, 0.8125: uncertain, until the network has trusted it for some frames.
 const FOUND: i32 = 3328;
 
-/// The opinion. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: how many updates in a row, up to now, left it below
-/// `UNCERTAIN_BELOW`; at most `PATIENCE`.
+/// The opinion, packed. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: the number of consecutive updates, up to now,
+/// with a mean below `UNCERTAIN_BELOW`; at most `PATIENCE`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Opinion(i32);
 
 impl Opinion {
-    /// The opinion after a lock.
     pub(crate) const BEST: Self = Self(MOST);
 
-    /// Follows the spreads of an estimate, which are below 2^28.
+    /// Follows the spreads of an estimate, each below 2^28.
     pub(crate) fn follow(&mut self, [.., place, size]: Outputs) {
         self.near((-(place + size)).clamp(0, MOST));
     }
@@ -51,7 +53,7 @@ impl Opinion {
 
     fn near(&mut self, trust: i32) {
         let (mut mean, doubted) = (self.mean(), self.0 >> 16);
-        // A target that was doubted or found must earn trust for twice as long.
+        // Trust grows half as fast for a target that was doubted or found again.
         mean += (trust - mean) >> if mean < UNCERTAIN_BELOW.min(trust) { 4 } else { 3 };
         self.0 = if mean < UNCERTAIN_BELOW { mean | PATIENCE.min(doubted + 1) << 16 } else { mean };
     }
@@ -65,12 +67,12 @@ impl Opinion {
         self.0 & 0xFFFF
     }
 
-    /// Starts *uncertain* and with new patience, for a target that was found again.
+    /// Starts again as *uncertain*, for a target that redetection has found.
     pub(crate) fn begin_again(&mut self) {
         *self = Self(FOUND);
     }
 
-    /// The best state that this opinion allows.
+    /// The best state that the opinion allows.
     pub(crate) fn state(self) -> State {
         if self.mean() < LOST_BELOW {
             State::Lost
@@ -81,7 +83,6 @@ impl Opinion {
         }
     }
 
-    /// Bytes of the saved form.
     pub(super) const SAVED: usize = 4;
 
     pub(crate) fn save(self, to: &mut Writer<'_>) {
@@ -98,7 +99,7 @@ impl Opinion {
 mod tests {
     use super::*;
 
-    /// The largest sums of the network are below 2^28.
+    /// Sums of the network are below 2^28.
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;
@@ -128,7 +129,7 @@ mod tests {
             opinion.follow([0; 6]);
             updates += 1;
         }
-        // The first six leave it at `UNCERTAIN_BELOW` or above.
+        // After the first six updates the opinion is still at least `UNCERTAIN_BELOW`.
         assert_eq!((updates, opinion.state()), (36, State::Lost));
         opinion.begin_again();
         assert_eq!((opinion.gives_up(), opinion.state()), (false, State::Uncertain));

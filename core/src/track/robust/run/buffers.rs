@@ -1,4 +1,5 @@
-//! The memory of all stages in one frame. Stages share it, one after the other:
+//! The scratch memory of the stages of an update or a lock. They share it, one after the other ("lends": to the
+//! filter's products):
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|
@@ -13,7 +14,7 @@
 //! | end of an update | | | | reads the direction | | | reads the view |
 //! | lock: first crop | samples it | | | | | writes it, until the end of the lock | |
 //!
-//! Redetection writes over `large`, `responses` and `comparison`; then nothing is learned.
+//! Redetection overwrites `large`, `responses` and `comparison`, because it excludes learning in the same frame.
 
 use super::super::constants::{CHANNELS, MOST_CELLS, MOST_SIDE, REACH, WEIGHTS};
 use super::super::features::Extractor;
@@ -21,23 +22,22 @@ use super::super::filter::{Coded, Responses, Sums, scale};
 use super::super::verification::Comparison;
 use heapless::Vec;
 
-/// Bytes of the largest search window: the longest filter has the longest margin.
+/// Bytes of the largest search window, that of the longest filter, which has the longest margin.
 const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
-/// The memory that the stages fill and read. The [module](self) says which stage uses it when.
-// Fields with padding come before a vector. In the other order a build without optimisation builds the value on the
-// stack and copies it.
+/// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
+// Fields with padding precede a vector. In the other order a build without optimisation builds the value on the stack
+// and copies it.
 #[repr(C)]
 pub(crate) struct Buffers {
-    /// Bytes for the features of a search window, or for the refiner.
+    /// The features of a search window, or the refiner's patches and layers.
     pub(crate) large: Vec<i8, LARGE>,
-    /// The filter's responses to the features in `large`.
     pub(crate) responses: Responses,
-    /// The filter's weights, coded; during a step of learning, from its direction on, that direction.
+    /// The filter's coded weights, or the direction of the present step of learning.
     pub(crate) coded: Coded<WEIGHTS>,
     pub(crate) sums: Sums,
-    /// Bytes for the features at one scale, or for the refiner's first crop.
+    /// The features at one scale, or the refiner's crop of the first frame.
     pub(crate) small: scale::Cells,
     pub(crate) extractor: Extractor,
     pub(crate) comparison: Comparison,
@@ -46,7 +46,7 @@ pub(crate) struct Buffers {
 impl Buffers {
     #[inline(always)]
     pub(crate) const fn new() -> Self {
-        // The extractor is a constant, so that it is not built on the stack.
+        // A constant, so that the extractor is not built on the stack.
         Self {
             extractor: const { Extractor::new() },
             large: Vec::new(),

@@ -1,6 +1,5 @@
-//! The most work of an update, a lock and a step: that of the stages, which say it beside their formulas.
-//!
-//! A unit is about one instruction of a Cortex-M4. A product of a weight and a feature counts 1, and so does each pixel
+//! Upper bounds of the work of an update, a lock and a step: sums of the stages' bounds, which stand beside their
+//! formulas. A unit of work is about one instruction of a Cortex-M4: the product of a weight and a feature, or a pixel
 //! read from the frame.
 
 use super::super::config::Config;
@@ -12,7 +11,6 @@ use super::super::verification::{COPIED, REFINED, agreement, lighting};
 use crate::track::MostWork;
 use crate::track::update::largest;
 
-/// The most work of an update.
 const fn update(config: &Config, extent: Extent) -> u32 {
     let begin = CODED * extent.weights() + COPIED * extent.pixels();
     let scales = if config.size { scale::most_work(extent) } else { 0 };
@@ -23,27 +21,25 @@ const fn update(config: &Config, extent: Extent) -> u32 {
     begin + search(extent) + REFINED * extent.pixels() + scales + largest(&[learned, redetected])
 }
 
-/// The most work for the features and the light of a search window.
 const fn window(extent: Extent) -> u32 {
     cells::most_work(extent) + lighting::most_work(extent)
 }
 
-/// The most work of a search with its verification.
+/// Upper bound of the work for a search and the verification of its peak.
 const fn search(extent: Extent) -> u32 {
     window(extent) + response::most_work(extent) + agreement::most_work(extent)
 }
 
-/// The most work of a lock.
 const fn lock(config: &Config, extent: Extent) -> u32 {
     let crop = if config.refines() { refiner::CROP_WORK } else { 0 };
     let begin = CODED * extent.weights() + agreement::most_of_a_view(extent);
     crop + begin + window(extent) + FIRST_STEPS * (learning::most_of_a_lock(extent) + CODED * extent.offsets())
 }
 
-/// The largest piece of work that cannot be divided.
+/// Upper bound of the work for an indivisible piece, by which a step may exceed its grant.
 const fn piece(extent: Extent) -> u32 {
     largest(&[
-        // The last row of features, and the light.
+        // The last row of features, with the contrast of the window.
         cells::most_of_a_piece(extent) + lighting::most_work(extent),
         agreement::most_of_a_piece(extent),
         REFINED * extent.pixels(),
@@ -53,7 +49,7 @@ const fn piece(extent: Extent) -> u32 {
 }
 
 impl Config {
-    /// The most work of an update, a lock and a step, for any frames and any target.
+    /// Upper bounds of the work of an update, a lock and a step, for any frames and any target.
     ///
     /// ```
     /// use smr_core::robust::Config;
@@ -61,12 +57,12 @@ impl Config {
     /// assert!(MOST.update < 14_200_000 && MOST.lock < 11_100_000 && MOST.beyond_a_step == 128_000, "{MOST:?}");
     /// ```
     #[must_use]
-    #[allow(clippy::cast_possible_truncation)] // 200 cells
+    #[allow(clippy::cast_possible_truncation)] // a filter has at most 200 cells
     pub const fn most_work(&self) -> MostWork {
         let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
         let mut across = 1;
         while across <= MOST_SIDE as u32 {
-            // More rows are more work.
+            // As many rows as a filter with these columns can have, because more rows are more work.
             let down = MOST_CELLS as u32 / across;
             let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
             let extent = Extent { across, down, reach: self.reach as u32 };
@@ -85,7 +81,8 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// The figures of the drawing in `robust/mod.rs`: the most work of each stage, for the filter with the most in all.
+    /// Checks the figures of the drawing in `robust/mod.rs`: the work of each stage, for the filter whose sum is
+    /// largest.
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();

@@ -9,37 +9,35 @@ use super::buffers::Buffers;
 use crate::kernels::Products;
 use crate::track::update::Budget;
 
-/// The inputs of the stages. An update does not change them until it is finished; a lock changes the weights in
-/// `memory` at each step of learning.
+/// The inputs of the stages. An update changes them only at its end; a lock changes the weights in `memory` at each
+/// step of learning.
 pub(crate) struct Inputs<'a> {
     pub(crate) config: &'a Config,
     pub(crate) memory: &'a Memory,
-    /// The track before this frame.
+    /// The track at the end of the last frame.
     pub(crate) track: &'a Track,
 }
 
 impl Inputs<'_> {
-    /// Begins the features of the search window around `centre`.
     #[inline(never)]
     pub(super) fn begin_features(&self, centre: &Place, buffers: &mut Buffers) {
         let lattice = Lattice::search_window(centre, &self.track.grid, self.config.reach());
         buffers.extractor.begin(self.track.bounds, &lattice, &mut buffers.large);
     }
 
-    /// Measures the light of the search window, whose features are computed.
+    /// Measures the contrast of the search window, from its features, and the gain of the target that it predicts.
     #[inline(never)]
     pub(super) fn measure_light(&self, buffers: &mut Buffers, budget: &mut Budget) {
         buffers.comparison.expect(self.track.light, window_contrast(&buffers.large));
         budget.spend(measuring(&buffers.large));
     }
 
-    /// Begins the view of a place.
     pub(crate) fn begin_view(&self, place: &Place, buffers: &mut Buffers) {
         let Buffers { extractor, comparison, .. } = buffers;
         comparison.begin_view(place, &self.track.grid, self.track.bounds, extractor.sampling());
     }
 
-    /// Computes a piece of the responses, and counts it. True after the last one.
+    /// Computes the next piece of the responses. True after the last piece.
     #[inline(never)]
     pub(crate) fn respond(&self, piece: &mut usize, buffers: &mut Buffers, budget: &mut Budget) -> bool {
         let Buffers { extractor, large, coded, responses, sums, .. } = buffers;
@@ -49,7 +47,7 @@ impl Inputs<'_> {
         done
     }
 
-    /// Does a piece of learning. Returns the length of the filter's step after the last one.
+    /// Computes the next piece of a step of learning. Returns the step length after the last piece.
     #[inline(never)]
     pub(crate) fn learn(&self, learning: &mut Learning, buffers: &mut Buffers, budget: &mut Budget) -> Option<i64> {
         let Buffers { large, responses, extractor, coded, sums, .. } = buffers;

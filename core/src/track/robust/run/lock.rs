@@ -1,11 +1,11 @@
-//! The pipeline of a lock: learns the target from its first frame.
+//! The pipeline of a lock, which learns the target from its first frame:
 //!
 //! ```text
 //! crop (feature `refiner`) -> view, which becomes the template -> features -> learning, in `FIRST_STEPS` steps
 //! ```
 //!
-//! A lock changes the target before it is finished: its start drops the track and sets all weights to 0, and each step
-//! of learning changes the weights. Its end sets template and track.
+//! Even an unfinished lock changes the target: its start drops the track and sets all weights to 0, and each step of
+//! learning changes the weights. Its end sets template and track.
 
 use super::super::config::Config;
 use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
@@ -19,7 +19,6 @@ use crate::image::Frame;
 use crate::track::Quality;
 use crate::track::update::{Budget, units};
 
-/// The next stage, with its inputs.
 #[derive(Clone, Copy)]
 enum Stage {
     Done,
@@ -29,12 +28,11 @@ enum Stage {
     Learning(Learning),
 }
 
-/// The progress of a lock.
 #[derive(Clone, Copy)]
 pub(crate) struct LockPipeline {
     stage: Stage,
     track: Track,
-    /// Steps of learning left, including the present one.
+    /// Steps of learning that remain, including the present one.
     steps_left: u32,
 }
 
@@ -55,7 +53,7 @@ impl LockPipeline {
         lock
     }
 
-    /// Continues until the grant is spent. True if no stage is left.
+    /// Runs pieces until the granted work is spent. True if no stage remains.
     pub(crate) fn step(
         &mut self,
         (config, memory): (&Config, &mut Memory),
@@ -74,8 +72,7 @@ impl LockPipeline {
         }
     }
 
-    /// Does one piece of work.
-    #[inline(never)] // as in `pipeline.rs`
+    #[inline(never)] // keeps its stack out of `step`
     fn next_piece(
         &mut self,
         (config, memory): (&Config, &mut Memory),
@@ -102,7 +99,7 @@ impl LockPipeline {
             Stage::Features => {
                 if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
                     self.measure_light(buffers, budget);
-                    // All weights are 0, and so are their responses.
+                    // Responses of weights of 0.
                     buffers.responses.clear(config.span());
                     self.stage = Stage::Learning(Learning::lock());
                 }
@@ -115,7 +112,7 @@ impl LockPipeline {
         }
     }
 
-    /// Begins the view that becomes the early template.
+    /// Begins to sample the view that becomes the early template.
     #[inline(never)]
     fn begin_template(&mut self, config: &Config, memory: &Memory, buffers: &mut Buffers) {
         let inputs = Inputs { config, memory, track: &self.track };
@@ -123,13 +120,13 @@ impl LockPipeline {
         self.stage = Stage::Template;
     }
 
-    /// The light of the lock, in which the gain is 1.
+    /// Measures the light at the lock, where the gain is 1 by definition.
     fn measure_light(&mut self, buffers: &Buffers, budget: &mut Budget) {
         self.track.light = Light::of(ONE_GAIN, window_contrast(&buffers.large));
         budget.spend(measuring(&buffers.large));
     }
 
-    /// Changes the weights and their responses after a step of learning.
+    /// Updates the weights and their responses by a step of learning.
     fn learned(&mut self, length: i64, memory: &mut Memory, buffers: &mut Buffers, budget: &mut Budget) {
         memory.filter.descend(length, &buffers.coded);
         let Buffers { responses, sums, coded, .. } = buffers;

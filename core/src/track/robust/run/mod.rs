@@ -1,4 +1,5 @@
-//! The run of a frame through the stages, in pieces (`pipeline`, `lock`): inputs (`inputs`, `windows`), memory (`buffers`), most work (`cost`).
+//! Runs a frame through the stages in pieces, for an update (`pipeline`) and a lock (`lock`): their inputs (`inputs`,
+//! `windows`), memory (`buffers`) and bounds of work (`cost`).
 
 mod buffers;
 mod cost;

@@ -1,16 +1,16 @@
-//! The pipeline of an update: runs a frame through the stages, piece by piece, so that it can be done in steps.
+//! The pipeline of an update: runs a frame through the stages, piece by piece, so that an update can be done in steps.
 //!
 //! ```text
 //! search -> verification -> refinement -> scale -> decision
 //!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
 //!   if there is less:              -> refiner, for its opinion of the box
-//!   if the target is lost:         -> search -> verification, in each window of the sweep until one shows it
+//! if the target is lost:         -> search -> verification, in each window of the sweep until one shows the target
 //! ```
 //!
 //! A search computes features and responses. Each stage holds its inputs and passes on its result. To add a stage, add
-//! it to `Stage` and `next_piece`, and begin it at the end of the stage before it; one that runs in every frame before
-//! the decision begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. A lock has a pipeline of its
-//! own (`lock.rs`).
+//! it to `Stage` and `next_piece`, and begin it at the end of the stage before it; a stage for every frame, before the
+//! decision, begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. Locks have their own pipeline
+//! (`lock.rs`).
 
 use super::super::arithmetic::quotient;
 use super::super::config::Config;
@@ -31,33 +31,31 @@ use crate::image::Frame;
 use crate::track::State;
 use crate::track::update::Budget;
 
-/// The next stage, with its inputs.
 #[derive(Clone, Copy)]
 enum Stage {
     Done,
     Features,
-    /// The number of the next piece.
+    /// Index of the next piece.
     Response(usize),
     Verification(Verification),
     Refinement(Verified),
     Scale(ScaleSearch),
-    /// The next window of the sweep, if some are left.
+    /// Begins the next window of the sweep, if one remains.
     Sweep,
     Learning(Learning),
     Refiner(Refiner),
 }
 
-/// The progress of an update, and its decisions.
 #[derive(Clone, Copy)]
 pub(crate) struct Pipeline {
     stage: Stage,
-    /// The middle of the present window.
+    /// The middle of the present search window.
     centre: Place,
-    /// Windows that are left of the frame's, while the target is searched elsewhere.
+    /// Windows of the sweep that remain in this frame, during redetection.
     redetects: Option<u8>,
-    /// The new track.
+    /// The track at the end of this frame.
     track: Track,
-    /// The candidate of the first window; after redetection, that of another window if it is the lost target.
+    /// The candidate of the first window, until redetection finds the target in another one.
     candidate: Candidate,
     /// The best alignment of the early template.
     alignment: Alignment,
@@ -66,7 +64,6 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Begins an update.
     pub(crate) fn begin(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> Self {
         let grid = &inputs.track.grid;
         inputs.memory.filter.code(&mut buffers.coded);
@@ -85,12 +82,11 @@ impl Pipeline {
         }
     }
 
-    /// The candidate on which the answer is based.
     pub(crate) const fn candidate(&self) -> &Candidate {
         &self.candidate
     }
 
-    /// Continues until the grant is spent. True if no stage is left.
+    /// Runs pieces until the granted work is spent. True if no stage remains.
     pub(crate) fn step(
         &mut self,
         inputs: &Inputs<'_>,
@@ -109,8 +105,8 @@ impl Pipeline {
         }
     }
 
-    /// Does one piece of work. After the last piece of a stage, a separate function that is not inlined begins the next
-    /// stage. So a piece of work does not reserve the stack for the beginnings of all stages.
+    /// Runs one indivisible piece of work. Functions that are not inlined begin the stages, so that a piece does not
+    /// reserve stack for all of them.
     fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}
@@ -166,19 +162,19 @@ impl Pipeline {
         }
     }
 
-    /// Begins the verification of the peak.
     #[inline(never)] // see `next_piece`
     fn verify(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         let Track { grid, bounds, .. } = inputs.track;
         let peak = buffers.responses.peak(true);
-        // 1/256 cell is 1/64 pixel of the grid.
+        // A peak is in units of 1/256 cell, which is 1/64 pixel of the grid.
         let place = self.centre.moved(grid, (peak.x, peak.y)).inside(*bounds);
         let candidate = Candidate::new(place, peak.response);
         inputs.begin_view(&place, buffers);
         self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
-    /// Refines a verified candidate. Begins the scale search, unless refinement has found the scale or the size is fixed.
+    /// Refines the verified candidate. Begins the scale search, unless refinement has found the scale or the size is
+    /// fixed.
     #[inline(never)] // see `next_piece`
     fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
@@ -204,14 +200,14 @@ impl Pipeline {
         }
     }
 
-    /// Sets the candidate's scale. Place and scale are known now.
+    /// Sets the scale of the candidate, whose place is known, and decides.
     #[inline(never)] // see `next_piece`
     fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
         self.candidate.place.scale = scale;
         self.decide(inputs, buffers);
     }
 
-    /// Decides on the state, and on learning or redetection.
+    /// Decides the state, and whether to learn, redetect or only refine the box.
     fn decide(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
         self.stage = Stage::Done;
@@ -224,7 +220,7 @@ impl Pipeline {
         if track.confidence.state(inputs.config) == State::Lost {
             (self.redetects, self.stage) = (Some(inputs.config.sweep), Stage::Sweep);
         } else if evidence.may_be_learned() {
-            // Cells and responses are still those of the first window.
+            // Features and responses are those of the first window, because there was no redetection.
             let target = offset(&inputs.track.grid, self.centre, candidate.place);
             self.stage = Stage::Learning(Learning::begin(target, inputs.config.learning_rate));
         } else if candidate.visible && inputs.config.refines() {
@@ -232,7 +228,6 @@ impl Pipeline {
         }
     }
 
-    /// Begins the search in the next window of the sweep.
     #[inline(never)] // see `next_piece`
     fn search_window(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         self.stage = Stage::Done;
@@ -245,13 +240,13 @@ impl Pipeline {
         }
     }
 
-    /// Follows the candidate of a window of the sweep if it is the lost target. Else it begins the next window.
+    /// Accepts the candidate of a window of the sweep if its evidence suffices. Otherwise begins the next window.
     #[inline(never)] // see `next_piece`
     fn redetect(&mut self, config: &Config, candidate: Candidate) {
         self.stage = Stage::Sweep;
         let Self { track, .. } = self;
         let evidence = Evidence::of(&candidate);
-        // If the target is given up, a find need not beat the evidence at the old place.
+        // A find of a target that was given up need not beat the evidence at the old place.
         let there = if track.is_given_up(config) { Evidence::NONE } else { Evidence::of(&self.candidate) };
         if evidence.finds(there) {
             track.motion = Motion::at(candidate.place);
@@ -261,8 +256,8 @@ impl Pipeline {
         }
     }
 
-    /// Begins the refiner, unless the early template gave the exact place and size. The window's features are not
-    /// needed any more, so the refiner uses their memory.
+    /// Begins the refiner, unless the early template gave the exact place and size. Its memory is that of the window's
+    /// features, which are not needed any more.
     #[inline(never)] // see `next_piece`
     fn begin_refiner(&mut self, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
@@ -274,7 +269,7 @@ impl Pipeline {
         }
     }
 
-    /// Changes the memory as decided.
+    /// Stores the results of the update in the target's memory.
     pub(crate) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
         let Self { track, alignment, .. } = self;
         if let Some(length) = self.learned {
@@ -306,7 +301,7 @@ fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     (cells(target.x, centre.x), cells(target.y, centre.y))
 }
 
-/// Computes the features of the search window of the next update. False if a needed pixel is not in memory.
+/// Computes the features of the next update's search window. False if a needed pixel is not in memory.
 #[cfg(feature = "unstable")]
 pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame<'_>) -> bool {
     let place = expected(inputs.track);
@@ -314,7 +309,7 @@ pub(crate) fn features(inputs: &Inputs<'_>, buffers: &mut Buffers, frame: &Frame
     buffers.extractor.features(frame, &lattice, &mut buffers.large)
 }
 
-/// Computes the filter's responses to these features, without penalty.
+/// Computes the filter's responses to the features in `buffers`, without penalty.
 #[cfg(feature = "unstable")]
 pub(crate) fn responses(inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) -> [[i32; SPAN]; SPAN] {
     inputs.memory.filter.code(&mut buffers.coded);

@@ -1,4 +1,4 @@
-//! The windows of an update: where it looks for the target, and the pixels of the frame that it may read there.
+//! The search windows of an update, and the pixels of the frame that it may read for them.
 
 use super::super::config::Config;
 use super::super::constants::{CELL, MARGIN, MARGIN_CELLS, SCALE_REACH};
@@ -8,13 +8,13 @@ use super::super::filter::other_scales;
 use super::super::refiner::reachable;
 use crate::image::Rect;
 
-/// The place where the target is expected in the next frame: the middle of the first window.
+/// The middle of the first search window: the target's expected place in the next frame.
 pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
-/// The middle of the next window of redetection, at the scale when the state was last tracking, and true if it is the
-/// last of its row.
+/// The middle of the next window of redetection, and true if it is the last window of its row. Its scale is that at
+/// which the state was last *tracking*.
 #[inline(never)]
 pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
@@ -22,8 +22,8 @@ pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, boo
     (Place { x, y, scale: track.tracked_scale }, is_last)
 }
 
-/// The pixels that an update may read around the expected place: the search window, the view of any place in it, the
-/// windows of other scales, and the refiner's crop.
+/// The pixels that an update may read around the expected place: the search window, the view for verification at any
+/// place in it, the windows at other scales, and the refiner's crop.
 #[inline(never)]
 pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     let (centre, reach) = (expected(track), config.reach());
@@ -39,8 +39,8 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     pixels
 }
 
-/// The pixels that redetection may read. Only the update itself decides whether the target is lost, so this is `Some`
-/// whenever it may be.
+/// The pixels that redetection may read in the next update. `None` if the target cannot be lost in that update, which
+/// alone decides whether it is lost.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     if !track.confidence.may_be_lost_next(config) && !track.is_given_up(config) {
@@ -59,8 +59,8 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     Some(all).filter(|all| !all.is_empty())
 }
 
-/// The pixels that a lock reads: the box and its surroundings, up to the reach of a search window, and the refiner's
-/// crop of the box.
+/// The pixels that a lock reads: the box, its surroundings up to the radius of a search window, and the refiner's crop
+/// (1.75 times the box).
 pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
     if config.refines() {
@@ -69,15 +69,15 @@ pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     window
 }
 
-/// The pixels of the frame that the search window around a place reads.
+/// The pixels of the frame under the search window around a place.
 #[inline(never)]
 fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
 }
 
 /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Beyond
-/// the reach, the peak may lie between two cells, the template may be aligned off the middle by `MARGIN`, refinement
-/// moves by up to a pixel, and the scale may grow by a step.
+/// the search radius, the peak may lie between two cells, alignment adds up to `MARGIN` pixels, refinement one pixel,
+/// and the scale may grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;
@@ -85,7 +85,7 @@ fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     reachable(track.corrected(Place { scale: larger, ..centre }), by, track.bounds)
 }
 
-/// The smallest rectangle that holds both.
+/// The smallest rectangle that contains both.
 #[inline(never)]
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));

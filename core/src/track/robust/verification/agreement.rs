@@ -1,18 +1,17 @@
-//! Verification: compares the early template with the patch at the peak, to tell whether the target is there.
+//! Verification: compares the early template with the patch at the filter's peak, to decide whether the target is
+//! there.
 //!
-//! The view around the peak is sampled. The early template is moved to its best fit
-//! ([`alignment`](super::alignment)), and both are compared tile by tile:
+//! The template is moved to its best fit in the view, the samples around the peak ([`alignment`](super::alignment)),
+//! and adapted to the light of the patch there (`lighting.rs`). Both are compared tile by tile:
 //!
 //! ```text
 //! agreement = the fourth lowest of the SMR ratios of 4x4 tiles, in units of 1/65535
 //! ```
 //!
 //! The ratio of the whole template exceeds 1/2 even for a plain patch and for a half-hidden target. With the fourth
-//! lowest tile, three tiles may be hidden or turned away, but not four. The template is first adapted to the light of
-//! the patch (`lighting.rs`). A patch with too little contrast, or clipped to black or white, shows no
-//! target (`similarity/contrast.rs`).
-//!
-//! Cost: 18 scores of at most 1600 pixels, and the view's samples, 32 instructions each on the M4.
+//! lowest tile, three tiles may be hidden or turned away, but not four. A patch with too little contrast, or clipped to
+//! black or white, shows no target (`similarity/contrast.rs`). Cost: 18 scores of at most 1600 pixels, and sampling the
+//! view, 32 instructions for each sample on the Cortex-M4.
 
 use super::super::config::Config;
 use super::super::constants::{ALIGNMENTS, CELL, MARGIN, MOST_PIXELS, MOST_SIDE, RANK, REFINED_FROM, TILES};
@@ -25,17 +24,15 @@ use crate::similarity::{Contrast, CutTable, Scorer};
 use crate::track::update::Budget;
 use heapless::Vec;
 
-/// Pixels of the largest view: a template and `MARGIN` on each side. The longest template has the most pixels of
-/// margin.
+/// Pixels of the largest view, with `MARGIN` around the template. The longest template has the most pixels of margin.
 const VIEW: usize = (MOST_SIDE * CELL + 2 * MARGIN) as usize
     * (MOST_PIXELS.div_ceil((MOST_SIDE * CELL) as usize) + 2 * MARGIN as usize);
 
-/// Units of work for each pixel of the template that is copied, compared and relit.
+/// Units of work for each pixel of the template that is copied, compared or relit.
 pub(crate) const COPIED: u32 = 16;
 const COMPARED: u32 = 12;
 const RELIT: u32 = 20;
 
-/// The most work for a view.
 pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     // The longest template that a filter covers has the longest margin.
     let (columns, rows) =
@@ -43,18 +40,18 @@ pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     columns * rows * SAMPLED + most_read(columns, rows)
 }
 
-/// The most work of a verification: sampling the view, scoring the alignments, relighting twice, and the agreement.
+/// Upper bound of the work: sampling the view, scoring the alignments, relighting twice, and the agreement.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
     most_of_a_view(extent) + agreement * extent.pixels()
 }
 
-/// The most work for a piece: the first alignment, for which the template is relit.
+/// Upper bound of the work for an indivisible piece: relighting the template and scoring it at the first alignment.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     (RELIT + COMPARED) * extent.pixels()
 }
 
-/// The early template, with the configuration and the grid for comparing it.
+/// The early template, with the configuration and the grid for its comparison.
 pub(crate) struct Early<'a> {
     pub(crate) config: &'a Config,
     pub(crate) template: &'a Template,
@@ -65,11 +62,11 @@ pub(crate) struct Early<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
     pub(crate) place: Place,
-    /// The filter's penalised response at the peak. Unit: 1/16384.
+    /// The filter's penalised response at its peak, in units of 1/16384.
     pub(crate) response: i32,
-    /// The early template's agreement; 0 until it is computed. Unit: 1/65535.
+    /// The early template's agreement, in units of 1/65535; 0 until it is computed.
     pub(crate) agreement: u16,
-    /// False: too little contrast, or clipped. False until the agreement is computed.
+    /// False if the patch has too little contrast or is clipped, and until that is computed.
     pub(crate) visible: bool,
 }
 
@@ -80,22 +77,22 @@ impl Candidate {
         Self { place, response, agreement: 0, visible: false }
     }
 
-    /// True if the early template agrees so well that it gives the exact place and size.
+    /// True if the agreement is high enough for the template to give the exact place and size.
     pub(crate) const fn is_exact(&self) -> bool {
         self.agreement >= REFINED_FROM
     }
 }
 
-/// The inputs of the comparison. After verification the view, the relit template and the table are those of the best
+/// The state of the comparison. After verification, the view, the relit template and the table are those of the best
 /// alignment.
-#[repr(C)] // see `Workspace`
+#[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Comparison {
     table: CutTable,
-    /// The early template's own contrast.
+    /// The contrast of the early template before relighting.
     contrast: Contrast,
     /// The contrast of the search window, in units of 1/16 gray level.
     window: u32,
-    /// The gain that the window's contrast makes likely, and the gain with which the template was relit last, in units of 1/256.
+    /// The gain of contrast that the search window predicts, and the gain of the last relighting, in units of 1/256.
     expected: u32,
     gain: u32,
     view: Vec<u8, VIEW>,
@@ -122,12 +119,12 @@ impl Comparison {
         self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
-    /// Sets the gain that is expected in the light of a search window, whose contrast is `window`.
+    /// Sets the expected gain: that of the followed light in a search window whose contrast is `window`.
     pub(crate) fn expect(&mut self, light: Light, window: u32) {
         (self.window, self.expected) = (window, light.gain(window));
     }
 
-    /// The light of the window and of the last patch.
+    /// The light of this frame: the gain of the last relighting relative to the window's contrast.
     pub(crate) fn light(&self) -> Light {
         Light::of(self.gain, self.window)
     }
@@ -145,7 +142,7 @@ impl Comparison {
         Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
     }
 
-    /// Samples a row of the view; true after the last one.
+    /// Samples the next row of the view. True after the last row.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
         let done = sampling.next_row(frame, &mut self.view);
@@ -162,13 +159,12 @@ impl Comparison {
         patch(&self.view, grid, alignment)
     }
 
-    /// The template in the light of the patch.
     #[inline(never)]
     pub(crate) fn relit(&self, grid: &Grid) -> Option<Image<'_>> {
         Image::new(&self.relit, grid.columns, grid.rows).ok()
     }
 
-    /// Relights the template to the light of a patch, and sets alpha. True if the patch can show a target.
+    /// Adapts the template to the light of the aligned patch, and sets alpha. True if the patch can show a target.
     #[inline(never)]
     fn relight(&mut self, early: &Early<'_>, alignment: Alignment) -> bool {
         let Self { table, contrast, view, relit, expected, .. } = self;
@@ -180,7 +176,7 @@ impl Comparison {
         lighting::can_show(seen, *contrast, *expected)
     }
 
-    /// The score of the aligned template in the light of its last relighting.
+    /// The SMR score of the aligned template, as it was last relit.
     fn score(&self, early: &Early<'_>, alignment: Alignment) -> u32 {
         let scorer = Scorer::new(early.config.backend(), &self.table);
         match (self.patch(early.grid, alignment), self.relit(early.grid)) {
@@ -189,7 +185,6 @@ impl Comparison {
         }
     }
 
-    /// The agreement of the aligned template.
     fn agreement(&self, early: &Early<'_>, alignment: Alignment) -> u16 {
         let scorer = Scorer::new(early.config.backend(), &self.table);
         match (self.patch(early.grid, alignment), self.relit(early.grid)) {
@@ -216,15 +211,14 @@ pub(crate) struct Verification {
 
 #[derive(Clone, Copy)]
 enum Phase {
-    /// Samples a row of the view.
     View,
-    /// Scores the alignment of this number.
+    /// Scores the alignment with this index.
     Alignment(u16),
-    /// Measures the agreement at the best one.
+    /// Computes the agreement at the best alignment.
     Agreement,
 }
 
-/// A candidate with its agreement, and the best alignment of the early template.
+/// A candidate with its agreement, and the early template's best alignment there.
 #[derive(Clone, Copy)]
 pub(crate) struct Verified {
     pub(crate) candidate: Candidate,
@@ -232,12 +226,12 @@ pub(crate) struct Verified {
 }
 
 impl Verification {
-    /// Begins with the view, which has begun.
+    /// Begins the verification of a candidate, after `begin_view` has begun its view.
     pub(crate) fn begin(candidate: Candidate) -> Self {
         Self { candidate, alignments: Alignments::new(), phase: Phase::View }
     }
 
-    /// Does one piece of work. Returns the result after the last piece.
+    /// Runs one piece of the verification. Returns the result after the last piece.
     pub(crate) fn next_piece(
         &mut self,
         early: &Early<'_>,
@@ -281,7 +275,7 @@ impl Verification {
     }
 }
 
-/// The fourth lowest ratio of the tiles.
+/// The fourth lowest similarity ratio of the tiles, in units of 1/65535.
 fn fourth_least(patch: Image<'_>, relit: Image<'_>, scorer: &Scorer<'_>) -> u16 {
     let mut least = [u16::MAX; RANK];
     for (row, column) in (0..TILES).flat_map(|row| (0..TILES).map(move |column| (row, column))) {
@@ -329,7 +323,7 @@ mod tests {
         u8::try_from(at * 37 % 200).unwrap()
     }
 
-    /// The agreement if the first `hidden` of the 16 tiles show something else.
+    /// The agreement if `hidden` of the 16 tiles show something else.
     fn with_hidden(hidden: usize) -> u16 {
         let template: Pixels<u8> = (0..256).map(pixel).collect();
         let tile = |at: usize| at / 64 * 4 + at % 16 / 4;

@@ -1,22 +1,21 @@
-//! Alignment: finds the place in the view at which the early template fits best.
+//! Alignment: moves the early template to its best fit in the view, the samples around the filter's peak.
 //!
-//! The filter sees cells of 4x4 pixels, so it errs by a pixel or more, and a filter that learns from its own answers
-//! drifts. The early template hardly learns. It is compared, by SMR, at 17 alignments: nine that are two pixels
-//! apart, then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
+//! The filter's cells have 4x4 pixels, so its peak is off by a pixel or more, and a filter that learns from its own
+//! answers drifts. The early template hardly learns. SMR compares it at 17 alignments: nine that are two pixels apart,
+//! then the eight neighbours of the best. Cost: 17 scores of at most 1600 pixels.
 
 use super::super::constants::{COARSE_STEP, MARGIN};
 
-/// The place of the template in the view: pixels of the grid from the middle to the right and down, at most [`MARGIN`]
-/// on each axis.
+/// The template's offset to the right and down from the view's middle, in pixels of the grid, at most [`MARGIN`] on
+/// each axis.
 pub(crate) type Alignment = (i16, i16);
 
-/// The alignments that are compared, and the best one.
 #[derive(Clone, Copy)]
 pub(super) struct Alignments {
-    /// The best one so far.
+    /// The alignment with the highest score so far.
     pub(crate) best: Alignment,
     score: u32,
-    /// The centre of the present round of alignments.
+    /// The centre of the present round: nine coarse alignments, then eight neighbours of the best one.
     middle: Alignment,
 }
 
@@ -25,11 +24,11 @@ impl Alignments {
         Self { best: (0, 0), score: 0, middle: (0, 0) }
     }
 
-    /// The alignment with this number, in the order in which they are compared. 0 is the middle.
+    /// The alignment with index `number`, in the order of comparison. Index 0 is the middle of the view.
     #[inline(never)]
     pub(crate) fn alignment(&self, number: u16) -> Alignment {
         let (number, step) = if number < 9 { (number, COARSE_STEP) } else { (number - 8, 1) };
-        // The middle is the fifth of nine, row by row.
+        // Index 0 is the middle: the fifth of nine, row by row.
         let ninth = match number {
             0 => 4,
             1..=4 => number - 1,
@@ -39,7 +38,7 @@ impl Alignments {
         (self.middle.0 + by(ninth % 3), self.middle.1 + by(ninth / 3))
     }
 
-    /// Takes the score of an alignment. The first of equal scores wins.
+    /// Adds the score of an alignment. The first of equal scores wins.
     pub(crate) fn add(&mut self, number: u16, score: u32) {
         if score > self.score {
             (self.best, self.score) = (self.alignment(number), score);

@@ -8,10 +8,9 @@
 //! alpha    = deviation(patch) or gain * deviation(template), whichever is less, clamped to 2 to 100 gray levels
 //! ```
 //!
-//! Light changes the contrast of the target and that of the search window around it by the same factor. So the
-//! quotient of both tells a target in another light from something else that has another contrast.
-//!
-//! `deviation` is the mean absolute deviation from the mean; in the window it is that of the cells' gray.
+//! A change of light scales the contrast of the target and that of the search window around it by the same factor, so
+//! their quotient (`light`) stays. Something else in the target's place has another quotient. `deviation` is the mean
+//! absolute deviation from the mean gray level; in the window it is that of the cells' gray.
 //!
 //! | symbol | unit | bound |
 //! |---|---|---|
@@ -19,7 +18,7 @@
 //! | `deviation(window)` | 1/16 gray level | 4 to 2040 |
 //! | `light` | 2^-14 for each gray level | 2^21 |
 //!
-//! Cost: 12 units of work for each cell of the window. The template's pixels count in verification.
+//! Cost: 12 units of work for each cell of the window. Verification counts the work on the template's pixels.
 
 use super::super::constants::{CHANNELS, FOLLOWED, LEAST_ALPHA, LEAST_WINDOW, MOST_ALPHA, MOST_EXPECTED, ONE_GAIN};
 use super::super::features::Extent;
@@ -27,15 +26,13 @@ use crate::image::Image;
 use crate::kernels::rolled;
 use crate::similarity::{Contrast, SHOWN};
 
-/// Units of work for each cell of the window.
+/// Units of work for each cell of the window in measuring its contrast.
 const MEASURED: u32 = 12;
 
-/// The most work for the contrast of a window.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     MEASURED * (extent.across + 2 * extent.reach) * (extent.down + 2 * extent.reach)
 }
 
-/// The work for the contrast of a window with these cells.
 pub(crate) fn measuring(cells: &[i8]) -> u32 {
     MEASURED * count(cells)
 }
@@ -44,7 +41,8 @@ fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
 
-/// The target's gain for each gray level of contrast in its search window.
+/// The gain of contrast from the template to the target, for each gray level of contrast in the search window. Unit:
+/// 2^-14.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Light(u32);
 
@@ -52,27 +50,27 @@ impl Light {
     pub(crate) const NONE: Self = Self(0);
     const MOST: u32 = ((2 * MOST_EXPECTED) << 10) / LEAST_WINDOW;
 
-    /// The light in which the target has this gain, and its window this contrast.
+    /// The light with this gain of the target (1/256) and this contrast of its search window (1/16 gray level).
     pub(crate) fn of(gain: u32, window: u32) -> Self {
         Self((gain << 10) / window.max(LEAST_WINDOW))
     }
 
-    /// The expected gain in a window of this contrast.
+    /// The expected gain of the target in a window of this contrast.
     pub(crate) fn gain(self, window: u32) -> u32 {
         ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
     }
 
-    /// Moves the followed light by 1/8 of the way to `new`, the light of a frame.
+    /// Moves the followed light by 1/8 of the way to that of the present frame.
     pub(crate) fn following(self, new: Self) -> Self {
         Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> FOLLOWED))
     }
 
-    /// The number, as it is saved.
+    /// The value for the saved target.
     pub(crate) const fn number(self) -> u32 {
         self.0
     }
 
-    /// The light with a saved number; `None` if that is out of range.
+    /// Restores the light from a saved value; `None` if the value is out of range.
     pub(crate) const fn restore(number: u32) -> Option<Self> {
         if number <= Self::MOST { Some(Self(number)) } else { None }
     }
@@ -86,8 +84,8 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
     (16 * grays().map(|gray| gray.abs_diff(mean)).sum::<u32>() / count).max(LEAST_WINDOW)
 }
 
-/// Alpha: a matching pixel differs by less than the deviation of the patch and of the template with this gain. With
-/// the first alone, noise would match a template that has little contrast in the present light.
+/// The threshold alpha: the lower of the deviations of the patch and of the template with this gain. With that of the
+/// patch alone, noise would match a template that has little contrast in the present light.
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
     // At most 2^13 * 2^18.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
@@ -95,14 +93,14 @@ pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
 }
 
 /// True if a patch has at least a quarter of the expected contrast, at least one gray level, and at most half of its
-/// pixels clipped beyond those of the template. `template` is the template's own contrast.
+/// pixels clipped beyond those of the template. `template` is the template's contrast before relighting.
 pub(super) fn can_show(patch: Contrast, template: Contrast, expected: u32) -> bool {
     SHOWN * ONE_GAIN * patch.deviation >= expected * template.deviation
         && patch.deviation >= patch.pixels
         && !patch.is_cut_off_beside(template)
 }
 
-/// Adapts `template`, whose own contrast is `from`, to the light of `patch`. Returns the contrast of `patch`, and the gain.
+/// Adapts `template`, whose contrast is `from`, to the light of `patch`. Returns the contrast of `patch`, and the gain.
 pub(super) fn relight(template: &mut [u8], from: Contrast, patch: Image<'_>, expected: u32) -> (Contrast, u32) {
     let to = Contrast::of(patch);
     // Not `clamp`, which can panic.
@@ -168,7 +166,7 @@ mod tests {
         assert_eq!(of(&[80, 120, 80, 121], 32), 15, "an eighth of 127");
     }
 
-    /// The gain that is expected follows the contrast of the window.
+    /// In a window with a fifth of the contrast, a fifth of the gain is expected.
     #[test]
     fn the_window_tells_the_light() {
         let window = |dark: i8, bright: i8| {

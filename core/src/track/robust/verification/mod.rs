@@ -1,4 +1,5 @@
-//! The comparison with the early `template`: its `alignment` and `lighting`, its `agreement` tile by tile, and the `refinement` of the place.
+//! Verification by the early `template`: finds its best `alignment`, adapts it to the `lighting`, computes its
+//! `agreement` tile by tile, and by `refinement` the exact place and size.
 
 pub(super) mod agreement;
 mod alignment;

@@ -1,7 +1,5 @@
-//! Refinement: place and size to a fraction of a pixel, by the early template.
-//!
-//! One Gauss-Newton step (Lucas and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best
-//! alignment:
+//! Refinement: the early template gives place and size to a fraction of a pixel. It takes one Gauss-Newton step (Lucas
+//! and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best alignment:
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -10,13 +8,13 @@
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
-//! | `s` | right, down: 4 m, with m the mean slope of both pictures; outward: m . place / 8 | gray level | 510, 1130 |
+//! | `s` | right, down: 4 m, where m is the mean slope of both pictures; outward: m . place / 8 | gray level | 510, 1130 |
 //! | `S` | their products, summed over at most 1600 pixels | | 2^31 |
 //! | `x`, `y` | move | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |
 //!
-//! The step is taken only if the early template agrees well. An exact match does not move. Cost on the M4: 40
-//! instructions for each pixel.
+//! The step is taken only if the early template agrees well. An exact match does not move. Cost: 40 instructions of a
+//! Cortex-M4 for each pixel.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
@@ -27,7 +25,7 @@ use crate::kernels::rolled;
 
 /// Units of work for each pixel of the template.
 pub(crate) const REFINED: u32 = 40;
-/// The most binary places of a sum when the equations are solved.
+/// The most bits of a sum of squares when the normal equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 
 /// The target's place from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
@@ -38,8 +36,8 @@ pub(crate) struct Refined {
     pub(crate) growth: i32,
 }
 
-/// Refines an alignment by the patch `seen` there and the relit template. `None` if their agreement is too low.
-/// `alpha` is at most 100.
+/// Refines an alignment by the patch `seen` there and the relit template. `None` if the agreement is too low. `alpha`
+/// is at most 100.
 pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,
@@ -54,23 +52,21 @@ pub(crate) fn refine(
     Some(Refined { x: 64 * i32::from(right) + x, y: 64 * i32::from(down) + y, growth })
 }
 
-/// The normal equations: sums over all pixels but those at the edge.
-///
-/// A slope to the right or down is four times the mean slope of both pictures: at most 510. With (u, v), twice the
-/// distance from the middle, the slope outward is `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 <
-/// 1130.
+/// The normal equations: sums over all pixels but those at the edge. A slope to the right or down is four times the
+/// mean slope of both pictures: at most 510. With (u, v), twice the distance from the middle, the slope outward is
+/// `(right * u + down * v) / 64`: at most 510 (columns + rows) / 64 < 1130.
 #[derive(Clone, Copy, Default)]
 struct NormalEquations {
-    /// Squares of the slopes to the right, down and outward: the diagonal of S.
+    /// Sums of squared slopes to the right, down and outward: the diagonal of S.
     squares: [i32; 3],
-    /// Slopes right times down, right times outward, down times outward: the rest of S.
+    /// Sums of slopes right times down, right times outward, down times outward: S off its diagonal.
     products: [i32; 3],
-    /// Slopes times differences.
+    /// Sums of slopes times differences of the pixels `seen` and relit.
     errors: [i32; 3],
 }
 
 impl NormalEquations {
-    #[inline(never)] // keeps its stack out of that of a step
+    #[inline(never)] // keeps its stack out of `step` of the tracker
     fn of(seen: Image<'_>, relit: Image<'_>, alpha: i32) -> Self {
         let mut equations = Self::default();
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
@@ -104,12 +100,12 @@ impl NormalEquations {
         add(errors, [across * error, down * error, outward * error]);
     }
 
-    /// The step (x, y, growth), by Cramer's rule: -(minors of S + D) * errors / determinant.
+    /// Solves for the step (x, y, growth) by Cramer's rule: -(minors of S + D) * errors / determinant.
     ///
-    /// All sums are shifted until the largest square is below 2^12. The minors are then at most 2^25. The sum of squared
-    /// differences is below 2^24, so by the inequality of Cauchy and Schwarz 256 times a sum of errors is at most 2^26.
-    /// Sums of their products stay below 2^53.
-    #[inline(never)] // keeps its registers out of those of a step
+    /// All sums are shifted until the largest square is below 2^12, so the minors are at most 2^25. The sum of squared
+    /// differences is below 2^24, so by the Cauchy-Schwarz inequality 256 times a sum in `errors` is at most 2^26. Sums
+    /// of products of minors and errors stay below 2^53.
+    #[inline(never)] // own registers
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
@@ -117,7 +113,7 @@ impl NormalEquations {
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
-        // 256 times the sums: 64 because a move is in units of 1/64 pixel, and 4 because slopes are stored four times as steep.
+        // Times 256: 64 because a move is in units of 1/64 pixel, and 4 because slopes are stored four times as steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
         let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
         let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);
@@ -129,18 +125,17 @@ impl NormalEquations {
     }
 }
 
-/// A number divided by 2^`power`, rounded toward zero. A negative `power` multiplies.
+/// Divides a number by 2^`power`, rounding toward zero. A negative `power` multiplies.
 fn toward_zero(number: i32, power: i32) -> i32 {
     if power < 0 { number << -power } else { number / (1 << power) }
 }
 
-/// The sum of the three products.
 #[inline(never)]
 fn products(some: [i32; 3], others: [i32; 3]) -> i64 {
     some.iter().zip(others).map(|(&some, other)| i64::from(some) * i64::from(other)).sum()
 }
 
-/// `sum` / `determinant`, within +-`MOST_MOVE`; 0 if the determinant is not positive.
+/// `sum` / `determinant`, clamped to +-`MOST_MOVE`; 0 if the determinant is not positive.
 #[inline(never)]
 fn solution(sum: i64, determinant: i64) -> i32 {
     let times = if determinant > 0 { quotient(sum, determinant) } else { 0 };
@@ -152,7 +147,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// A pattern of waves, moved to the right and down and grown, as `columns` x `rows` pixels.
+    /// A pattern of waves of `columns` x `rows` pixels, moved to the right and down and grown.
     fn waves((columns, rows): (u16, u16), (right, down, growth): (f64, f64, f64)) -> Vec<u8> {
         let pixel = |x: u16, y: u16| {
             let from_middle = |at: u16, size: u16| f64::from(at) - (f64::from(size) - 1.0) / 2.0;
@@ -194,8 +189,7 @@ mod tests {
         }
     }
 
-    /// Black and white next to each other, turned over: the largest slopes and differences. Overflow would fail the
-    /// test.
+    /// Chessboards and their inverses have the largest slopes and differences. Overflow would panic.
     #[test]
     fn the_largest_sums() {
         for (columns, rows) in [(40, 40), (128, 12), (12, 128), (4, 4), (126, 4)] {

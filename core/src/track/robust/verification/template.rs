@@ -1,5 +1,5 @@
-//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong
-//! target before the template resembles it.
+//! The early template: a running mean of the target's pixels, so slow that verification notices a wrong target before
+//! the template resembles it.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
@@ -20,14 +20,13 @@ impl Template {
         Self { mean: Vec::new() }
     }
 
-    /// Starts as `patch`, which has at most `MOST_PIXELS` pixels.
+    /// Starts with `patch`, which has at most `MOST_PIXELS` pixels.
     pub(crate) fn start(&mut self, patch: Image<'_>) {
         self.mean.clear();
         let _ = self.mean.resize_default(usize::from(patch.width()) * usize::from(patch.height()));
         self.learn(patch, 1024);
     }
 
-    /// Restores the pixels that [`Template::mean`] returned.
     pub(crate) fn restore(&mut self, mean: impl Iterator<Item = u16>) {
         self.mean.clear();
         for pixel in mean.take(MOST_PIXELS) {
@@ -35,13 +34,13 @@ impl Template {
         }
     }
 
-    /// All pixels, in units of 1/256 gray level.
+    /// All pixels in units of 1/256 gray level, row by row.
     pub(crate) fn mean(&self) -> &[u16] {
         &self.mean
     }
 
-    /// Moves `rate` / 1024 of the way to `patch`. With a rate of 1 a pixel that differs by less than 2 gray levels
-    /// stays as it is.
+    /// Moves the mean by `rate` / 1024 of the way to `patch`. With a rate of 1, rounding leaves a pixel unchanged that
+    /// differs by less than 2 gray levels.
     #[inline(never)]
     pub(crate) fn learn(&mut self, patch: Image<'_>, rate: u16) {
         let columns = usize::from(patch.width());
@@ -50,7 +49,7 @@ impl Template {
             for (mean, &new) in rolled(mean.zip(patch.row(y))) {
                 let difference = (i32::from(new) << 8) - i32::from(*mean);
                 let moved = i32::from(*mean) + ((difference * i32::from(rate) + (1 << 9)) >> 10);
-                // The result lies between the old and the new pixel, so it fits in 16 bits.
+                // Fits in 16 bits, because it lies between the old and the new pixel.
                 *mean = u16::try_from(moved).unwrap_or(*mean);
             }
         }
@@ -61,10 +60,9 @@ impl Template {
         self.mean.iter().map(|&mean| u8::try_from((u32::from(mean) + 128) >> 8).unwrap_or(u8::MAX))
     }
 
-    /// Copies all pixels, rounded to gray levels, into `out`.
     #[inline(never)]
     pub(super) fn copy_to(&self, out: &mut Vec<u8, MOST_PIXELS>) {
-        // Cannot fail: both have the same capacity.
+        // Cannot fail: both vectors have the same capacity.
         let _ = out.resize_default(self.mean.len());
         rolled(out.iter_mut().zip(self.pixels())).for_each(|(out, pixel)| *out = pixel);
     }
