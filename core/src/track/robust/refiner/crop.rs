@@ -1,12 +1,12 @@
-//! The network's view of a target: 32x32 samples of its box and surroundings.
+//! The crop of a target, the input of the network: 32x32 samples of its box and surroundings.
 //!
 //! ```text
-//! sides = 1.75 * sides of the box                         so width and height have steps of their own
+//! sides = 1.75 * sides of the box                         with a sampling step each for width and height
 //! x     = 64 + (pixel - mean) * 2^21 / (sqrt(sum of (pixel - mean)^2) + 128) / 2^12,  clamped to 0 to 127
 //! ```
 //!
-//! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor keeps the noise of a
-//! plain crop small.
+//! So the input x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor limits the
+//! noise of a plain crop.
 
 use super::super::features::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
@@ -15,48 +15,44 @@ use crate::track::saved::{Reader, Writer};
 use crate::track::update::{Budget, units};
 use heapless::Vec;
 
-/// Samples on a side.
 pub(super) const SIDE: usize = ROWS as usize;
 /// `SIDE` in the type of a lattice's columns and rows.
 const ROWS: u16 = 32;
 pub(super) const SAMPLES: usize = SIDE * SIDE;
 /// Units of work for each sample that is normalised.
 const NORMALISED: u32 = 16;
-/// The most work of a crop. Its steps across and down are less than four blocks together.
+/// Upper bound of the work for a crop. The sampling steps across and down are together less than four blocks.
 pub(super) const WORK: u32 = {
     let side = ROWS as u32;
     side * side * (SAMPLED + NORMALISED) + 4 * (2 * side + 2) * (2 * side + 2)
 };
-/// The value of the mean.
+/// The input of the network for a sample at the mean of its crop.
 pub(super) const MEAN: i8 = 64;
 
-/// A crop, sampled row by row.
 #[derive(Clone, Copy)]
 pub(crate) struct Crop(());
 
-/// The crop's steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256 pixel.
+/// The crop's sampling steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256
+/// pixel.
 fn steps([width, height]: [u32; 2]) -> [i64; 2] {
     [width, height].map(|side| ((7 * i64::from(side)) >> 3).max(1))
 }
 
-/// The middle of a box, in units of 1/4096 pixel. The position of a pixel is that of its middle, so half a pixel is
-/// subtracted.
+/// The middle of a box, in units of 1/4096 pixel. A pixel's position is that of its middle, half a pixel from its edge.
 fn middle(FineRect { x, y, width, height }: FineRect) -> [i64; 2] {
     [(x, width), (y, height)].map(|(from, side)| ((i64::from(from) + i64::from(side / 2)) << 4) - (1 << 11))
 }
 
-/// The crop of a box.
+/// The sample positions of the crop of a box.
 #[inline(never)]
 fn crop_of(target: FineRect) -> Lattice {
     let ([x, y], [step, step_down]) = (middle(target), steps([target.width, target.height]));
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
 
-/// All pixels of a frame with these `bounds` that the crop of a box may read, if the box moves by up to `by` units of
-/// 1/4096 pixel.
-///
-/// A crop reads less than two blocks of pixels more than it covers, on each side. The side of a block is at most the
-/// mean of the steps.
+/// The rectangle of pixels in a frame of `bounds` that the crop of a box may read, if the box moves by up to `by`
+/// (unit: 1/4096 pixel). On each side, a crop reads less than two blocks of pixels beyond its samples. The side of a
+/// block is at most the mean of the steps.
 #[inline(never)]
 pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
@@ -66,12 +62,12 @@ pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     Rect::new(left, top, width, height)
 }
 
-/// The first pixel and the number of pixels of a range on an axis of a frame with `size` pixels.
+/// The first pixel and the number of pixels of a range on an axis of the frame, `size` pixels long.
 #[inline(never)]
 fn range(middle: i64, reach: i64, size: u16) -> (i32, u16) {
     let last = i64::from(size.max(1)) - 1;
     let at = |place: i64| i32::try_from((place >> 12).clamp(0, last)).unwrap_or(0);
-    // For a box beyond the edge, the blocks at the edge are read.
+    // A box beyond the edge reads the blocks at the edge.
     let middle = middle.clamp(0, last << 12);
     let (from, to) = (at(middle - reach), at(middle + reach));
     (from, u16::try_from(to - from + 1).unwrap_or(u16::MAX))
@@ -84,7 +80,7 @@ impl Crop {
         Self(())
     }
 
-    /// Samples a row into `crop`, and normalises the crop after the last row. True after the last row.
+    /// Samples the next row of `crop`. After the last row normalises the crop and returns true.
     #[inline(never)]
     pub(super) fn next_row(
         &mut self,
@@ -109,8 +105,8 @@ impl Crop {
     }
 }
 
-/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26. A product is at most
-/// `255 * 2^14`.
+/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most `255
+/// * 2^14`.
 #[inline(never)]
 fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
@@ -123,26 +119,24 @@ fn normalise(crop: &mut [i8; SAMPLES]) {
     }
 }
 
-/// The target in the first frame, as the network sees it. Empty before the first lock, and without the refiner.
+/// The crop of the target in the first frame. Empty before the first lock, and without the refiner.
 pub(crate) struct First {
     crop: Vec<i8, SAMPLES>,
 }
 
 impl First {
-    /// Bytes of the saved form.
     pub(super) const SAVED: usize = SAMPLES;
 
-    /// The memory before the first lock.
     pub(crate) const NONE: Self = Self { crop: Vec::new() };
 
     pub(super) fn crop(&self) -> &[i8] {
         &self.crop
     }
 
-    /// Keeps the crop that [`FirstCrop`] has sampled.
+    /// Stores the crop that [`FirstCrop`] has sampled.
     pub(crate) fn keep(&mut self, bytes: &[i8]) {
         self.crop.clear();
-        // Cannot fail: there is room for all.
+        // Cannot fail: the capacity is that of a crop.
         let _ = self.crop.extend_from_slice(bytes.get(..SAMPLES).unwrap_or_default());
     }
 
@@ -150,11 +144,11 @@ impl First {
         self.crop.iter().for_each(|input| to.put(&input.to_le_bytes()));
     }
 
-    /// Reads a saved crop. `None`, and no change, if a sample is out of range or other bytes follow.
+    /// Restores a saved crop. `None`, and no change, if a sample is out of range or other bytes follow.
     pub(crate) fn restore(&mut self, from: &mut Reader<'_>) -> Option<()> {
         let crop = from.slice(SAMPLES).filter(|crop| from.is_empty() && crop.iter().all(|&input| input <= 127))?;
         self.crop.clear();
-        // Cannot fail: there is room for all.
+        // Cannot fail: the capacity is that of a crop.
         let _ = self.crop.resize_default(SAMPLES);
         self.crop.iter_mut().zip(crop).for_each(|(to, input)| *to = input.cast_signed());
         Some(())
@@ -173,12 +167,12 @@ impl FirstCrop {
         sampling: &mut Sampling,
         bytes: &mut Vec<i8, N>,
     ) -> Option<Self> {
-        // Cannot fail: the features at one scale take more.
+        // Cannot fail: the memory has room for the features at one scale, which take more bytes.
         let _ = bytes.resize_default(SAMPLES);
         Some(Self(Crop::begin(target, bounds, sampling)))
     }
 
-    /// Samples a row. True after the last row.
+    /// Samples the next row. True after the last row.
     pub(crate) fn next_row(
         &mut self,
         frame: &Frame<'_>,
@@ -209,7 +203,7 @@ mod tests {
         assert_eq!([spot[0], spot[7]], [64, 127]);
     }
 
-    /// A crop with every sample within what `reachable` says, and not far from it.
+    /// Checks that `reachable` contains every pixel that a crop reads.
     #[test]
     fn a_crop_stays_within_reach() {
         let bounds = Rect::new(0, 0, 900, 700);
