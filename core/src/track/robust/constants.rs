@@ -3,12 +3,10 @@
 //! (`crop.rs`, `correction.rs`, `opinion.rs`). The units of work stand in the stages that spend them.
 //!
 //! *R with ...* gives the change of R by another value, with its standard error (paired differences). R is the fraction
-//! of frames in which the box is right (IoU > 0.25), as a mean over 90 recordings that start from the first frame's
+//! of frames in which the box is right (IoU > 0.25), as a mean over 90 recordings, started on the first frame's
 //! annotated box. R is 0.802 with the values here (`host-sim eval --robustness --starts 1 --method robust`). Constants
-//! without such a line were not measured one by one; `host-sim/RESULTS.md` of the project shows the effect of each part
-//! of the tracker.
-
-// Units.
+//! without such a line were not measured one by one; `host-sim/RESULTS.md` shows the effect of each part of the
+//! tracker.
 
 /// One pixel of the frame in the unit of positions, 1/4096 pixel.
 pub(super) const PIXEL: i64 = 1 << PIXEL_BITS;
@@ -17,8 +15,6 @@ pub(super) const PIXEL_BITS: u32 = 12;
 pub(super) const SCALE: u32 = 1 << 16;
 /// A filter response or label of 1, in units of 1/16384.
 pub(super) const ONE: i32 = 1 << 14;
-
-// Shapes.
 
 // A cell has `CELL` x `CELL` pixels of the target's grid and `CHANNELS` features: nine gradient orientations and gray.
 pub use crate::kernels::{CELL, CHANNELS};
@@ -35,37 +31,28 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells of the correlation filter on each axis.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Cells of the filter for each pixel of the target on its grid, on each axis, as a fraction: 1.4 / `CELL`, because the
-/// filter covers 1.4 times the target's width and height.
+/// Cells of the filter for each grid pixel of the target on an axis, as a fraction: 1.4 / `CELL`. It covers 1.4
+/// targets.
 pub(super) const COVER: [u32; 2] = [7, 20];
-/// The smallest step of the target's grid, in units of 1/4096 pixel: half a pixel. Smaller targets are not magnified
-/// further.
+/// The smallest step of the target's grid: half a pixel, in units of 1/4096. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;
-
-// Gradients.
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
 /// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. R with nearly no floor
 /// -0.067 +- 0.021; with twice as much -0.038 +- 0.018.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
-/// The gain in feature = gain * gradient (in 1/4 gray level) / norm (in 1/8). A gradient of 0.4 norm becomes 127, so
-/// gain = 2 * 127 / 0.4.
+/// The gain of a feature: gain * gradient (1/4 gray level) / norm (1/8). 0.4 norm becomes 127, so gain = 2 * 127 / 0.4.
 pub(super) const NORM_GAIN: u32 = 635;
-
-// Response.
 
 /// The penalty of a filter response at the edge of the search window, in units of 1/256 of the response. It grows with
 /// the squared distance from the centre. R without -0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
-// Alignment and refinement by the early template.
-
 /// The farthest offset from the filter's peak at which the template is compared, in pixels of the grid on each axis.
 pub(super) const MARGIN: u16 = 3;
 /// `MARGIN` in whole cells, rounded up.
 pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
-/// The spacing of the first nine offsets at which the template is compared, in pixels of the grid. The eight offsets
-/// around the best of them are 1 pixel apart.
+/// The spacing of the nine coarse offsets of the template, in pixels of the grid. That of the eight fine ones is 1.
 pub(super) const COARSE_STEP: i16 = 2;
 /// Offsets at which the early template is compared with the frame.
 pub(super) const ALIGNMENTS: u16 = 17;
@@ -80,8 +67,6 @@ pub(super) const MOST_GROWTH: i32 = 1310;
 /// by 2^-6 of itself. Without it, a target with a single edge could slide along that edge.
 pub(super) const DAMPING: u32 = 6;
 
-// Verification.
-
 /// Tiles of the early template on each axis. Each of the 4 x 4 tiles is compared with the frame.
 pub(super) const TILES: u16 = 4;
 /// The agreement is the similarity ratio of the tile with this rank, from the lowest. With 4, three tiles may be
@@ -95,10 +80,9 @@ pub(super) const LEAST_ALPHA: u32 = 2;
 pub(super) const MOST_ALPHA: u32 = 100;
 /// A gain of 1, in units of 1/256: the patch has the contrast of the template.
 pub(super) const ONE_GAIN: u32 = 256;
-/// The largest expected gain of contrast from the template to the patch: 16.
+/// The largest expected gain of contrast from the template to the patch, in units of 1/256: 16.
 pub(super) const MOST_EXPECTED: u32 = 16 * ONE_GAIN;
-/// The least contrast of a search window, in units of 1/16 gray level. Lower contrasts are raised to it: 1/4 gray
-/// level.
+/// The least contrast of a search window, in units of 1/16 gray level. Lower ones are raised to it: 1/4 gray level.
 pub(super) const LEAST_WINDOW: u32 = 4;
 /// The followed light moves by 2^-3 of the way to the light of each frame. With 0 (all the way) 0.05 more of the wrong
 /// frames are called *tracking*, on half of the recordings.
@@ -106,12 +90,10 @@ pub(super) const FOLLOWED: u32 = 3;
 /// The threshold alpha that measures how distinct a target is at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
-// Scale.
-
 /// The ratio of two neighbouring scales of the scale search, in units of 1/65536: 1.02. R with 1.04 -0.063 +- 0.023.
 pub(super) const SCALE_STEP: i64 = 66_847;
-/// The factor by which the scale search lowers the response at a changed scale, in units of 1/256: 0.984. R without
-/// -0.038 +- 0.016.
+/// The factor of a response at a changed scale in the scale search, in units of 1/256: 0.984. R without -0.038 +-
+/// 0.016.
 pub(super) const SCALE_PENALTY: i64 = 252;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
@@ -119,8 +101,7 @@ pub(super) const SCALE_REACH: u16 = 1;
 pub(super) const LEAST_SCALE: u32 = SCALE / 5;
 pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
-// Confidence and evidence. Unit: 1/65536. The early template's full agreement adds 1 to the evidence; a filter response
-// of 1/2 or more adds 1/2.
+// Confidence and evidence. Unit: 1/65536. The early template's full agreement adds 1, a filter response up to 1/2.
 
 /// The largest evidence of a frame for the target: 1.5.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
@@ -130,15 +111,11 @@ pub(super) const LEARNED_FROM: i32 = 37_500;
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// The least lead of the evidence in another window over that at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The most by which the running mean of the evidence exceeds that of the present frame. So one frame without evidence
-/// makes a target uncertain, and with the default thresholds the second makes it lost. R without +0.002 +- 0.002: it
-/// improves the state, not the place.
+/// The running mean of the evidence exceeds that of the frame by at most this. So a frame without evidence makes a
+/// target uncertain, by default a second one *lost*. R without +0.002 +- 0.002: it improves the state, not the place.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
-// Learning.
-
-/// The regularisation lambda of the ridge regression: 0.05 * 318^2, because features are integers of which 318 stands
-/// for 1.
+/// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
 pub(super) const REGULARISATION: i64 = 5056;
 /// The largest error of a response, in units of 1/16384 (about 4). Larger errors are clamped to it.
 pub(super) const MOST_ERROR: i32 = 65_535;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
-//! contrast. A gradient g is split linearly between the two orientations u and v next to it: g = a u + b v. So no root,
-//! angle or division is computed.
+//! contrast. A gradient g is split between its two neighbouring orientations u and v: g = a u + b v, without root,
+//! angle or division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|
@@ -34,13 +34,11 @@ const FEATURED: u32 = 64;
 /// Lines of samples for a row of cells: its own, and one above and below for the gradients.
 const LINES: u32 = CELL as u32 + 2;
 
-/// Upper bound of the work for the features of a search window.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let (columns, rows) = (columns(extent), (extent.down + 2 * extent.reach) * CELL as u32 + 2);
     columns * rows * FEATURED + most_read(columns, rows)
 }
 
-/// Upper bound of the work for the features of one row of cells.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     LINES * columns(extent) * FEATURED + most_read(columns(extent), LINES)
 }
@@ -82,7 +80,6 @@ impl Extractor {
         }
     }
 
-    /// Lends the memory of the sums as scratch memory for the filter's products, between two windows.
     pub(crate) fn lend_sums(&mut self) -> &mut Packed {
         &mut self.sums
     }
@@ -91,8 +88,8 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of a window. `lattice` covers whole cells and a border of one sample. Returns false, and
-    /// clears `out`, if its capacity is too small.
+    /// Begins the features of a window. `lattice` has a border of one sample. False if the capacity of `out` is too
+    /// small.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
@@ -140,8 +137,8 @@ impl Extractor {
                 sampler.row(number, line);
             }
             gradients(lines, computed, below, across);
-            // The first two lines of the next row of cells are the last two of this one. An assignment would copy them
-            // by way of the stack.
+            // The next row of cells starts with the last two lines of this one. An assignment would copy by way of the
+            // stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);
@@ -160,8 +157,7 @@ impl Extractor {
     }
 
     #[cfg(feature = "unstable")]
-    /// Computes all features at once. False if a needed pixel is not in memory, or if the capacity of `out` is too
-    /// small.
+    /// Computes all features at once. False if a needed pixel is not in memory, or if `out` is too small.
     pub(crate) fn features<const N: usize>(
         &mut self,
         frame: &Frame<'_>,

@@ -33,7 +33,6 @@ impl Grid {
     /// The grid for a box of this size. Sides are rounded. Template and filter have at most 1600 pixels and 200 cells,
     /// so they cover only the middle of a very long box.
     ///
-    ///
     /// ```
     /// use smr_core::{Rect, robust::Grid};
     /// let grid = Grid::new(Rect::new(0, 0, 80, 80));
@@ -103,8 +102,7 @@ impl Extent {
     }
 }
 
-/// The grid's step for a box of `area` pixels: sqrt(area / `MOST_PIXELS`) in units of 1/4096 pixel, below 2^23,
-/// computed bit by bit and rounded down.
+/// The grid's step for a box: sqrt(area / `MOST_PIXELS`), rounded down, in units of 1/4096 pixel. It is below 2^23.
 fn step(area: u32) -> u32 {
     let square = u64::from(area) << (2 * PIXEL_BITS);
     let mut root = 0;
@@ -117,8 +115,7 @@ fn step(area: u32) -> u32 {
     root.max(LEAST_STEP)
 }
 
-/// Cells of the filter on an axis on which the target has `size` pixels. Nothing overflows: 7 * 65535 * 2^12 and 20
-/// steps are below 2^31.
+/// Cells of the filter on an axis of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 steps are below 2^31.
 #[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
     let [cover, of] = COVER;

@@ -64,16 +64,16 @@ impl Motion {
         Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
     }
 
-    /// Follows the target to `place` and updates the velocity. With `None`, for a target that was not seen, the place
-    /// stays and the velocity is halved.
+    /// Follows the target to `place` and updates the velocity. `None`, for not seen, keeps the place and halves the
+    /// velocity.
     pub(crate) fn follow(&mut self, place: Option<Place>) {
         let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
-    /// Moves the place along with the picture when the camera turns, in units of 1/256 pixel. The velocity stays: it is
-    /// the target's own.
+    /// Moves the place with the picture when the camera turns, in units of 1/256 pixel. The target's own velocity
+    /// stays.
     pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

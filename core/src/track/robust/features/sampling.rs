@@ -33,8 +33,7 @@ pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
 
-/// Sample positions: columns `step` apart and rows `step_down` apart around the centre (`x`, `y`). Unit: 1/4096 pixel
-/// of the frame.
+/// Sample positions: `step` and `step_down` apart around the centre (`x`, `y`), in units of 1/4096 pixel of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lattice {
     pub(crate) x: i64,
@@ -157,7 +156,6 @@ impl Lattice {
         out.resize_default(usize::from(self.columns) * usize::from(self.rows)).is_ok()
     }
 
-    /// Samples all rows. False if a needed pixel is not in memory, or the capacity of `out` is too small.
     #[cfg(test)]
     pub(crate) fn sample<const N: usize>(
         &self,
@@ -178,11 +176,10 @@ pub(crate) struct Sampling {
     columns: Interpolation<COLUMNS>,
     down: Axis,
     halvings: u32,
-    /// The rectangle of frame pixels that the lattice reads.
     pixels: Rect,
     /// Block means of an even and of an odd row; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
-    /// Indices of the rows in `means`.
+    /// Row indices of `means`.
     made: [Option<u16>; 2],
     /// Index of the next row of the lattice, and the number of rows.
     next: u16,
@@ -218,13 +215,12 @@ impl Sampling {
         Some(Sampler { pixels: frame.patch(self.pixels)?, sampling: self })
     }
 
-    /// Index of the next row of the lattice.
     pub(crate) fn next(&self) -> u16 {
         self.next
     }
 
-    /// Samples the next row, from the top, into its place in `out`. True after the last row. If a needed pixel is not
-    /// in memory, the row in `out` stays unchanged.
+    /// Samples the next row into its place in `out`. True after the last row. Leaves the row if a pixel is not in
+    /// memory.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
@@ -312,8 +308,7 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop, which the compiler vectorizes by eight for Helium. Without fast access to
-/// words it is faster as well.
+/// Interpolates two rows in a plain loop, which Helium vectorizes by eight, and which is best without fast word access.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -328,15 +323,14 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Indices of the two columns (and rows) of a block that are read: both of a 2x2 block, otherwise a quarter of its side
-/// from its edges.
+/// Indices of the two columns (and rows) that are read of a block: both of 2x2, otherwise 1/4 of its side from its
+/// edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Computes the means of a row of blocks, whose first pixel row is `first`. Returns the number of pixels read. `sums`
-/// is scratch memory.
+/// Computes the means of blocks whose first pixel row is `first`. Returns the pixels read. `sums` is scratch memory.
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);

@@ -53,8 +53,7 @@ pub(super) fn add_gradient<const S: usize>(
 /// The largest coded value: 2000 of them times a feature of 8 bits stay below 2^31.
 pub(crate) const LARGEST: u32 = 8191;
 
-/// Up to `N` integers of 16 bits with one common power of two (block floating point). The value of each is number *
-/// 2^`shift`.
+/// Up to `N` 16-bit integers with a common exponent (block floating point): each value is number * 2^`shift`.
 pub(crate) struct Coded<const N: usize> {
     numbers: Vec<i16, N>,
     shift: u32,
@@ -124,8 +123,7 @@ pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     shift
 }
 
-/// The correlation filter: up to `N` weights, one for each channel of each cell, cell by cell, in units of 2^-16 /
-/// 16384.
+/// The correlation filter: up to `N` weights, cell by cell, each cell by channels. Unit: 2^-16 / 16384.
 pub(crate) struct Filter<const N: usize> {
     weights: Vec<i32, N>,
 }
@@ -152,7 +150,6 @@ impl<const N: usize> Filter<N> {
         &self.weights
     }
 
-    /// Codes the weights in 16 bits.
     #[inline(never)]
     pub(crate) fn code(&self, coded: &mut Coded<N>) {
         let numbers = ScaledSums::of(&self.weights);

@@ -1,6 +1,5 @@
-//! Gaussians over distances in units of 1/256 cell: the label, which is the wanted response around the target, and the
-//! mask that weights the filter's cells in learning. In two dimensions, a Gaussian is the product of those on both
-//! axes.
+//! Gaussians over distances of 1/256 cell: the label, which is the wanted response around the target, and the mask that
+//! weights the filter's cells in learning. In two dimensions it is the product of those on both axes.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2

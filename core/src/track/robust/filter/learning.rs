@@ -41,12 +41,11 @@ use crate::track::update::{Budget, largest, units};
 /// Units of work for each weight in computing the direction.
 const SLOPED: u32 = 64;
 
-/// Upper bound of the work for one step of a lock: errors, gradient, direction, and the responses to the direction.
 pub(crate) const fn most_of_a_lock(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(extent)
 }
 
-/// Upper bound of the work for the step of an update, which computes the responses to the direction at fewer offsets.
+/// Upper bound of the work for the step of an update. It computes responses to the direction at fewer offsets.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     without_responses(extent) + response::most_work(Extent { reach: 5 * extent.reach / 8, ..extent })
 }
@@ -55,15 +54,13 @@ const fn without_responses(extent: Extent) -> u32 {
     extent.offsets() + response::most_work(extent) + (2 * CODED + SLOPED) * extent.weights()
 }
 
-/// Upper bound of the work for an indivisible piece: the errors, the direction, or the last row of responses and the
-/// change of the weights.
+/// Upper bound of the work for a piece: errors, direction, or the last row of responses with the change of the weights.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     let errors = extent.offsets() + CODED * extent.weights();
     let last = response::most_of_a_piece(extent) + CODED * (extent.weights() + extent.offsets());
     largest(&[errors, SLOPED * extent.weights(), last])
 }
 
-/// The inputs of a step: the filter, and the window of features in which the target was found.
 pub(crate) struct Training<'a> {
     pub(crate) filter: &'a Filter<WEIGHTS>,
     pub(crate) grid: &'a Grid,
@@ -103,9 +100,9 @@ impl Sums {
     /// or 0 for steepest descent. Returns the descent, in the squared unit of the direction.
     ///
     /// A slope is an element of grad E: `REGULARISATION` * weight + 2^(16 + `error_shift`) * gradient. The gradient is
-    /// below 2^30, and `error_shift` is at most 3, so a slope can exceed 32 bits. The loop tries units of 2^`unit`, the
-    /// largest first, until the steepest slope is at least 8191 units. So it keeps 13 bits, if it has them (11 if a
-    /// direction before is added):
+    /// below 2^30 and `error_shift` at most 3, so a slope can exceed 32 bits. The loop tries units of 2^`unit`, the
+    /// largest first, until the steepest slope has 8191 units. So it keeps 13 bits, if it has them (11 to add a
+    /// direction before):
     ///
     /// | `unit` | condition | bound of slopes |
     /// |---|---|---|
@@ -120,8 +117,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears what the gradient left as scratch memory. The step length sums over all offsets, so offsets without a
-        // response must be 0.
+        // Clears what the gradient left there, because the step length sums over all offsets, even without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -144,8 +140,7 @@ impl Sums {
         }
     }
 
-    /// Subtracts `length` times the responses to the direction from the responses. Codes the former in 15 bits, in the
-    /// memory of the errors.
+    /// Subtracts `length` times the responses to the direction, coded in 15 bits in the memory of the errors.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
         let numbers = ScaledSums::of(self.per_offset.as_flattened());
@@ -156,8 +151,8 @@ impl Sums {
             .apply(responses.rows.as_flattened_mut(), coded);
     }
 
-    /// The step length: `rate` / 256 of the exact length, with 44 fractional bits, below 2^47. `measured` of the
-    /// `offsets` offsets have a response to the direction.
+    /// The step length: `rate` / 256 of the exact one, with 44 fractional bits, below 2^47. `measured` of the `offsets`
+    /// offsets have a response to the direction.
     #[inline(never)] // own registers for its loops
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // At most 2000 * 8191^2 < 2^37.
@@ -171,8 +166,7 @@ impl Sums {
     }
 }
 
-/// Computes the clamped errors e = r - y at all offsets. Returns the largest. `target` is the target's place from the
-/// window's middle, in units of 1/256 cell.
+/// Computes the clamped errors e = r - y; returns the largest. `target` is its place from the middle, in 1/256 cell.
 #[inline(never)] // keeps its stack out of `next_piece`
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);
@@ -251,7 +245,6 @@ enum Phase {
 }
 
 impl Learning {
-    /// Begins the step of an update.
     pub(crate) fn begin(target: (i32, i32), rate: u16) -> Self {
         Self { target, rate, locks: false, descent: 0, phase: Phase::Errors }
     }
@@ -261,8 +254,8 @@ impl Learning {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Computes one piece of a step. After the last piece returns the step length; only then is `direction` valid. The
-    /// next call begins a conjugate step.
+    /// Computes one piece. The last one completes `direction` and returns the step length; then a conjugate step
+    /// begins.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,

@@ -11,10 +11,9 @@
 //! | `r` | response | 1/16384 of the label | +-2^24 |
 //! | peak | place of the largest penalised response | 1/256 cell | |
 //!
-//! Place and height of the peak are those of the penalised responses; the scale search omits the penalty. A parabola
-//! through the peak and its neighbours on each axis refines the place. Of equal responses the middle one wins,
-//! otherwise the first in scan order. So in a black frame the place stays. Cost: one product for each weight and
-//! offset, by default 289 for each weight.
+//! The scale search omits the penalty. A parabola through the peak and its neighbours on each axis refines the place.
+//! Of equal responses the middle one wins, otherwise the first in scan order, so in a black frame the place stays.
+//! Cost: one product for each weight and offset, by default 289 for each weight.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{CHANNELS, DISTANCE_PENALTY, SPAN, WEIGHTS};
@@ -124,7 +123,6 @@ pub(crate) fn peak(rows: &[[i32; SPAN]], span: usize, penalty: bool) -> Peak {
     Peak { x: 128 * cells(x) + right, y: 128 * cells(y) + below, response, height }
 }
 
-/// The responses at `span` offsets on each axis. `penalty` lowers those far from the middle.
 struct Counted<'a> {
     rows: &'a [[i32; SPAN]],
     span: usize,

@@ -1,14 +1,13 @@
-//! The scale search: compares the filter's response at the last scale with those at 1/1.02 and 1.02 times it (as in
-//! DSST; Danelljan et al., 2014).
+//! The scale search: compares the filter's response at the last scale, 1/1.02 and 1.02 times it (as in DSST; Danelljan
+//! et al., 2014).
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)
 //! ```
 //!
 //! `peak(s)` is the height of the peak without distance penalty. All three scales are sampled around the same place, so
-//! that none has an advantage by its place, and searched at offsets of up to one cell. In frames in which refinement
-//! finds the growth, the scale search does not run. Cost: three small windows of features, and 27 products for each
-//! weight.
+//! that none has an advantage by its place, at offsets of up to one cell. Frames in which refinement finds the growth
+//! need no scale search. Cost: three small windows of features, and 27 products for each weight.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{
@@ -26,7 +25,6 @@ use heapless::Vec;
 /// Bytes of the largest window of features, that of the longest filter, which has the longest margin.
 const CELLS: usize =
     (MOST_SIDE + 2 * SCALE_REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * SCALE_REACH as usize) * CHANNELS;
-/// Offsets of the search on each axis.
 const OFFSETS: usize = 2 * SCALE_REACH as usize + 1;
 
 pub(crate) const fn most_work(extent: Extent) -> u32 {
@@ -34,7 +32,6 @@ pub(crate) const fn most_work(extent: Extent) -> u32 {
     3 * (cells::most_work(extent) + response::most_work(extent))
 }
 
-/// Upper bound of the work for an indivisible piece: the responses at one scale.
 pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     response::most_work(extent.with_reach(SCALE_REACH))
 }
@@ -56,7 +53,6 @@ pub(crate) struct ScaleSearch {
 pub(crate) struct Tools<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) bounds: Rect,
-    /// The filter's weights.
     pub(crate) weights: &'a Coded<WEIGHTS>,
     pub(crate) products: Products,
 }
