@@ -102,7 +102,6 @@ impl Config {
         2 * self.reach as usize + 1
     }
 
-    /// The backend that is used.
     pub(super) fn backend(&self) -> Backend {
         self.backend.unwrap_or_else(Backend::best)
     }

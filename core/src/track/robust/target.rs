@@ -63,8 +63,7 @@ impl Robust {
         config.or(&Self::DEFAULT)
     }
 
-    /// Pixels of the early template, row by row; the template verifies the target. `None` before the first lock.
-    /// [`Robust::grid`] has its columns and rows.
+    /// Pixels of the early template, row by row, in the shape of [`Robust::grid`]. `None` before the first lock.
     #[must_use]
     pub fn early_template(&self) -> Option<impl ExactSizeIterator<Item = u8>> {
         self.memory.track.as_ref().map(|_| self.memory.template.pixels())
@@ -112,7 +111,6 @@ impl Robust {
         Ok(pipeline::responses(&inputs, &mut workspace.buffers, &mut workspace.under_way.budget))
     }
 
-    /// Inputs of an update's stages; `None` before the first lock.
     fn inputs(&self) -> Option<Inputs<'_>> {
         let track = self.memory.track.as_ref()?;
         Some(Inputs { config: Self::configured(&self.config), memory: &self.memory, track })
@@ -139,7 +137,7 @@ impl Target for Robust {
 
     const SAVED_SIZE: usize = saved::SAVED_SIZE;
 
-    /// Upper bounds of the work. They are the same for every box: see [`Config::most_work`].
+    /// Upper bounds of the work, the same for every box: see [`Config::most_work`].
     fn most_work(config: &Config, _: u16, _: u16) -> MostWork {
         config.most_work()
     }
@@ -300,7 +298,6 @@ impl Steps for Robust {
     }
 }
 
-/// The stages of the present or last update or lock.
 #[derive(Clone, Copy)]
 #[repr(u32)] // `Nothing` is 0, so a `static` workspace is all zeroes and takes no flash
 pub(super) enum Progress {
@@ -331,8 +328,7 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the peak of the last update, in units of 1/16384. After redetection has found
-    /// the target, at the peak of that window. 0 after a lock, and during an update until its peak is refined.
+    /// The filter's penalised response at the answered peak, in units of 1/16384. 0 after a lock or without a peak.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

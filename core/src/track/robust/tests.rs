@@ -49,8 +49,7 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // The last two pairs: the longest possible boxes; and boxes six times as long as wide, whose grid step almost
-    // doubles.
+    // The last two pairs: the longest boxes, and boxes six times as long as wide, whose grid step almost doubles.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {
@@ -135,8 +134,7 @@ fn a_plain_frame_holds_the_box() {
     }
 }
 
-/// A target of 40x40 pixels with strong tiles on a background of weak tiles. `light` scales all gray levels, in
-/// percent. If `at` is `None`, there is only the background.
+/// A target of 40x40 pixels with strong tiles on weak tiles; `None`: no target. `light` scales gray levels, in percent.
 fn scene(at: Option<(i32, i32)>, light: u32) -> Vec<u8> {
     drawn((320, 240), |x, y| {
         let level = match at.map(|(left, top)| (x - left, y - top)) {
@@ -191,8 +189,7 @@ fn light_may_change() {
     }
 }
 
-/// A slowly moving target of 40x40 pixels on a background of its own, in a frame of 160x120: dark, bright, textured,
-/// smooth, clipped or noisy.
+/// A moving target of 40x40 pixels in 160x120, by `kind`: dark, bright, textured, smooth, clipped or noisy.
 fn on_ground(kind: i32, frame: i32) -> Vec<u8> {
     let (left, top) = (40 + frame / 2, 30 + frame / 4);
     on_its_ground(kind, (left, top), |x, y| {
@@ -217,8 +214,7 @@ fn on_its_ground(kind: i32, (left, top): (i32, i32), target: impl Fn(i32, i32) -
     })
 }
 
-/// A target that `lock` rates as distinct is not called lost while it stands still, however much of it is black or
-/// white.
+/// A target that `lock` rates as distinct is not lost while it stands still, however much of it is black or white.
 #[test]
 fn a_distinct_target_is_not_refused() {
     let targets: [fn(i32, i32) -> u8; 4] = [
@@ -260,8 +256,7 @@ fn a_covered_lens_is_lost_and_teaches_nothing() {
                 (target.weights().to_vec(), target.early_template().unwrap().collect())
             };
             let before = learned(&tracker);
-            // The sweep of the whole frame repeats after a few updates. One kind is covered for as long as in `eval
-            // --fault cover`.
+            // The sweep of the frame repeats after a few updates. One kind stays covered as in `eval --fault cover`.
             let covered = if name == "textured" { 300 } else { 60 };
             let states: Vec<State> = (0..covered).map(|_| update(&mut tracker, &[level; 160 * 120]).state).collect();
             let tracking = states.iter().filter(|&&state| state == State::Tracking).count();

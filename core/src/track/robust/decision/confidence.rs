@@ -1,5 +1,4 @@
-//! The confidence that the tracker still follows the target, which decides the state: a running mean of each frame's
-//! evidence.
+//! The confidence in the target: a running mean of each frame's evidence for it. It decides the state.
 //!
 //! ```text
 //! evidence   = agreement + min(response, 1/2)
@@ -9,8 +8,7 @@
 //!
 //! `response` is the penalised one ([`response`](super::super::filter::response)), at least 0. It adds at most 1/2,
 //! because a filter that learns from its own answers responds well to anything it follows. The early template hardly
-//! learns, so its agreement adds up to 1. Evidence and mean are in units of 1/65536, at most 1.5. A patch that cannot
-//! show the target has an evidence of 0.
+//! learns, so its agreement adds up to 1. A patch that cannot show the target has no evidence. Unit: 1/65536.
 
 use super::super::config::Config;
 use super::super::constants::{CONFIDENCE_LEAD, FOUND_FROM, FOUND_LEAD, LEARNED_FROM, MOST_EVIDENCE, ONE};
@@ -34,7 +32,6 @@ impl Evidence {
         Self(i32::from(agreement) + 4 * response.clamp(0, ONE / 2))
     }
 
-    /// True if the evidence suffices for the filter to learn from the frame.
     pub(crate) fn may_be_learned(self) -> bool {
         self.0 >= LEARNED_FROM
     }
@@ -50,30 +47,26 @@ impl Evidence {
 pub(crate) struct Confidence(i32);
 
 impl Confidence {
-    /// The confidence after a lock.
     pub(super) const FULL: Self = Self(MOST_EVIDENCE);
 
     /// The confidence in a target that is given up, and searched only by redetection.
     pub(crate) const NONE: Self = Self(0);
 
-    /// The confidence after the target was found again: at least `lost_below`, and below `uncertain_below` if that is
-    /// higher.
+    /// The confidence after redetection: at least `lost_below`, and below `uncertain_below` if that is higher.
     pub(crate) fn found(evidence: Evidence, config: &Config) -> Self {
         let below = |bound: u16| (3 * i32::from(bound) + 1) / 2;
         Self(evidence.0.min(below(config.uncertain_below) - 1).max(below(config.lost_below)))
     }
 
-    /// The running mean, for the saved target.
     pub(crate) const fn mean(self) -> i32 {
         self.0
     }
 
-    /// Restores the confidence from a saved mean; `None` if the mean is out of range.
+    /// Restores a saved mean; `None` if it is out of range.
     pub(crate) const fn restore(mean: i32) -> Option<Self> {
         if 0 <= mean && mean <= MOST_EVIDENCE { Some(Self(mean)) } else { None }
     }
 
-    /// Updates the confidence by the evidence of a frame.
     pub(crate) fn after(self, evidence: Evidence, patience: u8) -> Self {
         let mean = self.0 + (((evidence.0 - self.0) * (256 - i32::from(patience))) >> 8);
         Self(mean.min(evidence.0 + CONFIDENCE_LEAD))

@@ -1,9 +1,8 @@
-//! Redetection: while the target is lost, each frame searches additional windows. Over several frames they sweep the
-//! whole picture.
+//! Redetection: while the target is lost, each frame searches additional windows, which sweep the whole picture.
 //!
 //! The windows cover the picture side by side, row by row. A frame searches the next `Config::sweep` windows, but none
 //! beyond the end of a row, so that they lie in one rectangle. It searches and verifies each like the first window,
-//! until one shows the target. So a lost frame costs more searches, but no learning.
+//! until one shows the target.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
@@ -24,8 +23,8 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window, and true if the window is the last of its row. Middles are at most `side` apart,
-    /// in units of 1/4096 pixel.
+    /// The middle of the next window, and true if it is the last of its row. Middles are at most `side` (1/4096 pixel)
+    /// apart.
     pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);

@@ -1,5 +1,4 @@
-//! The memory of a target from frame to frame, and its saved form: track, filter, early template, and the refiner's
-//! memory.
+//! The memory of a target from frame to frame (track, filter, early template, refiner), and its saved form.
 
 use super::super::config::Config;
 use super::super::constants::{CHANNELS, MOST_CELLS, MOST_PIXELS, PIXEL_BITS, WEIGHTS};
@@ -17,7 +16,6 @@ use crate::track::{Quality, RestoreError, SaveError};
 
 /// Bytes of a saved track.
 const TRACK: usize = 62;
-/// The most bytes of a saved target.
 pub(crate) const SAVED_SIZE: usize =
     around(Config::COUNT) + TRACK + 4 * MOST_CELLS * CHANNELS + 2 * MOST_PIXELS + refiner::SAVED;
 
@@ -90,7 +88,6 @@ impl Memory {
     }
 }
 
-/// Reads a saved track; `None` if a value is out of range.
 fn read_track(from: &mut Reader<'_>) -> Option<Track> {
     let bounds = Rect::new(0, 0, from.u16()?, from.u16()?);
     let target = Rect::new(0, 0, from.u16()?, from.u16()?);

@@ -61,7 +61,6 @@ impl Track {
         self.corrected(self.motion.place)
     }
 
-    /// The box of the target at a place, corrected by the refiner.
     #[cfg_attr(feature = "refiner", inline(never))] // without the refiner its one caller is `bbox`
     pub(crate) fn corrected(&self, place: Place) -> FineRect {
         self.review.correct(self.at(place))

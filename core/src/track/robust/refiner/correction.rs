@@ -66,7 +66,6 @@ impl Correction {
         self.centre.into_iter().chain(self.sides).for_each(|number| to.i32(number));
     }
 
-    /// Reads a saved correction; `None` if a value is out of range.
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
         Self::restore([from.i32()?, from.i32()?], [from.i32()?, from.i32()?])
     }

@@ -5,8 +5,7 @@
 //! x     = 64 + (pixel - mean) * 2^21 / (sqrt(sum of (pixel - mean)^2) + 128) / 2^12,  clamped to 0 to 127
 //! ```
 //!
-//! So the input x is 64 at the mean and changes by 16 for each standard deviation. The 128 in the divisor limits the
-//! noise of a plain crop.
+//! So x is 64 at the mean and changes by 16 for each standard deviation. The 128 limits the noise of a plain crop.
 
 use super::super::features::{Lattice, SAMPLED, Sampling};
 use crate::image::{FineRect, Frame, Rect};
@@ -32,8 +31,7 @@ pub(super) const MEAN: i8 = 64;
 #[derive(Clone, Copy)]
 pub(crate) struct Crop(());
 
-/// The crop's sampling steps, in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which are in units of 1/256
-/// pixel.
+/// The crop's sampling steps in units of 1/4096 pixel: 1.75 / 32 of the box's sides, which have units of 1/256 pixel.
 fn steps([width, height]: [u32; 2]) -> [i64; 2] {
     [width, height].map(|side| ((7 * i64::from(side)) >> 3).max(1))
 }
@@ -50,9 +48,8 @@ fn crop_of(target: FineRect) -> Lattice {
     Lattice { x, y, step, step_down, columns: ROWS, rows: ROWS }
 }
 
-/// The rectangle of pixels in a frame of `bounds` that the crop of a box may read, if the box moves by up to `by`
-/// (unit: 1/4096 pixel). On each side, a crop reads less than two blocks of pixels beyond its samples. The side of a
-/// block is at most the mean of the steps.
+/// The rectangle of frame pixels that the crop of a box may read, if the box moves by up to `by` / 4096 pixels. A crop
+/// reads less than two blocks of pixels beyond its samples. A block's side is at most the mean of the steps.
 #[inline(never)]
 pub(crate) fn reachable(target: FineRect, by: i64, bounds: Rect) -> Rect {
     let ([x, y], [right, down]) = (middle(target), steps([target.width, target.height]));
@@ -105,8 +102,7 @@ impl Crop {
     }
 }
 
-/// Replaces samples by inputs of the network. The sum of squares is at most 1024 * 255^2 < 2^26, a product at most `255
-/// * 2^14`.
+/// Replaces samples by inputs of the network. The sum of squares is below 2^26, a product at most `255 * 2^14`.
 #[inline(never)]
 fn normalise(crop: &mut [i8; SAMPLES]) {
     let sample = |&sample: &i8| i32::from(sample.cast_unsigned());
@@ -172,7 +168,6 @@ impl FirstCrop {
         Some(Self(Crop::begin(target, bounds, sampling)))
     }
 
-    /// Samples the next row. True after the last row.
     pub(crate) fn next_row(
         &mut self,
         frame: &Frame<'_>,

@@ -2,10 +2,9 @@
 //!
 //! The filter's box has one scale for width and height, and lags behind a target that comes nearer or turns. The
 //! network compares the target in the first and in the present frame, and estimates the error of the box ([`network`]).
-//! The correction follows these estimates from frame to frame ([`correction`]). It changes only the answer, not the
-//! tracker's place and scale or its learning. (Moving the place or changing the scale by the estimates gained nothing
-//! on the recordings.) The network also estimates how large its errors may be, which can make the state worse and in
-//! time give the target up ([`opinion`]).
+//! The correction follows the estimates from frame to frame ([`correction`]). It changes only the answer: moving or
+//! scaling the tracker's place by them gained nothing on the recordings. The network also estimates how large its
+//! errors may be, which can make the state worse and in time give the target up ([`opinion`]).
 //!
 //! ```text
 //! at the end of an update:  crop -> layers 1 to 4 -> two full layers -> correction, opinion
@@ -37,7 +36,6 @@ use heapless::Vec;
 use network::{Layers, Outputs, ROOM};
 use opinion::Opinion;
 
-/// Bytes that the refiner adds to a saved target.
 pub(super) const SAVED: usize = Correction::SAVED + Opinion::SAVED + First::SAVED;
 /// Upper bounds of the work for sampling a crop, and for the refiner in a frame.
 pub(super) const CROP_WORK: u32 = crop::WORK;
@@ -91,13 +89,11 @@ impl Review {
         self.opinion.save(to);
     }
 
-    /// Reads a saved review; `None` if a value is out of range.
     pub(super) fn read(from: &mut Reader<'_>) -> Option<Self> {
         Some(Self { correction: Correction::read(from)?, opinion: Opinion::read(from)? })
     }
 }
 
-/// The stages of the refiner in one frame.
 #[derive(Clone, Copy)]
 pub(super) enum Refiner {
     /// Samples the box and its surroundings in the present frame.

@@ -24,8 +24,8 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// The network's estimate, in units of 1/4096: the shift of the centre to the right and down; the logarithms of the
-/// factors of width and height; the logarithms of the expected errors of place and size.
+/// Shift of the centre right and down; logarithms of the factors of width, height, and of the errors of place, size.
+/// Unit: 1/4096.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -139,7 +139,6 @@ pub(super) fn room_for_crop(scratch: &mut [i8]) -> Option<&mut [i8; SAMPLES]> {
     scratch.first_chunk_mut()
 }
 
-/// The progress of the network.
 #[derive(Clone, Copy)]
 pub(crate) struct Layers {
     /// Index of the present layer, and of the next row of its outputs.
@@ -191,8 +190,7 @@ impl Layers {
         None
     }
 
-    /// The index of the first output of this row, and the number of outputs. Outputs that are inputs of another
-    /// convolution have a border.
+    /// The index of the row's first output, and the number of outputs. Inputs of another convolution have a border.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)

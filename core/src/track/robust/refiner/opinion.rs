@@ -1,5 +1,4 @@
-//! The network's opinion of the box: a running mean of how small an error it expects. A bad opinion makes the state
-//! worse.
+//! The network's opinion of the box: a running mean of how small an error it expects. It can make the state worse.
 //!
 //! ```text
 //! trust    = -(log spread of the place + log spread of the size), from 0 to 3; 3 if the early template is exact
@@ -7,9 +6,8 @@
 //! given up = opinion < 1.19 in 30 updates in a row
 //! ```
 //!
-//! In training the network learns how large the errors of its estimates of place and size are. On a crop that does not
-//! show the first frame's target it expects large errors. The filter cannot notice that, because it learns whatever it
-//! follows.
+//! In training the network learns how large the errors of its estimates are. On a crop that does not show the first
+//! frame's target it expects large errors. The filter cannot notice that, because it learns whatever it follows.
 //!
 //! A target that is doubted for long is given up: nothing is learned, and only redetection finds it again. On
 //! recordings in which the target leaves and returns elsewhere this raises R by 0.022 +- 0.010, and F by 0.029 +-
@@ -58,7 +56,6 @@ impl Opinion {
         self.0 = if mean < UNCERTAIN_BELOW { mean | PATIENCE.min(doubted + 1) << 16 } else { mean };
     }
 
-    /// True if the target was doubted for so long that the tracker gives it up.
     pub(crate) fn gives_up(self) -> bool {
         self.0 >> 16 == PATIENCE
     }
@@ -67,12 +64,10 @@ impl Opinion {
         self.0 & 0xFFFF
     }
 
-    /// Starts again as *uncertain*, for a target that redetection has found.
     pub(crate) fn begin_again(&mut self) {
         *self = Self(FOUND);
     }
 
-    /// The best state that the opinion allows.
     pub(crate) fn state(self) -> State {
         if self.mean() < LOST_BELOW {
             State::Lost
@@ -89,7 +84,6 @@ impl Opinion {
         to.i32(self.0);
     }
 
-    /// Reads a saved opinion; `None` if it is out of range.
     pub(crate) fn read(from: &mut Reader<'_>) -> Option<Self> {
         from.i32().map(Self).filter(|opinion| opinion.mean() <= MOST && (0..=PATIENCE).contains(&(opinion.0 >> 16)))
     }

@@ -1,14 +1,13 @@
-//! The scratch memory of the stages of an update or a lock. They share it, one after the other ("lends": to the
-//! filter's products):
+//! Scratch memory of an update or a lock, which the stages use in turn ("lends": to the filter's products).
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|
 //! | begin | | | | writes the weights | | | measures the template |
 //! | features | samples, sums cells | writes features | | | | | |
-//! | response | lends its sums | reads | writes | reads | spare | | |
+//! | response | lends its sums | reads | writes | reads | scratch | | |
 //! | verification | samples the view | | | | | | writes |
 //! | refinement | | | | | | | reads |
-//! | scale | samples, lends its sums | | | reads | spare; responses at a scale | features at a scale | |
+//! | scale | samples, lends its sums | | | reads | scratch; responses at a scale | features at a scale | |
 //! | learning | lends its sums | reads | reads | writes the direction | errors, gradient | | |
 //! | refiner | samples the crop | its patches and layers | | | | | |
 //! | end of an update | | | | reads the direction | | | reads the view |
@@ -27,8 +26,8 @@ const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
-// Fields with padding precede a vector. In the other order a build without optimisation builds the value on the stack
-// and copies it.
+// Fields with padding precede a vector. Otherwise a build without optimisation builds the value on the stack and
+// copies.
 #[repr(C)]
 pub(crate) struct Buffers {
     /// The features of a search window, or the refiner's patches and layers.

@@ -25,7 +25,6 @@ const fn window(extent: Extent) -> u32 {
     cells::most_work(extent) + lighting::most_work(extent)
 }
 
-/// Upper bound of the work for a search and the verification of its peak.
 const fn search(extent: Extent) -> u32 {
     window(extent) + response::most_work(extent) + agreement::most_work(extent)
 }
@@ -81,8 +80,7 @@ mod tests {
     use super::*;
     use std::{format, string::String};
 
-    /// Checks the figures of the drawing in `robust/mod.rs`: the work of each stage, for the filter whose sum is
-    /// largest.
+    /// Checks the figures of the drawing in `robust/mod.rs`, which are those of the filter with the largest sum.
     #[test]
     fn the_drawing_has_the_work_of_each_stage() {
         let config = Config::robust();

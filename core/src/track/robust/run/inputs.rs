@@ -9,8 +9,7 @@ use super::buffers::Buffers;
 use crate::kernels::Products;
 use crate::track::update::Budget;
 
-/// The inputs of the stages. An update changes them only at its end; a lock changes the weights in `memory` at each
-/// step of learning.
+/// The inputs of the stages. They change only at the end of an update; in a lock, the weights change at each step.
 pub(crate) struct Inputs<'a> {
     pub(crate) config: &'a Config,
     pub(crate) memory: &'a Memory,

@@ -4,8 +4,7 @@
 //! crop (feature `refiner`) -> view, which becomes the template -> features -> learning, in `FIRST_STEPS` steps
 //! ```
 //!
-//! Even an unfinished lock changes the target: its start drops the track and sets all weights to 0, and each step of
-//! learning changes the weights. Its end sets template and track.
+//! Even an unfinished lock changes the target: it drops the track first, and sets the weights to 0, then at each step.
 
 use super::super::config::Config;
 use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};
@@ -112,7 +111,6 @@ impl LockPipeline {
         }
     }
 
-    /// Begins to sample the view that becomes the early template.
     #[inline(never)]
     fn begin_template(&mut self, config: &Config, memory: &Memory, buffers: &mut Buffers) {
         let inputs = Inputs { config, memory, track: &self.track };

@@ -7,10 +7,9 @@
 //! if the target is lost:         -> search -> verification, in each window of the sweep until one shows the target
 //! ```
 //!
-//! A search computes features and responses. Each stage holds its inputs and passes on its result. To add a stage, add
-//! it to `Stage` and `next_piece`, and begin it at the end of the stage before it; a stage for every frame, before the
-//! decision, begins in `scaled`. Until [`Pipeline::commit`] only the workspace changes. Locks have their own pipeline
-//! (`lock.rs`).
+//! A search computes features and responses. To add a stage, add it to `Stage` and `next_piece`, and begin it at the
+//! end of the stage before it. A stage for every frame, before the decision, begins in `scaled`. Until
+//! [`Pipeline::commit`] only the workspace changes. Locks have their own pipeline (`lock.rs`).
 
 use super::super::arithmetic::quotient;
 use super::super::config::Config;
@@ -105,8 +104,7 @@ impl Pipeline {
         }
     }
 
-    /// Runs one indivisible piece of work. Functions that are not inlined begin the stages, so that a piece does not
-    /// reserve stack for all of them.
+    /// Runs one indivisible piece of work. Functions that are not inlined begin the stages, to save stack here.
     fn next_piece(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget, frame: &Frame<'_>) {
         match &mut self.stage {
             Stage::Done => {}
@@ -173,8 +171,7 @@ impl Pipeline {
         self.stage = Stage::Verification(Verification::begin(candidate));
     }
 
-    /// Refines the verified candidate. Begins the scale search, unless refinement has found the scale or the size is
-    /// fixed.
+    /// Refines the verified candidate. Begins the scale search, unless the scale is refined or the size fixed.
     #[inline(never)] // see `next_piece`
     fn refine(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers, budget: &mut Budget) {
         let Stage::Refinement(Verified { mut candidate, alignment }) = self.stage else { return };
@@ -200,7 +197,7 @@ impl Pipeline {
         }
     }
 
-    /// Sets the scale of the candidate, whose place is known, and decides.
+    /// Sets the scale of the candidate and decides: its place and scale are final.
     #[inline(never)] // see `next_piece`
     fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
         self.candidate.place.scale = scale;
@@ -256,8 +253,7 @@ impl Pipeline {
         }
     }
 
-    /// Begins the refiner, unless the early template gave the exact place and size. Its memory is that of the window's
-    /// features, which are not needed any more.
+    /// Begins the refiner in the memory of the features, unless the early template gave the exact place and size.
     #[inline(never)] // see `next_piece`
     fn begin_refiner(&mut self, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
@@ -269,7 +265,6 @@ impl Pipeline {
         }
     }
 
-    /// Stores the results of the update in the target's memory.
     pub(crate) fn commit(&mut self, config: &Config, memory: &mut Memory, buffers: &Buffers) {
         let Self { track, alignment, .. } = self;
         if let Some(length) = self.learned {

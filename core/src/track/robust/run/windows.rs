@@ -59,8 +59,7 @@ pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     Some(all).filter(|all| !all.is_empty())
 }
 
-/// The pixels that a lock reads: the box, its surroundings up to the radius of a search window, and the refiner's crop
-/// (1.75 times the box).
+/// The pixels that a lock reads: the search window around the box, and the refiner's crop (1.75 times the box).
 pub(crate) fn lock_pixels(bounds: Rect, target: Rect, config: &Config) -> Rect {
     let window = Lattice::search_window(&Place::of(target), &Grid::new(target), config.reach()).pixels(bounds);
     if config.refines() {
@@ -76,8 +75,8 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
 }
 
 /// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Beyond
-/// the search radius, the peak may lie between two cells, alignment adds up to `MARGIN` pixels, refinement one pixel,
-/// and the scale may grow by a step.
+/// it, the peak may lie between cells, alignment adds `MARGIN` pixels, refinement one, and the scale may grow by a
+/// step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;

@@ -1,8 +1,7 @@
-//! Verification: compares the early template with the patch at the filter's peak, to decide whether the target is
-//! there.
+//! Verification: compares the early template with the patch at the filter's peak, to decide if it shows the target.
 //!
 //! The template is moved to its best fit in the view, the samples around the peak ([`alignment`](super::alignment)),
-//! and adapted to the light of the patch there (`lighting.rs`). Both are compared tile by tile:
+//! and adapted to the light there (`lighting.rs`). Both are compared tile by tile:
 //!
 //! ```text
 //! agreement = the fourth lowest of the SMR ratios of 4x4 tiles, in units of 1/65535
@@ -40,7 +39,6 @@ pub(crate) const fn most_of_a_view(extent: Extent) -> u32 {
     columns * rows * SAMPLED + most_read(columns, rows)
 }
 
-/// Upper bound of the work: sampling the view, scoring the alignments, relighting twice, and the agreement.
 pub(crate) const fn most_work(extent: Extent) -> u32 {
     let agreement = ALIGNMENTS as u32 * COMPARED + RELIT + RELIT + COMPARED;
     most_of_a_view(extent) + agreement * extent.pixels()
@@ -51,7 +49,6 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
     (RELIT + COMPARED) * extent.pixels()
 }
 
-/// The early template, with the configuration and the grid for its comparison.
 pub(crate) struct Early<'a> {
     pub(crate) config: &'a Config,
     pub(crate) template: &'a Template,
@@ -142,7 +139,6 @@ impl Comparison {
         Lattice::view(place, grid).begin(bounds, sampling, &mut self.view);
     }
 
-    /// Samples the next row of the view. True after the last row.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, sampling: &mut Sampling, budget: &mut Budget) -> bool {
         let done = sampling.next_row(frame, &mut self.view);
@@ -176,7 +172,6 @@ impl Comparison {
         lighting::can_show(seen, *contrast, *expected)
     }
 
-    /// The SMR score of the aligned template, as it was last relit.
     fn score(&self, early: &Early<'_>, alignment: Alignment) -> u32 {
         let scorer = Scorer::new(early.config.backend(), &self.table);
         match (self.patch(early.grid, alignment), self.relit(early.grid)) {
@@ -214,7 +209,6 @@ enum Phase {
     View,
     /// Scores the alignment with this index.
     Alignment(u16),
-    /// Computes the agreement at the best alignment.
     Agreement,
 }
 
@@ -300,7 +294,6 @@ mod tests {
     use super::*;
     use std::vec::Vec as Pixels;
 
-    /// The agreement of a template of 16x16 pixels with a patch.
     fn agreement(template: &[u8], patch: &[u8]) -> u16 {
         const SIDE: u16 = 16 + 2 * MARGIN;
         let mut early = Template::new();

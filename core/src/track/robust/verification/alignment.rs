@@ -6,8 +6,7 @@
 
 use super::super::constants::{COARSE_STEP, MARGIN};
 
-/// The template's offset to the right and down from the view's middle, in pixels of the grid, at most [`MARGIN`] on
-/// each axis.
+/// The template's offset right and down from the view's middle, in pixels of the grid: at most [`MARGIN`] on each axis.
 pub(crate) type Alignment = (i16, i16);
 
 #[derive(Clone, Copy)]

@@ -41,8 +41,7 @@ fn count(cells: &[i8]) -> u32 {
     u32::try_from(cells.len() / CHANNELS).unwrap_or(0)
 }
 
-/// The gain of contrast from the template to the target, for each gray level of contrast in the search window. Unit:
-/// 2^-14.
+/// The target's gain of contrast for each gray level of contrast in its search window, in units of 2^-14.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Light(u32);
 
@@ -60,17 +59,14 @@ impl Light {
         ((self.0 * window) >> 10).clamp(1, MOST_EXPECTED)
     }
 
-    /// Moves the followed light by 1/8 of the way to that of the present frame.
     pub(crate) fn following(self, new: Self) -> Self {
         Self(self.0.saturating_add_signed((new.0.cast_signed() - self.0.cast_signed()) >> FOLLOWED))
     }
 
-    /// The value for the saved target.
     pub(crate) const fn number(self) -> u32 {
         self.0
     }
 
-    /// Restores the light from a saved value; `None` if the value is out of range.
     pub(crate) const fn restore(number: u32) -> Option<Self> {
         if number <= Self::MOST { Some(Self(number)) } else { None }
     }

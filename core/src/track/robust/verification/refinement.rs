@@ -13,8 +13,7 @@
 //! | `x`, `y` | move | 1/64 pixel of the grid | +-64 |
 //! | `g` | growth | 1/65536 | +-1310 |
 //!
-//! The step is taken only if the early template agrees well. An exact match does not move. Cost: 40 instructions of a
-//! Cortex-M4 for each pixel.
+//! The step is taken only if the early template agrees well. Cost: 40 instructions of a Cortex-M4 for each pixel.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{DAMPING, MOST_GROWTH, MOST_MOVE, REFINED_FROM};
@@ -36,8 +35,8 @@ pub(crate) struct Refined {
     pub(crate) growth: i32,
 }
 
-/// Refines an alignment by the patch `seen` there and the relit template. `None` if the agreement is too low. `alpha`
-/// is at most 100.
+/// Refines an alignment by the patch `seen` there and the relit template; `None` for low agreement. `alpha` is at most
+/// 100.
 pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,
@@ -66,7 +65,7 @@ struct NormalEquations {
 }
 
 impl NormalEquations {
-    #[inline(never)] // keeps its stack out of `step` of the tracker
+    #[inline(never)] // its stack is not needed by the tracker's `step`
     fn of(seen: Image<'_>, relit: Image<'_>, alpha: i32) -> Self {
         let mut equations = Self::default();
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
@@ -147,7 +146,6 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// A pattern of waves of `columns` x `rows` pixels, moved to the right and down and grown.
     fn waves((columns, rows): (u16, u16), (right, down, growth): (f64, f64, f64)) -> Vec<u8> {
         let pixel = |x: u16, y: u16| {
             let from_middle = |at: u16, size: u16| f64::from(at) - (f64::from(size) - 1.0) / 2.0;

@@ -1,5 +1,5 @@
-//! The early template: a running mean of the target's pixels, so slow that verification notices a wrong target before
-//! the template resembles it.
+//! The early template: a mean of the target's pixels, so slow that verification notices a wrong target before it is
+//! learned.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
@@ -39,8 +39,7 @@ impl Template {
         &self.mean
     }
 
-    /// Moves the mean by `rate` / 1024 of the way to `patch`. With a rate of 1, rounding leaves a pixel unchanged that
-    /// differs by less than 2 gray levels.
+    /// Moves the mean by `rate` / 1024 of the way to `patch`. With a rate of 1, differences below 2 gray levels stay.
     #[inline(never)]
     pub(crate) fn learn(&mut self, patch: Image<'_>, rate: u16) {
         let columns = usize::from(patch.width());
