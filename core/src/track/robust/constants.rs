@@ -31,8 +31,7 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells of the correlation filter on each axis.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Cells of the filter for each grid pixel of the target on an axis, as a fraction: 1.4 / `CELL`. It covers 1.4
-/// targets.
+/// Cells of the filter for each grid pixel of the target, on an axis: 1.4 / `CELL`, because it covers 1.4 targets.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the target's grid: half a pixel, in units of 1/4096. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;
@@ -56,8 +55,7 @@ pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
 pub(super) const COARSE_STEP: i16 = 2;
 /// Offsets at which the early template is compared with the frame.
 pub(super) const ALIGNMENTS: u16 = 17;
-/// The least agreement of the early template for which it refines place and size, in units of 1/65535. R without
-/// refinement -0.025 +- 0.013.
+/// The least agreement for which the early template refines place and size. Unit: 1/65535. R without -0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
 /// The largest move by the Gauss-Newton step of refinement, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
@@ -92,8 +90,7 @@ pub(super) const QUALITY_ALPHA: u16 = 13;
 
 /// The ratio of two neighbouring scales of the scale search, in units of 1/65536: 1.02. R with 1.04 -0.063 +- 0.023.
 pub(super) const SCALE_STEP: i64 = 66_847;
-/// The factor of a response at a changed scale in the scale search, in units of 1/256: 0.984. R without -0.038 +-
-/// 0.016.
+/// The factor of a response at a changed scale in the scale search. Unit: 1/256. R without -0.038 +- 0.016.
 pub(super) const SCALE_PENALTY: i64 = 252;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 1;

@@ -1,5 +1,4 @@
-//! The decision in each frame: state (`confidence`), search for a lost target (`redetection`), and the memory that
-//! lasts to the next frame (`track`, `saved`).
+//! The decision: the state (`confidence`), the search for a lost target (`redetection`), the memory (`track`, `saved`).
 
 mod confidence;
 mod redetection;

@@ -1,8 +1,7 @@
 //! Redetection: while the target is lost, each frame searches additional windows, which sweep the whole picture.
 //!
-//! The windows cover the picture side by side, row by row. A frame searches the next `Config::sweep` windows, but none
-//! beyond the end of a row, so that they lie in one rectangle. It searches and verifies each like the first window,
-//! until one shows the target.
+//! The windows cover the picture side by side, row by row. A frame searches and verifies the next `Config::sweep`
+//! windows, until one shows the target, but none beyond the end of a row, so that they lie in one rectangle.
 
 use super::super::arithmetic::quotient;
 use super::super::constants::{PIXEL, PIXEL_BITS};
@@ -23,8 +22,7 @@ impl Sweep {
         self.next = self.next.wrapping_add(1);
     }
 
-    /// The middle of the next window, and true if it is the last of its row. Middles are at most `side` (1/4096 pixel)
-    /// apart.
+    /// The middle of the next window, and true for the last of its row. Middles are at most `side` / 4096 pixels apart.
     pub(crate) fn middle(self, side: u32, bounds: Rect) -> ((i64, i64), bool) {
         let (columns, rows) = (count(bounds.width, side), count(bounds.height, side));
         let number = self.next % (columns * rows).max(1);
@@ -33,8 +31,8 @@ impl Sweep {
     }
 }
 
-/// The number of windows on an axis. A step of the grid is at least 409, so `side` is at least 13,088, and the product
-/// of the counts on both axes is below 2^32.
+/// The number of windows on an axis. A grid step is at least 409, so `side` is at least 13,088, and counts on both axes
+/// have a product below 2^32.
 fn count(size: u16, side: u32) -> u32 {
     (u32::from(size) << PIXEL_BITS).div_ceil(side.max(1)).max(1)
 }

@@ -88,8 +88,7 @@ impl Extractor {
         &mut self.sampling
     }
 
-    /// Begins the features of a window. `lattice` has a border of one sample. False if the capacity of `out` is too
-    /// small.
+    /// Begins the features of a window. `lattice` has a border of one sample. False if `out` is too small for them.
     #[inline(never)]
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
@@ -137,8 +136,7 @@ impl Extractor {
                 sampler.row(number, line);
             }
             gradients(lines, computed, below, across);
-            // The next row of cells starts with the last two lines of this one. An assignment would copy by way of the
-            // stack.
+            // The next row of cells starts with the last two lines of this one. An assignment would copy on the stack.
             let [first, second, _, _, fifth, sixth] = &mut *lines;
             for (to, from) in [(first, fifth), (second, sixth)] {
                 let columns = (across * usize::from(CELL) + 2).min(COLUMNS);

@@ -1,5 +1,4 @@
-//! The features of a search window: its place (`motion`), its samples on the target's grid (`grid`, `sampling`), and
-//! the cells computed from them (`cells`).
+//! The features of a search window: its place (`motion`), its samples (`grid`, `sampling`), and its cells (`cells`).
 
 pub(super) mod cells;
 mod grid;

@@ -64,16 +64,14 @@ impl Motion {
         Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
     }
 
-    /// Follows the target to `place` and updates the velocity. `None`, for not seen, keeps the place and halves the
-    /// velocity.
+    /// Follows the target to `place` and updates the velocity. `None` keeps the place, and halves the velocity.
     pub(crate) fn follow(&mut self, place: Option<Place>) {
         let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];
         self.place = place;
     }
 
-    /// Moves the place with the picture when the camera turns, in units of 1/256 pixel. The target's own velocity
-    /// stays.
+    /// Moves the place with the picture when the camera turns, in units of 1/256 pixel. The target's velocity stays.
     pub(crate) fn shift(&mut self, right: i32, down: i32, bounds: Rect) {
         let Place { x, y, scale } = self.place;
         self.place = Place { x: x + (i64::from(right) << 4), y: y + (i64::from(down) << 4), scale }.inside(bounds);

@@ -27,8 +27,7 @@ pub(crate) const SAMPLED: u32 = 32;
 /// The most pixels or blocks of the frame under a row of the largest lattice.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The most pixels of the frame that a lattice reads; each is a unit of work. A lattice step is less than two blocks,
-/// and four pixels of each block are read.
+/// The most pixels of the frame that a lattice reads. Its step is less than two blocks, of which it reads four pixels.
 pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -219,8 +218,7 @@ impl Sampling {
         self.next
     }
 
-    /// Samples the next row into its place in `out`. True after the last row. Leaves the row if a pixel is not in
-    /// memory.
+    /// Samples the next row into its place in `out`, unless a pixel is not in memory. True after the last row.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
@@ -323,7 +321,7 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Indices of the two columns (and rows) that are read of a block: both of 2x2, otherwise 1/4 of its side from its
+/// Indices of the two columns (and rows) of a block that are read: both of 2x2, else a quarter of its side from its
 /// edges.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;

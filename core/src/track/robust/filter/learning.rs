@@ -73,8 +73,7 @@ pub(crate) struct Training<'a> {
 pub(crate) struct Sums {
     /// The gradient, in the unit of the coded errors. While responses are computed, scratch memory.
     pub(crate) per_weight: [i32; WEIGHTS],
-    /// The errors before coding, in units of 1/16384. While the gradient is summed, scratch memory. Then the responses
-    /// to the direction, in the direction's unit.
+    /// The errors before coding, in units of 1/16384. Later scratch memory, then the responses to the direction.
     pub(super) per_offset: [[i32; SPAN]; SPAN],
     /// Errors of the responses, in units of 2^`error_shift` / 16384.
     coded_errors: [[i16; SPAN]; SPAN],
@@ -237,8 +236,11 @@ pub(crate) struct Learning {
 
 #[derive(Clone, Copy)]
 enum Phase {
+    /// Computes the errors of the responses.
     Errors,
+    /// Adds a piece of the gradient.
     Gradient { piece: usize, error_shift: u32 },
+    /// Computes the direction from the gradient.
     Direction { error_shift: u32 },
     /// Computes the responses to the direction, which give the step length.
     Curvature { piece: usize },
@@ -254,8 +256,7 @@ impl Learning {
         Self { locks: true, ..Self::begin((0, 0), WHOLE_STEP) }
     }
 
-    /// Computes one piece. The last one completes `direction` and returns the step length; then a conjugate step
-    /// begins.
+    /// Computes one piece. The last piece completes `direction` and returns the step length. Then the next step begins.
     pub(crate) fn next_piece(
         &mut self,
         training: &Training<'_>,

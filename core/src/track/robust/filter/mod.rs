@@ -1,5 +1,5 @@
-//! The correlation filter: its weights (`correlation`), its `response` at each offset and `scale`, and its `learning`
-//! on a Gaussian label (`gaussian`).
+//! The correlation filter: weights (`correlation`), responses (`response`, `scale`), `learning` on a label
+//! (`gaussian`).
 
 mod correlation;
 mod gaussian;

@@ -1,5 +1,4 @@
-//! The scale search: compares the filter's response at the last scale, 1/1.02 and 1.02 times it (as in DSST; Danelljan
-//! et al., 2014).
+//! The scale search (as in DSST; Danelljan et al., 2014): compares the filter's response at three neighbouring scales.
 //!
 //! ```text
 //! scale' = the scale s with the largest  peak(s) * (1 if s is the last scale, else 0.984)

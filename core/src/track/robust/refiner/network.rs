@@ -24,8 +24,8 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// Shift of the centre right and down; logarithms of the factors of width, height, and of the errors of place, size.
-/// Unit: 1/4096.
+/// Shift of the centre right, down; logarithms of factors of width, height; those of errors of place, size. Unit:
+/// 1/4096.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");

@@ -19,8 +19,7 @@ use crate::track::saved::{Reader, Writer};
 
 /// The largest trust and opinion, in units of 1/4096: 3.
 const MOST: i32 = 3 << 12;
-/// The opinion below which the target is *uncertain*, in units of 1/4096: 1.19. The network then expects errors of 0.12
-/// sides of the box.
+/// The opinion below which the target is *uncertain*: 1.19, in units of 1/4096. It expects errors of 0.12 sides.
 const UNCERTAIN_BELOW: i32 = 4864;
 /// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
 /// targets covered by noise 67 are lost within 30 frames; with 2868 there are 55, and R changes by +0.0008 +- 0.0006;

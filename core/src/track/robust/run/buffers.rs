@@ -26,8 +26,7 @@ const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 
 /// The scratch memory of the stages. The table of the [module](self) has the uses of each field.
-// Fields with padding precede a vector. Otherwise a build without optimisation builds the value on the stack and
-// copies.
+// Fields with padding precede a vector. Otherwise a build without optimisation builds the value on the stack.
 #[repr(C)]
 pub(crate) struct Buffers {
     /// The features of a search window, or the refiner's patches and layers.

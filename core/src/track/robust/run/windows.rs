@@ -13,8 +13,7 @@ pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
-/// The middle of the next window of redetection, and true if it is the last window of its row. Its scale is that at
-/// which the state was last *tracking*.
+/// The middle of redetection's next window, at the scale of the last *tracking*, and true if it is the last of its row.
 #[inline(never)]
 pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
@@ -39,8 +38,7 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     pixels
 }
 
-/// The pixels that redetection may read in the next update. `None` if the target cannot be lost in that update, which
-/// alone decides whether it is lost.
+/// The pixels that redetection may read in the next update. `None` if the target cannot be lost in it.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     if !track.confidence.may_be_lost_next(config) && !track.is_given_up(config) {

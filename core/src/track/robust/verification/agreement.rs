@@ -80,8 +80,7 @@ impl Candidate {
     }
 }
 
-/// The state of the comparison. After verification, the view, the relit template and the table are those of the best
-/// alignment.
+/// The state of the comparison. After verification, the view, the relit template and the table of the best alignment.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Comparison {
     table: CutTable,

@@ -35,8 +35,7 @@ pub(crate) struct Refined {
     pub(crate) growth: i32,
 }
 
-/// Refines an alignment by the patch `seen` there and the relit template; `None` for low agreement. `alpha` is at most
-/// 100.
+/// Refines an alignment by the patch `seen` there and the relit template. `None` if agreement is low. `alpha` <= 100.
 pub(crate) fn refine(
     agreement: u16,
     (right, down): Alignment,

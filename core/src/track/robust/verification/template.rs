@@ -1,5 +1,4 @@
-//! The early template: a mean of the target's pixels, so slow that verification notices a wrong target before it is
-//! learned.
+//! The early template: a mean of the target's pixels. It learns so slowly that it notices a wrong target.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
