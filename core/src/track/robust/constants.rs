@@ -2,11 +2,10 @@
 //! their formulas: in `features/motion.rs`, `decision/confidence.rs`, `similarity/contrast.rs` and `refiner/`
 //! (`crop.rs`, `correction.rs`, `opinion.rs`). The units of work stand in the stages that spend them.
 //!
-//! *R with ...* gives the change of R by another value, with its standard error (paired differences). R is the fraction
-//! of frames in which the box is right (IoU > 0.25), as a mean over 90 recordings, started on the first frame's
-//! annotated box. R is 0.802 with the values here (`host-sim eval --robustness --starts 1 --method robust`). Constants
-//! without such a line were not measured one by one; `host-sim/RESULTS.md` shows the effect of each part of the
-//! tracker.
+//! R, the success rate, is the fraction of frames with an IoU above 0.25, as a mean over 90 recordings, started on the
+//! first frame's annotated box. Changes of R with another value have a standard error (paired differences). R is 0.802
+//! with the values here (`host-sim eval --robustness --starts 1 --method robust`). Constants without such a line were
+//! not measured one by one; `host-sim/RESULTS.md` shows the effect of each part of the tracker.
 
 /// One pixel of the frame in the unit of positions, 1/4096 pixel.
 pub(super) const PIXEL: i64 = 1 << PIXEL_BITS;
@@ -31,20 +30,21 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells of the correlation filter on each axis.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Cells of the filter for each grid pixel of the target, on an axis: 1.4 / `CELL`, because it covers 1.4 targets.
+/// Filter cells for each pixel of the target, as a fraction: the filter has 1.4 times the target's width and height.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the target's grid: half a pixel, in units of 1/4096. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;
 
 /// The floor that is added to the norm of the gradients around a cell, in units of 1/8 gray level: 2 gray levels for
-/// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. R with nearly no floor
-/// -0.067 +- 0.021; with twice as much -0.038 +- 0.018.
+/// each pixel of a cell. Without it, noise in flat cells would be amplified to full contrast. Nearly no floor lowers
+/// the success rate R by 0.067 +- 0.021, a doubled one by 0.038 +- 0.018.
 pub(super) const NORM_FLOOR: u32 = 2 * 16 * 8;
-/// The gain of a feature: gain * gradient (1/4 gray level) / norm (1/8). 0.4 norm becomes 127, so gain = 2 * 127 / 0.4.
+/// The gain in feature = gain * gradient / norm, with gradients in 1/4 and norms in 1/8 gray level. A gradient of 0.4
+/// norm becomes 127, so gain = 2 * 127 / 0.4.
 pub(super) const NORM_GAIN: u32 = 635;
 
 /// The penalty of a filter response at the edge of the search window, in units of 1/256 of the response. It grows with
-/// the squared distance from the centre. R without -0.043 +- 0.016.
+/// the squared distance from the centre. No penalty lowers the success rate R by 0.043 +- 0.016.
 pub(super) const DISTANCE_PENALTY: u32 = 77;
 
 /// The farthest offset from the filter's peak at which the template is compared, in pixels of the grid on each axis.
@@ -55,7 +55,8 @@ pub(super) const MARGIN_CELLS: u16 = MARGIN.div_ceil(CELL);
 pub(super) const COARSE_STEP: i16 = 2;
 /// Offsets at which the early template is compared with the frame.
 pub(super) const ALIGNMENTS: u16 = 17;
-/// The least agreement for which the early template refines place and size. Unit: 1/65535. R without -0.025 +- 0.013.
+/// The least agreement with which the early template refines place and size, in units of 1/65535. No refinement lowers
+/// the success rate R by 0.025 +- 0.013.
 pub(super) const REFINED_FROM: u16 = 55_000;
 /// The largest move by the Gauss-Newton step of refinement, in units of 1/64 pixel of the grid: one pixel.
 pub(super) const MOST_MOVE: i64 = 64;
@@ -68,8 +69,8 @@ pub(super) const DAMPING: u32 = 6;
 /// Tiles of the early template on each axis. Each of the 4 x 4 tiles is compared with the frame.
 pub(super) const TILES: u16 = 4;
 /// The agreement is the similarity ratio of the tile with this rank, from the lowest. With 4, three tiles may be
-/// hidden. R with the lowest tile (1) -0.139 +- 0.024; with the eighth (8) -0.048 +- 0.022, and 66 % of the wrong
-/// frames are *tracking* instead of 23 %.
+/// hidden. The lowest tile (1) lowers the success rate R by 0.139 +- 0.024; the eighth (8) lowers it by 0.048 +- 0.022,
+/// and 66 % of the wrong frames are *tracking* instead of 23 %.
 pub(super) const RANK: usize = 4;
 /// The least and the most threshold alpha, in gray levels. Pixels match if they differ by less than alpha, so 2 allows
 /// for the rounding of both. With a least alpha of 8, a target with little contrast would match any plain patch
@@ -88,9 +89,10 @@ pub(super) const FOLLOWED: u32 = 3;
 /// The threshold alpha that measures how distinct a target is at the lock, in gray levels: 0.05 of full scale.
 pub(super) const QUALITY_ALPHA: u16 = 13;
 
-/// The ratio of two neighbouring scales of the scale search, in units of 1/65536: 1.02. R with 1.04 -0.063 +- 0.023.
+/// The ratio of neighbouring scales, in units of 1/65536: 1.02. 1.04 lowers the success rate R by 0.063 +- 0.023.
 pub(super) const SCALE_STEP: i64 = 66_847;
-/// The factor of a response at a changed scale in the scale search. Unit: 1/256. R without -0.038 +- 0.016.
+/// The factor of a response at a changed scale in the scale search, in units of 1/256: 0.984. A factor of 1 lowers the
+/// success rate R by 0.038 +- 0.016.
 pub(super) const SCALE_PENALTY: i64 = 252;
 /// The radius of the search window at each scale of the scale search, in cells.
 pub(super) const SCALE_REACH: u16 = 1;
@@ -102,14 +104,15 @@ pub(super) const MOST_SCALE: u32 = 5 * SCALE;
 
 /// The largest evidence of a frame for the target: 1.5.
 pub(super) const MOST_EVIDENCE: i32 = 3 << 15;
-/// The least evidence of a frame for which the filter learns from it.
+/// The least evidence for the target with which the filter learns from a frame.
 pub(super) const LEARNED_FROM: i32 = 37_500;
 /// The least evidence in a window that finds a lost target again. `FOUND_LEAD` is needed as well.
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// The least lead of the evidence in another window over that at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The running mean of the evidence exceeds that of the frame by at most this. So a frame without evidence makes a
-/// target uncertain, by default a second one *lost*. R without +0.002 +- 0.002: it improves the state, not the place.
+/// The running mean of the evidence exceeds that of the frame by at most this. So one frame without evidence makes a
+/// target *uncertain*, and with the default thresholds the second makes it *lost*. It improves the state, not the
+/// place: the success rate R without it is higher by 0.002 +- 0.002.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;
 
 /// The regularisation lambda of the ridge regression: 0.05 * 318^2, because a feature of 1 is the integer 318.
@@ -123,8 +126,8 @@ pub(super) const LABEL_WIDTH: [u32; 2] = [1, 100];
 /// The standard deviation of the mask that weights the filter's cells in learning: half of the target's side. Unit:
 /// 1/256 cell for each pixel of the template on that axis.
 pub(super) const LEARNED_WIDTH: u32 = 32;
-/// Steps of conjugate gradients at the lock. More steps overfit the first frame. R with 25 steps of steepest descent,
-/// at four times the work, +0.003 +- 0.005; with 9 steps -0.004 +- 0.006.
+/// Steps of conjugate gradients at the lock. More steps overfit the first frame: 9 lower the success rate R by 0.004 +-
+/// 0.006. 25 steps of steepest descent, at four times the work, raise it by 0.003 +- 0.005.
 pub(super) const FIRST_STEPS: u32 = 7;
 /// The learning rate at the lock, in units of 1/256: full steps.
 pub(super) const WHOLE_STEP: u16 = 256;

@@ -328,7 +328,8 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the answered peak, in units of 1/16384. 0 after a lock or without a peak.
+    /// The filter's penalised response at the peak that was answered, in units of 1/16384; 0 until its place is
+    /// refined.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

@@ -206,7 +206,7 @@ fn on_ground(kind: i32, frame: i32) -> Vec<u8> {
     })
 }
 
-/// A target of 40x40 pixels on a weak background, in a frame of 160x120.
+/// A target of 40x40 pixels on a background of low contrast, in a frame of 160x120.
 fn on_its_ground(kind: i32, (left, top): (i32, i32), target: impl Fn(i32, i32) -> u8) -> Vec<u8> {
     drawn((160, 120), |x, y| match (x - left, y - top) {
         (x @ 0..40, y @ 0..40) => target(x, y),

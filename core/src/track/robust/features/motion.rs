@@ -64,7 +64,7 @@ impl Motion {
         Place { x: x + (right >> 1), y: y + (down >> 1), scale }.inside(bounds)
     }
 
-    /// Follows the target to `place` and updates the velocity. `None` keeps the place, and halves the velocity.
+    /// Moves to the place in this frame, and updates the velocity. `None` keeps the place and halves the velocity.
     pub(crate) fn follow(&mut self, place: Option<Place>) {
         let (place, [right, down]) = (place.unwrap_or(self.place), self.velocity);
         self.velocity = [(place.x - self.place.x + right) >> 1, (place.y - self.place.y + down) >> 1];

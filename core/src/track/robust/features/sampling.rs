@@ -27,7 +27,7 @@ pub(crate) const SAMPLED: u32 = 32;
 /// The most pixels or blocks of the frame under a row of the largest lattice.
 const ROW: usize = 2 * COLUMNS + 2;
 
-/// The most pixels of the frame that a lattice reads. Its step is less than two blocks, of which it reads four pixels.
+/// The most pixels of the frame that a lattice reads: four of each block, and its step is less than two blocks.
 pub(crate) const fn most_read(columns: u32, rows: u32) -> u32 {
     4 * (2 * columns + 1) * (2 * rows + 1)
 }
@@ -104,7 +104,7 @@ impl Lattice {
     /// The number of times that the frame is halved, until the mean step is less than two blocks.
     #[inline(never)]
     fn halvings(&self) -> u32 {
-        // The least h for which the sum of both steps is below 2^(h + BITS).
+        // The least number h of halvings with which the sum of both steps is below 2^(h + BITS).
         const BITS: u32 = PIXEL_BITS + 2;
         let sum = self.step + self.step_down;
         sum.checked_ilog2().map_or(0, |log| (log + 1).saturating_sub(BITS))
@@ -178,7 +178,7 @@ pub(crate) struct Sampling {
     pixels: Rect,
     /// Block means of an even and of an odd row; unused if the frame is not halved.
     means: [Vec<u8, ROW>; 2],
-    /// Row indices of `means`.
+    /// Indices of the two rows of blocks whose means are in `means`.
     made: [Option<u16>; 2],
     /// Index of the next row of the lattice, and the number of rows.
     next: u16,
@@ -274,7 +274,7 @@ impl Sampler<'_> {
             return;
         }
         *made = Some(block);
-        // At most 4 * ROW, twice for a row of the lattice.
+        // At most 4 * ROW pixels, for each of two rows of blocks of a lattice row.
         *read += if *halvings == 0 {
             pixels.width().into()
         } else {
@@ -321,8 +321,8 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Indices of the two columns (and rows) of a block that are read: both of 2x2, else a quarter of its side from its
-/// edges.
+/// Indices of the two columns (and rows) of a block that are read. Blocks of 2x2 pixels: both. Larger blocks: a quarter
+/// of the side from each edge.
 fn pair(halvings: u32) -> [u16; 2] {
     let side = 1_u16 << halvings;
     [side >> 2, (side >> 2) + (side >> 1)]
@@ -340,7 +340,7 @@ fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], me
         add_row(sums, row_of(pixels, first, row), halvings);
     }
     for (mean, &mut sum) in rolled(means.iter_mut().zip(sums)) {
-        // At most 255 * 4.
+        // The mean of four pixels: the sum is at most 255 * 4.
         *mean = u8::try_from((sum + 2) >> 2).unwrap_or(u8::MAX);
     }
     4 * u32::from(blocks)
@@ -361,7 +361,7 @@ pub(crate) fn row_of<'a>(pixels: Image<'a>, first: u16, row: u16) -> &'a [u8] {
     pixels.row(first.saturating_add(row).min(pixels.height() - 1))
 }
 
-/// Adds two pixels of each block in a row to its sum. Beyond the frame's edge, repeats the last pixel.
+/// Adds two pixels of each block in a row to the block's sum. Beyond the frame's edge, repeats the last pixel.
 fn add_row(sums: &mut [u16], row: &[u8], halvings: u32) {
     let (pairs, _) = row.as_chunks::<2>();
     let whole = if halvings == 1 { pairs } else { &[] };

@@ -78,7 +78,7 @@ impl<const N: usize> Coded<N> {
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // at most 2047 + 3/4 * 8191, a coded value
     pub(super) fn follow(&mut self, sums: &[i32], unit: u32, beta: i64) {
-        // Beta converted to the units of the old and the new code; the bound is in units of 1/65536.
+        // The largest beta, 3/4, in units of 1/65536. Beta is converted to the units of the old and the new direction.
         const MOST: i32 = 3 << 14;
         let beta = beta >> (9 + self.shift).saturating_sub(unit);
         let beta = i32::try_from(beta).unwrap_or(MOST).min(MOST);

@@ -15,7 +15,7 @@ const LOWER: u32 = 24_015;
 
 #[derive(Clone, Copy)]
 pub(crate) struct Gaussian {
-    /// 255 / sigma^2 in units of 2^-24.
+    /// The factor 255 / sigma^2 of the exponent, in units of 2^-24.
     factor: u32,
 }
 

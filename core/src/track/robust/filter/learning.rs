@@ -154,7 +154,7 @@ impl Sums {
     /// offsets have a response to the direction.
     #[inline(never)] // own registers for its loops
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
-        // At most 2000 * 8191^2 < 2^37.
+        // The sum is at most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
         // A response is below 2^31, and its square after a shift by 9 bits below 2^44. 289 squares are below 2^53.
         // Shifted right by 8 bits and times 289 they stay below 2^54.
@@ -165,7 +165,8 @@ impl Sums {
     }
 }
 
-/// Computes the clamped errors e = r - y; returns the largest. `target` is its place from the middle, in 1/256 cell.
+/// Computes the errors e = r - y of the responses, clamped. Returns the largest. `target` is the target's offset from
+/// the window's middle, in units of 1/256 cell.
 #[inline(never)] // keeps its stack out of `next_piece`
 fn compute_errors(training: &Training<'_>, target: (i32, i32), errors: &mut [[i32; SPAN]; SPAN]) -> u32 {
     let (label, span) = (Gaussian::label(training.grid), training.responses.span);

@@ -1,5 +1,4 @@
-//! The correlation filter: weights (`correlation`), responses (`response`, `scale`), `learning` on a label
-//! (`gaussian`).
+//! The correlation filter: weights (`correlation`), responses (`response`, `scale`), `learning` (label: `gaussian`).
 
 mod correlation;
 mod gaussian;

@@ -48,7 +48,7 @@ pub(crate) struct Peak {
     pub(crate) y: i32,
     /// The response at the offset of the peak, in units of 1/16384.
     pub(crate) response: i32,
-    /// The height of the parabolas' top, in units of 1/16384.
+    /// The response interpolated at the refined place, in units of 1/16384.
     pub(crate) height: i32,
 }
 

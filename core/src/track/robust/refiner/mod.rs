@@ -57,7 +57,7 @@ impl Review {
         self.opinion.agree();
     }
 
-    /// Follows an estimate of the network. The correction changes only if the tracker has `learned` from the frame.
+    /// Updates the review by an estimate. The correction changes only if the tracker has `learned` from the frame.
     pub(super) fn follow(&mut self, estimate: Outputs, learned: bool) {
         self.opinion.follow(estimate);
         if learned {

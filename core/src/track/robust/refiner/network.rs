@@ -24,8 +24,8 @@ use crate::kernels::copy;
 use crate::kernels::{Dense, Layer, SPARE, rolled};
 use crate::track::update::{Budget, units};
 
-/// Shift of the centre right, down; logarithms of factors of width, height; those of errors of place, size. Unit:
-/// 1/4096.
+/// The network's estimate: shift of the centre to the right and down, logarithms of the factors of width and height,
+/// logarithms of the expected errors of place and size. Unit: 1/4096.
 pub(crate) type Outputs = [i32; 6];
 
 const FILE: &[u8; BYTES] = include_bytes!("weights.bin");
@@ -147,7 +147,7 @@ pub(crate) struct Layers {
 }
 
 impl Layers {
-    /// Interleaves both crops, sample by sample, as the inputs of the first layer. The border is their mean.
+    /// Interleaves both crops, sample by sample, as the inputs of the first layer. Fills the border with `MEAN`.
     #[inline(never)]
     pub(super) fn begin(first: &[i8], scratch: &mut [i8], budget: &mut Budget) -> Self {
         let [first_layer, ..] = CONVOLUTIONS;
@@ -190,7 +190,8 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output, and the number of outputs. Inputs of another convolution have a border.
+    /// The index of the row's first output, and the number of outputs. They have a border if another
+    /// convolution reads them.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)

@@ -19,11 +19,11 @@ use crate::track::saved::{Reader, Writer};
 
 /// The largest trust and opinion, in units of 1/4096: 3.
 const MOST: i32 = 3 << 12;
-/// The opinion below which the target is *uncertain*: 1.19, in units of 1/4096. It expects errors of 0.12 sides.
+/// The opinion below which the target is *uncertain*: 1.19, in units of 1/4096. The expected error is 0.12 sides then.
 const UNCERTAIN_BELOW: i32 = 4864;
 /// The opinion below which the target is *lost*, in units of 1/4096: 0.8, for expected errors of 0.15 sides. Of 95
-/// targets covered by noise 67 are lost within 30 frames; with 2868 there are 55, and R changes by +0.0008 +- 0.0006;
-/// with 3686 there are 80, and R changes by -0.0020 +- 0.0011.
+/// targets covered by noise, 67 are *lost* within 30 frames. With 2868 it is 55, and the fraction R of right frames
+/// changes by +0.0008 +- 0.0006; with 3686 it is 80, and R changes by -0.0020 +- 0.0011.
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;

@@ -1,4 +1,4 @@
-//! Scratch memory of an update or a lock, which the stages use in turn ("lends": to the filter's products).
+//! Scratch memory of an update or a lock. The stages use it in turn ("lends": its memory, for the filter's products).
 //!
 //! | stage | `extractor` | `large` | `responses` | `coded` | `sums` | `small` | `comparison` |
 //! |---|---|---|---|---|---|---|---|

@@ -1,10 +1,11 @@
-//! The pipeline of a lock, which learns the target from its first frame:
+//! The pipeline of a lock. It learns the target from its first frame, in these stages.
 //!
 //! ```text
 //! crop (feature `refiner`) -> view, which becomes the template -> features -> learning, in `FIRST_STEPS` steps
 //! ```
 //!
-//! Even an unfinished lock changes the target: it drops the track first, and sets the weights to 0, then at each step.
+//! Even an unfinished lock changes the target: it begins by dropping the track and setting all weights to 0, and each
+//! step of learning changes the weights.
 
 use super::super::config::Config;
 use super::super::constants::{FIRST_STEPS, ONE_GAIN, QUALITY_ALPHA};

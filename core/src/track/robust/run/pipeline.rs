@@ -54,7 +54,7 @@ pub(crate) struct Pipeline {
     redetects: Option<u8>,
     /// The track at the end of this frame.
     track: Track,
-    /// The candidate of the first window, until redetection finds the target in another one.
+    /// The candidate on which the answer is based: that of the first window, or the one that redetection accepted.
     candidate: Candidate,
     /// The best alignment of the early template.
     alignment: Alignment,

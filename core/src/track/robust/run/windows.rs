@@ -13,7 +13,8 @@ pub(crate) fn expected(track: &Track) -> Place {
     track.motion.expected(track.bounds)
 }
 
-/// The middle of redetection's next window, at the scale of the last *tracking*, and true if it is the last of its row.
+/// The middle of the next window of redetection, at the scale when the target was last *tracking*. True if the window
+/// is the last of its row.
 #[inline(never)]
 pub(super) fn swept(track: &Track, config: &Config, sweep: Sweep) -> (Place, bool) {
     let side = i64::from(2 * config.reach() * CELL) * track.grid.step_at(track.tracked_scale);
@@ -38,7 +39,7 @@ pub(crate) fn expected_pixels(track: &Track, config: &Config) -> Rect {
     pixels
 }
 
-/// The pixels that redetection may read in the next update. `None` if the target cannot be lost in it.
+/// The pixels that redetection may read in the next update. `None` if that update cannot lose the target.
 #[inline(never)]
 pub(crate) fn swept_pixels(track: &Track, config: &Config) -> Option<Rect> {
     if !track.confidence.may_be_lost_next(config) && !track.is_given_up(config) {
@@ -72,9 +73,9 @@ fn pixels(track: &Track, place: &Place, reach: u16) -> Rect {
     Lattice::search_window(place, &track.grid, reach).pixels(track.bounds)
 }
 
-/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. Beyond
-/// it, the peak may lie between cells, alignment adds `MARGIN` pixels, refinement one, and the scale may grow by a
-/// step.
+/// The pixels that the refiner may read if the target is found anywhere in the search window around `centre`. The
+/// margin: the peak may lie between cells, alignment moves by `MARGIN` pixels, refinement by one, and the scale may
+/// grow by a step.
 fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     let [_, larger] = other_scales(centre.scale);
     let pixels = (reach + 1) * CELL + MARGIN + 2;

@@ -80,7 +80,8 @@ impl Candidate {
     }
 }
 
-/// The state of the comparison. After verification, the view, the relit template and the table of the best alignment.
+/// The state of the comparison. After verification, it holds the view, and the template and the table as adapted to the
+/// light at the best alignment.
 #[repr(C)] // the order of fields matters: see `run/buffers.rs`
 pub(crate) struct Comparison {
     table: CutTable,

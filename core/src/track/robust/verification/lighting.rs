@@ -83,7 +83,7 @@ pub(crate) fn window_contrast(cells: &[i8]) -> u32 {
 /// The threshold alpha: the lower of the deviations of the patch and of the template with this gain. With that of the
 /// patch alone, noise would match a template that has little contrast in the present light.
 pub(crate) fn alpha(patch: Contrast, template: Contrast, gain: u32) -> u16 {
-    // At most 2^13 * 2^18.
+    // The product is at most 2^13 * 2^18, below 2^32.
     let deviation = patch.deviation.min((gain * template.deviation) >> 8);
     u16::try_from((deviation / patch.pixels.max(1)).clamp(LEAST_ALPHA, MOST_ALPHA)).unwrap_or(0)
 }

@@ -1,5 +1,5 @@
 //! Refinement: the early template gives place and size to a fraction of a pixel. It takes one Gauss-Newton step (Lucas
-//! and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best alignment:
+//! and Kanade, 1981; Baker and Matthews, 2004) over right, down and growth, from the best alignment.
 //!
 //! ```text
 //! minimise  sum over pixels p of  (e(p) + s(p) . (x, y, g))^2,    e = seen - template, clamped to +-alpha
@@ -111,7 +111,8 @@ impl NormalEquations {
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
-        // Times 256: 64 because a move is in units of 1/64 pixel, and 4 because slopes are stored four times as steep.
+        // Errors times 256: 64 because a move is in units of 1/64 pixel, 4 because slopes are stored four times as
+        // steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
         let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
         let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);

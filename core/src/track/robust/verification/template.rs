@@ -1,4 +1,5 @@
-//! The early template: a mean of the target's pixels. It learns so slowly that it notices a wrong target.
+//! The early template: a running mean of the target's pixels. It learns so slowly that verification notices a wrong
+//! target before the template resembles it.
 //!
 //! ```text
 //! t' = t + rate / 1024 * (patch - t), in units of 1/256 gray level, rounded
