@@ -33,8 +33,7 @@
 //! ```
 //!
 //! The figures are the most work of each stage in millions of units, without the refiner (`run/cost.rs`; a unit is
-//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection, which replaces learning. It
-//! includes the coding of the weights.
+//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection, without learning.
 //!
 //! | folder or file | what it does |
 //! |---|---|

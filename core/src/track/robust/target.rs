@@ -328,8 +328,7 @@ impl Workspace {
         Self { progress: Progress::Nothing, under_way: UnderWay::NOTHING, buffers: Buffers::new() }
     }
 
-    /// The filter's penalised response at the peak that was answered, in units of 1/16384; 0 until its place is
-    /// refined.
+    /// The filter's penalised response at the peak that was answered, in units of 1/16384; 0 until it is refined.
     pub(crate) const fn response(&self) -> i32 {
         if let Progress::Update(update) = &self.progress { update.candidate().response } else { 0 }
     }

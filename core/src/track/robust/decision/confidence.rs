@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn states_begin_at_their_thresholds() {
         let state = |mean: i32| Confidence(mean).state(&Config::robust());
-        // The mean is 3/2 of the confidence.
+        // Thresholds are those of the confidence, 2/3 of the mean.
         assert_eq!([state(28_799), state(28_800)], [State::Lost, State::Uncertain]);
         assert_eq!([state(48_749), state(48_750)], [State::Uncertain, State::Tracking]);
     }
@@ -134,7 +134,7 @@ mod tests {
             let found = Confidence::found(Evidence(evidence), &Config::robust());
             assert_eq!(found.state(&Config::robust()), State::Uncertain, "{evidence}");
         }
-        // Equal bounds leave no range for *uncertain*.
+        // With equal thresholds no confidence is *uncertain*.
         for below in [0, 1, 2, 30_000] {
             let config = Config { lost_below: below, uncertain_below: below, ..Config::robust() };
             assert_eq!(Confidence::found(Evidence(FOUND_FROM), &config).state(&config), State::Tracking, "{below}");

@@ -42,14 +42,15 @@ impl Track {
         }
     }
 
-    /// The state of the answer: the worse of that by confidence and that by the network's opinion.
+    /// The state of the answer: the worse of the states by confidence and by the network's opinion.
     #[inline(never)]
     pub(crate) fn state(&self, config: &Config) -> State {
         let (state, opinion) = (self.confidence.state(config), self.review.state());
         if config.refines() && opinion.code() > state.code() { opinion } else { state }
     }
 
-    /// True if the refiner's opinion gives the target up. Never without redetection, which alone can find such a
+    /// True if the refiner's opinion gives the target up. False without redetection, which alone can find such a
+    /// target, and if the settings exclude the state *lost*.
     /// target, or if the settings never call a target *lost*.
     pub(crate) fn is_given_up(&self, config: &Config) -> bool {
         config.refines() && config.sweep > 0 && config.lost_below > 0 && self.review.gives_up()

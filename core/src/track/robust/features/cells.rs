@@ -6,8 +6,7 @@
 //! ```
 //!
 //! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
-//! contrast. A gradient g is split between its two neighbouring orientations u and v: g = a u + b v, without root,
-//! angle or division.
+//! contrast. A gradient g is split between its two neighbouring orientations u and v: g = a u + b v.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|

@@ -115,7 +115,7 @@ fn step(area: u32) -> u32 {
     root.max(LEAST_STEP)
 }
 
-/// Cells of the filter on an axis of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 steps are below 2^31.
+/// Cells of the filter on an axis of `size` pixels. No overflow: 7 * 65535 * 2^12 and 20 * `step` are below 2^31.
 #[inline(never)]
 fn cells(size: u16, step: u32) -> u16 {
     let [cover, of] = COVER;

@@ -1,8 +1,7 @@
 //! Sampling: resamples the target and its surroundings to a lattice, by bilinear interpolation in steps of 1/256.
 //!
 //! For a lattice step of two pixels or more, the frame is first reduced to means of blocks of 2x2 pixels (4x4, 8x8,
-//! ...), until a step is less than two blocks. Beyond the frame its edge pixels are repeated. Each row of blocks is
-//! computed once.
+//! ...), until a step is less than two blocks. Beyond the frame its edge pixels are repeated.
 //!
 //! The mean of a larger block is approximated by four of its pixels: two in each of two rows, a quarter of its side
 //! from its edges. These pixels are evenly spaced over the whole frame, and a sample reads at most 16 of them.
@@ -64,7 +63,7 @@ impl Axis {
         Self { first: small(first - middle), step: small(step), end: (blocks - 1) << PIXEL_BITS }
     }
 
-    /// The block at a sample, and the weight of the next block in units of 1/256.
+    /// The index of the block at a sample, and the weight of the next block in units of 1/256.
     #[inline(always)] // a few instructions, once for each column
     fn place(&self, number: u16) -> (u16, u8) {
         // Nothing overflows (see `Axis`). Not `clamp`, because the compiler would link its panic.
@@ -74,7 +73,7 @@ impl Axis {
         (low(position >> PIXEL_BITS), fraction)
     }
 
-    /// The block at a sample, the next block, and the next block's weight in units of 1/256.
+    /// The indices of the block at a sample and of the next block, and the weight of the latter in units of 1/256.
     #[inline(never)]
     fn at(&self, number: u16) -> (u16, u16, u8) {
         let (block, fraction) = self.place(number);
@@ -139,7 +138,7 @@ impl Lattice {
         (sampling.down, sampling.halvings) = (down, self.halvings());
         let (left, _) = across.place(0);
         sampling.columns.clear();
-        // Cannot overflow: there is room for COLUMNS.
+        // Cannot fail: the capacity is `COLUMNS`, the most columns of a lattice.
         for column in 0..self.columns {
             let (block, fraction) = across.place(column);
             sampling.columns.push(block.wrapping_sub(left), fraction);
@@ -218,7 +217,7 @@ impl Sampling {
         self.next
     }
 
-    /// Samples the next row into its place in `out`, unless a pixel is not in memory. True after the last row.
+    /// Samples the next row into its place in `out`, if all its pixels are in memory. True after the last row.
     #[inline(never)]
     pub(crate) fn next_row(&mut self, frame: &Frame<'_>, out: &mut [u8]) -> bool {
         let columns = self.columns.count();
@@ -264,7 +263,7 @@ impl Sampler<'_> {
         *sampled += u32::try_from(columns.count()).unwrap_or(0);
     }
 
-    /// Computes the means of a row of blocks, unless they are in memory.
+    /// Computes the means of a row of blocks, unless `means` has them.
     #[inline(never)]
     fn make(&mut self, block: u16) {
         let Self { pixels, sampling: Sampling { means: [even, odd], made, read, mixed, halvings, .. } } = self;
@@ -274,7 +273,7 @@ impl Sampler<'_> {
             return;
         }
         *made = Some(block);
-        // At most 4 * ROW pixels, for each of two rows of blocks of a lattice row.
+        // Reads at most 4 * ROW pixels, at most twice for each row of the lattice.
         *read += if *halvings == 0 {
             pixels.width().into()
         } else {
@@ -306,7 +305,7 @@ fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
     }
 }
 
-/// Interpolates two rows in a plain loop, which Helium vectorizes by eight, and which is best without fast word access.
+/// Interpolates two rows in a plain loop, vectorized by eight for Helium. Without fast word access it is best as well.
 #[cfg(any(smr_helium, smr_swar))]
 #[inline(never)] // inlined, it would not be vectorized
 fn mix(upper: &[u8], lower: &[u8], fraction: u8, mixed: &mut MixedRow) {
@@ -328,7 +327,7 @@ fn pair(halvings: u32) -> [u16; 2] {
     [side >> 2, (side >> 2) + (side >> 1)]
 }
 
-/// Computes the means of blocks whose first pixel row is `first`. Returns the pixels read. `sums` is scratch memory.
+/// Computes the means of a row of blocks from pixel row `first` on. Returns the pixels read. `sums` is scratch memory.
 #[inline(never)]
 fn make_means(pixels: Image<'_>, first: u16, halvings: u32, sums: &mut [u16], means: &mut Vec<u8, ROW>) -> u32 {
     let blocks = pixels.width().div_ceil(1 << halvings);

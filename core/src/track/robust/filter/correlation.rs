@@ -123,7 +123,7 @@ pub(super) fn shift_below(largest: u32, bound: u32) -> u32 {
     shift
 }
 
-/// The correlation filter: up to `N` weights, cell by cell, each cell by channels. Unit: 2^-16 / 16384.
+/// The correlation filter: up to `N` weights, one for each channel of each cell. Unit: 2^-16 / 16384.
 pub(crate) struct Filter<const N: usize> {
     weights: Vec<i32, N>,
 }

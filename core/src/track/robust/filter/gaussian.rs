@@ -1,5 +1,5 @@
-//! Gaussians over distances of 1/256 cell: the label, which is the wanted response around the target, and the mask that
-//! weights the filter's cells in learning. In two dimensions it is the product of those on both axes.
+//! Gaussians: the label, which is the wanted response around the target, and the mask that weights the filter's cells
+//! in learning. In two dimensions, a Gaussian is the product of those on both axes. Unit of distances: 1/256 cell.
 //!
 //! ```text
 //! exp(-(d / sigma)^2 / 2) in units of 1/16384, from the table of exp(-x / 255), x = 255 / 2 * (d / sigma)^2
@@ -36,7 +36,7 @@ impl Gaussian {
         Self { factor: (255 << 24) / squared_sigma.max(1) }
     }
 
-    /// The Gaussian in units of 1/16384, at a distance of less than 256 cells, in units of 1/256 cell.
+    /// The Gaussian, in units of 1/16384. `distance` is less than 256 cells, in units of 1/256 cell.
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation)] // keeps the lower eight bits
     pub(crate) fn at(self, distance: i32) -> i32 {

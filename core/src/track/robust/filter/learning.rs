@@ -116,7 +116,7 @@ impl Sums {
         descent_before: i64,
         direction: &mut Coded<WEIGHTS>,
     ) -> i64 {
-        // Clears what the gradient left there, because the step length sums over all offsets, even without a response.
+        // Clears scratch data of the gradient. The step length sums over all offsets, even those without a response.
         self.per_offset.as_flattened_mut().fill(0);
         let weights = training.filter.weights();
         let sums = self.per_weight.get_mut(..weights.len()).unwrap_or_default();
@@ -139,7 +139,7 @@ impl Sums {
         }
     }
 
-    /// Subtracts `length` times the responses to the direction, coded in 15 bits in the memory of the errors.
+    /// Subtracts `length` times the responses to the direction from `responses`. Codes them over the coded errors.
     #[inline(never)]
     pub(crate) fn descend(&mut self, length: i64, direction: &Coded<WEIGHTS>, responses: &mut Responses) {
         let numbers = ScaledSums::of(self.per_offset.as_flattened());
@@ -152,7 +152,7 @@ impl Sums {
 
     /// The step length: `rate` / 256 of the exact one, with 44 fractional bits, below 2^47. `measured` of the `offsets`
     /// offsets have a response to the direction.
-    #[inline(never)] // own registers for its loops
+    #[inline(never)] // gives its loops registers of their own
     fn step_length(&self, direction: &[i16], descent: i64, rate: u16, [offsets, measured]: [i64; 2]) -> i64 {
         // The sum is at most 2000 * 8191^2 < 2^37.
         let squared: i64 = rolled(direction.iter()).map(|&number| i64::from(number).pow(2)).sum();
@@ -224,7 +224,7 @@ fn mask_cell(masked: &mut [i32], slopes: &[i16], part: i32) -> i32 {
 
 #[derive(Clone, Copy)]
 pub(crate) struct Learning {
-    /// The target's place from the middle of the window, in units of 1/256 cell.
+    /// The target's offset from the middle of the window, in units of 1/256 cell.
     target: (i32, i32),
     /// The learning rate: the fraction of an exact step, in units of 1/256.
     rate: u16,
@@ -313,7 +313,7 @@ mod tests {
     use crate::kernels::Backend;
     use std::vec::Vec as Many;
 
-    /// Compares with plain 64-bit sums, for steepest descent and then for a conjugate step.
+    /// Compares the coded direction with plain 64-bit sums, for steepest descent and then for a conjugate step.
     #[test]
     fn slopes_are_coded_in_any_unit() {
         let grid = Grid::new(crate::Rect::new(0, 0, 40, 40));

@@ -43,7 +43,7 @@ pub(crate) const fn most_of_a_piece(extent: Extent) -> u32 {
 /// The largest response, penalised or not, and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Peak {
-    /// Place from the middle of the window, in units of 1/256 cell.
+    /// Offset from the middle of the window, in units of 1/256 cell.
     pub(crate) x: i32,
     pub(crate) y: i32,
     /// The response at the offset of the peak, in units of 1/16384.
@@ -64,7 +64,7 @@ impl Responses {
         Self { rows: [[0; SPAN]; SPAN], span: 0 }
     }
 
-    /// Sets all responses to 0, the responses of weights of 0.
+    /// Sets all responses to 0: those of a filter whose weights are 0.
     pub(crate) fn clear(&mut self, span: usize) {
         *self = Self { span, ..const { Self::new() } };
     }

@@ -61,7 +61,7 @@ const fn split() -> ([[u8; 4]; ALL_BIASES], [i8; ALL_WEIGHTS]) {
     (biases, weights)
 }
 
-/// Inputs of each output, and outputs, of each layer. Inputs are padded to a multiple of 4.
+/// Each layer's inputs for each output, padded to a multiple of 4, and its outputs.
 const LAYERS: [(usize, usize); 6] = [(20, 8), (72, 16), (144, 24), (216, 24), (384, 24), (24, 6)];
 
 /// The shape of a convolution 3x3. Its inputs have a border of one pixel.
@@ -190,8 +190,7 @@ impl Layers {
         None
     }
 
-    /// The index of the row's first output, and the number of outputs. They have a border if another
-    /// convolution reads them.
+    /// The index of the row's first output, and the row's outputs. They have a border if a convolution reads them.
     fn place(&self, side: usize, channels: usize) -> (usize, usize) {
         let border = usize::from(self.number + 1 < CONVOLUTIONS.len());
         (((self.row + border) * (side + 2 * border) + border) * channels, side * channels)

@@ -27,7 +27,7 @@ const UNCERTAIN_BELOW: i32 = 4864;
 const LOST_BELOW: i32 = 3277;
 /// Updates in a row with an opinion below `UNCERTAIN_BELOW` after which the target is given up.
 const PATIENCE: i32 = 30;
-/// The opinion of a target that was found again, 0.8125: uncertain, until the network has trusted it for some frames.
+/// The opinion of a target that was found again, in units of 1/4096: 0.8125, *uncertain* until the network trusts it.
 const FOUND: i32 = 3328;
 
 /// The opinion, packed. Low 16 bits: the mean, 0 to `MOST`. High 16 bits: the number of consecutive updates, up to now,
@@ -38,12 +38,12 @@ pub(crate) struct Opinion(i32);
 impl Opinion {
     pub(crate) const BEST: Self = Self(MOST);
 
-    /// Follows the spreads of an estimate, each below 2^28.
+    /// Updates the opinion by the expected errors of an estimate. Their logarithms are below 2^28.
     pub(crate) fn follow(&mut self, [.., place, size]: Outputs) {
         self.near((-(place + size)).clamp(0, MOST));
     }
 
-    /// Follows an exact match of the early template.
+    /// Updates the opinion by an exact match of the early template.
     pub(crate) fn agree(&mut self) {
         self.near(MOST);
     }
@@ -92,7 +92,7 @@ impl Opinion {
 mod tests {
     use super::*;
 
-    /// Sums of the network are below 2^28.
+    /// Spreads are sums of the network, which are below 2^28.
     #[test]
     fn the_same_spreads_again_and_again_stay_within_bounds() {
         const LARGEST: i32 = 1 << 28;

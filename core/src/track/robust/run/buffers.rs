@@ -21,7 +21,7 @@ use super::super::filter::{Coded, Responses, Sums, scale};
 use super::super::verification::Comparison;
 use heapless::Vec;
 
-/// Bytes of the largest search window, that of the longest filter, which has the longest margin.
+/// Bytes of the largest search window. That of the longest filter is largest, because its margin is longest.
 const LARGE: usize =
     (MOST_SIDE + 2 * REACH) as usize * (MOST_CELLS / MOST_SIDE as usize + 2 * REACH as usize) * CHANNELS;
 

@@ -1,6 +1,5 @@
 //! Upper bounds of the work of an update, a lock and a step: sums of the stages' bounds, which stand beside their
-//! formulas. A unit of work is about one instruction of a Cortex-M4: the product of a weight and a feature, or a pixel
-//! read from the frame.
+//! formulas. A unit of work is about one instruction of a Cortex-M4: a product of weight and feature, or a pixel read.
 
 use super::super::config::Config;
 use super::super::constants::{FIRST_STEPS, MOST_CELLS, MOST_SIDE};
@@ -38,7 +37,7 @@ const fn lock(config: &Config, extent: Extent) -> u32 {
 /// Upper bound of the work for an indivisible piece, by which a step may exceed its grant.
 const fn piece(extent: Extent) -> u32 {
     largest(&[
-        // The last row of features, with the contrast of the window.
+        // The piece with the last row of features also measures the window's contrast.
         cells::most_of_a_piece(extent) + lighting::most_work(extent),
         agreement::most_of_a_piece(extent),
         REFINED * extent.pixels(),
@@ -61,7 +60,7 @@ impl Config {
         let mut most = MostWork { update: 0, lock: 0, beyond_a_step: 0 };
         let mut across = 1;
         while across <= MOST_SIDE as u32 {
-            // As many rows as a filter with these columns can have, because more rows are more work.
+            // The most rows for this width, because more rows are more work.
             let down = MOST_CELLS as u32 / across;
             let down = if down < MOST_SIDE as u32 { down } else { MOST_SIDE as u32 };
             let extent = Extent { across, down, reach: self.reach as u32 };

@@ -1,4 +1,4 @@
-//! The pipeline of a lock. It learns the target from its first frame, in these stages.
+//! The pipeline of a lock: learns the target from its first frame.
 //!
 //! ```text
 //! crop (feature `refiner`) -> view, which becomes the template -> features -> learning, in `FIRST_STEPS` steps
@@ -99,7 +99,7 @@ impl LockPipeline {
             Stage::Features => {
                 if buffers.extractor.next_row(frame, &mut buffers.large, budget) {
                     self.measure_light(buffers, budget);
-                    // Responses of weights of 0.
+                    // The responses are 0, because all weights are 0.
                     buffers.responses.clear(config.span());
                     self.stage = Stage::Learning(Learning::lock());
                 }

@@ -4,7 +4,7 @@
 //! search -> verification -> refinement -> scale -> decision
 //!   if there is enough evidence:   -> learning -> refiner (feature `refiner`)
 //!   if there is less:              -> refiner, for its opinion of the box
-//! if the target is lost:         -> search -> verification, in each window of the sweep until one shows the target
+//!   if the target is lost:         -> search -> verification, in each window of the sweep until one shows the target
 //! ```
 //!
 //! A search computes features and responses. To add a stage, add it to `Stage` and `next_piece`, and begin it at the
@@ -34,7 +34,7 @@ use crate::track::update::Budget;
 enum Stage {
     Done,
     Features,
-    /// Index of the next piece.
+    /// Computes the responses. The value is the index of the next piece.
     Response(usize),
     Verification(Verification),
     Refinement(Verified),
@@ -50,7 +50,7 @@ pub(crate) struct Pipeline {
     stage: Stage,
     /// The middle of the present search window.
     centre: Place,
-    /// Windows of the sweep that remain in this frame, during redetection.
+    /// Windows of the sweep that remain in this frame; `None` before redetection.
     redetects: Option<u8>,
     /// The track at the end of this frame.
     track: Track,
@@ -197,14 +197,14 @@ impl Pipeline {
         }
     }
 
-    /// Sets the scale of the candidate and decides: its place and scale are final.
+    /// Sets the candidate's scale, and decides the state: place and scale are final.
     #[inline(never)] // see `next_piece`
     fn scaled(&mut self, inputs: &Inputs<'_>, scale: u32, buffers: &mut Buffers) {
         self.candidate.place.scale = scale;
         self.decide(inputs, buffers);
     }
 
-    /// Decides the state, and whether to learn, redetect or only refine the box.
+    /// Decides the state, and whether to learn, to redetect or only to run the refiner.
     fn decide(&mut self, inputs: &Inputs<'_>, buffers: &mut Buffers) {
         let Self { track, candidate, .. } = self;
         self.stage = Stage::Done;
@@ -243,7 +243,7 @@ impl Pipeline {
         self.stage = Stage::Sweep;
         let Self { track, .. } = self;
         let evidence = Evidence::of(&candidate);
-        // A find of a target that was given up need not beat the evidence at the old place.
+        // For a target that was given up, the evidence at the old place does not count.
         let there = if track.is_given_up(config) { Evidence::NONE } else { Evidence::of(&self.candidate) };
         if evidence.finds(there) {
             track.motion = Motion::at(candidate.place);
@@ -289,7 +289,7 @@ fn scale_search<'a>(inputs: &Inputs<'a>, buffers: &'a mut Buffers) -> (Tools<'a>
     )
 }
 
-/// The target's place from the middle of a window, in units of 1/256 cell.
+/// The target's offset from the middle of a window, in units of 1/256 cell.
 fn offset(grid: &Grid, centre: Place, target: Place) -> (i32, i32) {
     let cell = (i64::from(CELL) * grid.step_at(centre.scale)).max(1);
     let cells = |to: i64, from: i64| i32::try_from(quotient((to - from) * 256, cell)).unwrap_or(0);

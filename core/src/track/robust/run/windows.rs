@@ -83,7 +83,7 @@ fn refined_pixels(track: &Track, centre: Place, reach: u16) -> Rect {
     reachable(track.corrected(Place { scale: larger, ..centre }), by, track.bounds)
 }
 
-/// The smallest rectangle that contains both.
+/// The smallest rectangle that contains both rectangles.
 #[inline(never)]
 fn union(a: Rect, b: Rect) -> Rect {
     let (left, top) = (a.x.min(b.x), a.y.min(b.y));

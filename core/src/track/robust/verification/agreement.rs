@@ -116,7 +116,7 @@ impl Comparison {
         self.contrast = self.relit(early.grid).map_or(Contrast::NONE, Contrast::of);
     }
 
-    /// Sets the expected gain: that of the followed light in a search window whose contrast is `window`.
+    /// Sets the gain that the followed light predicts for a search window with the contrast `window`.
     pub(crate) fn expect(&mut self, light: Light, window: u32) {
         (self.window, self.expected) = (window, light.gain(window));
     }

@@ -64,7 +64,7 @@ struct NormalEquations {
 }
 
 impl NormalEquations {
-    #[inline(never)] // its stack is not needed by the tracker's `step`
+    #[inline(never)] // keeps its stack out of the tracker's `step`
     fn of(seen: Image<'_>, relit: Image<'_>, alpha: i32) -> Self {
         let mut equations = Self::default();
         let from_middle = |at: usize, size: u16| 2 * i32::try_from(at).unwrap_or(0) + 3 - i32::from(size);
@@ -103,7 +103,7 @@ impl NormalEquations {
     /// All sums are shifted until the largest square is below 2^12, so the minors are at most 2^25. The sum of squared
     /// differences is below 2^24, so by the Cauchy-Schwarz inequality 256 times a sum in `errors` is at most 2^26. Sums
     /// of products of minors and errors stay below 2^53.
-    #[inline(never)] // own registers
+    #[inline(never)] // gives it registers of its own
     fn step(&self) -> (i32, i32, i32) {
         let squares = self.squares.map(|square| square.unsigned_abs() + (square.unsigned_abs() >> DAMPING));
         let largest = squares.into_iter().max().unwrap_or(0);
@@ -111,8 +111,7 @@ impl NormalEquations {
         // x: across, y: down, g: outward. The matrix and its minors are symmetric.
         let [xx, yy, gg] = squares.map(|square| i32::try_from(square >> shift).unwrap_or(0) + 1);
         let [xy, xg, yg] = self.products.map(|product| toward_zero(product, shift));
-        // Errors times 256: 64 because a move is in units of 1/64 pixel, 4 because slopes are stored four times as
-        // steep.
+        // Times 256, because a move is in units of 1/64 pixel, and slopes are stored four times as steep.
         let errors = self.errors.map(|error| toward_zero(error, shift - 8));
         let (minor_xx, minor_yy, minor_gg) = (yy * gg - yg * yg, xx * gg - xg * xg, xx * yy - xy * xy);
         let (minor_xy, minor_xg, minor_yg) = (xg * yg - xy * gg, xy * yg - xg * yy, xy * xg - yg * xx);

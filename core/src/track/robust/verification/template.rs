@@ -20,7 +20,7 @@ impl Template {
         Self { mean: Vec::new() }
     }
 
-    /// Starts with `patch`, which has at most `MOST_PIXELS` pixels.
+    /// Starts the mean with `patch`, which has at most `MOST_PIXELS` pixels.
     pub(crate) fn start(&mut self, patch: Image<'_>) {
         self.mean.clear();
         let _ = self.mean.resize_default(usize::from(patch.width()) * usize::from(patch.height()));
