@@ -30,7 +30,7 @@ pub(super) const WEIGHTS: usize = MOST_CELLS * CHANNELS;
 /// The least and the most cells of the correlation filter on each axis.
 pub(super) const LEAST_SIDE: u16 = 4;
 pub(super) const MOST_SIDE: u16 = 32;
-/// Filter cells for each pixel of the target, as a fraction: the filter has 1.4 times the target's width and height.
+/// Filter cells per target pixel on an axis, as a fraction: 1.4 / 4, because the filter is 1.4 times as wide and high.
 pub(super) const COVER: [u32; 2] = [7, 20];
 /// The smallest step of the target's grid: half a pixel, in units of 1/4096. Smaller targets are not magnified further.
 pub(super) const LEAST_STEP: u32 = 2048;

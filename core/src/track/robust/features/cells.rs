@@ -6,7 +6,8 @@
 //! ```
 //!
 //! `norm` is the root of the mean energy of the 3x3 cells around c, so features hardly depend on brightness and
-//! contrast. A gradient g is split between its two neighbouring orientations u and v: g = a u + b v.
+//! contrast. A gradient g is split between its two neighbouring orientations u and v: g = a u + b v,
+//! linearly, so without root, angle or division.
 //!
 //! | symbol | what | unit | bound |
 //! |---|---|---|---|

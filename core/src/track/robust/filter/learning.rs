@@ -239,7 +239,7 @@ pub(crate) struct Learning {
 enum Phase {
     /// Computes the errors of the responses.
     Errors,
-    /// Adds a piece of the gradient.
+    /// Sums the gradient. `piece` is the index of the next part.
     Gradient { piece: usize, error_shift: u32 },
     /// Computes the direction from the gradient.
     Direction { error_shift: u32 },

@@ -112,7 +112,7 @@ impl Refiner {
         bytes: &mut Vec<i8, N>,
     ) -> Option<Self> {
         bytes.clear();
-        // Cannot fail: a window of features is larger.
+        // Cannot fail: the memory has room for a window of features, which is larger.
         let _ = bytes.resize_default(ROOM);
         Some(Self::Crop(Crop::begin(target, bounds, sampling)))
     }

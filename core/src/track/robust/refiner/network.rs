@@ -166,7 +166,7 @@ impl Layers {
         Self { number: 0, row: 0 }
     }
 
-    /// Computes one row of a convolution, or both fully connected layers. Returns the outputs after the last piece.
+    /// Computes one row of a convolution, or both fully connected layers. Returns the outputs after the last layer.
     #[inline(never)]
     pub(super) fn next_row(&mut self, dense: Dense, scratch: &mut [i8], budget: &mut Budget) -> Option<Outputs> {
         let Some([patches, even, odd, spare]) = regions(scratch) else { return Some([0; 6]) };

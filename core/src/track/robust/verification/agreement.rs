@@ -63,7 +63,7 @@ pub(crate) struct Candidate {
     pub(crate) response: i32,
     /// The early template's agreement, in units of 1/65535; 0 until it is computed.
     pub(crate) agreement: u16,
-    /// False if the patch has too little contrast or is clipped, and until that is computed.
+    /// True if the patch has enough contrast and few clipped pixels. False until that is computed.
     pub(crate) visible: bool,
 }
 

@@ -27,7 +27,7 @@ pub(crate) const REFINED: u32 = 40;
 /// The most bits of a sum of squares when the normal equations are solved.
 const PLACES_OF_SUMS: u32 = 12;
 
-/// The target's place from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
+/// The target's offset from the view's middle, in units of 1/64 pixel of the grid, and its growth, in units of 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Refined {
     pub(crate) x: i32,
