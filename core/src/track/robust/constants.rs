@@ -110,7 +110,7 @@ pub(super) const LEARNED_FROM: i32 = 37_500;
 pub(super) const FOUND_FROM: i32 = 52_000;
 /// The least lead of the evidence in another window over that at the place where the target was lost.
 pub(super) const FOUND_LEAD: i32 = 16_000;
-/// The running mean of the evidence exceeds that of the frame by at most this. So one frame without evidence makes a
+/// The running mean of the evidence exceeds the frame's evidence by at most this. So one frame without evidence makes a
 /// target *uncertain*, and with the default thresholds the second makes it *lost*. It improves the state, not the
 /// place: the success rate R without it is higher by 0.002 +- 0.002.
 pub(super) const CONFIDENCE_LEAD: i32 = 29_000;

@@ -33,8 +33,8 @@
 //! ```
 //!
 //! The figures are the most work of each stage in millions of units, without the refiner (`run/cost.rs`; a unit is
-//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection instead of
-//! learning, and includes the coding of the weights.
+//! about one instruction of a Cortex-M4). The sum is that of a frame with redetection instead of learning, and includes
+//! the coding of the weights.
 //!
 //! | folder or file | what it does |
 //! |---|---|

@@ -49,7 +49,7 @@ fn a_target_of_any_size_costs_about_the_same() {
     for side in [1, 79, 100, 159, 200, 319, 400, 800, 1279, 1500] {
         holds(side, side, noise, seen_40);
     }
-    // Among them boxes as long as possible, and boxes six times as long as wide, whose samples are nearly two blocks apart.
+    // Two boxes are as long as possible. Samples of those six times as long as wide are nearly two blocks apart.
     let small = [(600, 16), (16, 600), (65_535, 1), (1, 65_535), (992, 160), (160, 992)];
     for (across, down) in small.into_iter().chain([(13_000, 13_000), (65_535, 65_535), (50_920, 7890), (7890, 50_920)])
     {

@@ -93,7 +93,7 @@ impl Extractor {
     pub(crate) fn begin<const N: usize>(&mut self, bounds: Rect, lattice: &Lattice, out: &mut Vec<i8, N>) -> bool {
         self.begin_rows(bounds, lattice);
         let cells = usize::from(lattice.columns / CELL) * usize::from(lattice.rows / CELL);
-        // Bytes of the window before need not be cleared, because every byte is overwritten.
+        // Old features need not be cleared, because every byte is overwritten.
         let fits = out.resize_default(cells * CHANNELS).is_ok();
         if !fits {
             out.clear();
