@@ -1,8 +1,7 @@
-//! The methods of both trackers in f64, each written from its description. Checks compare `smr-core` with them.
+//! Reference implementations of both trackers in f64, which `host-sim check` compares with `smr-core`.
 //!
-//! It depends on nothing of this project, and so can take no number, no table and no arithmetic from `smr-core`: pixels, sizes and boxes
-//! come as plain numbers. The crate root has the paper's tracker, [`robust`] the other one. It is slow, and meant to be checked
-//! against the description by eye. `host-sim check` compares.
+//! The crate shares no constant, table or arithmetic with `smr-core`. Its code is slow, but easy to check against the
+//! descriptions by eye. The crate root has the paper's tracker, [`robust`] the robust one.
 
 mod paper;
 pub mod robust;

@@ -1,69 +1,69 @@
-//! The method in f64, written from the paper's steps and meant to be checked against them by eye.
+//! The paper's tracker in f64, a reference for `smr-core` that is meant to be checked against the paper's steps by eye.
 //!
-//! It takes no number, no table and no arithmetic from `smr-core`; it is slow, keeps every score, and pads the frame by
-//! real zeroes. Intensities stay on the bytes' scale, 0 to 255: they are exact there, and so are their differences; the
-//! division by the scale happens inside exp, where the paper's 0 to 1 is needed.
+//! It shares no constant, table or arithmetic with `smr-core`. It is slow, keeps every score, and pads the frame with
+//! real zeroes. Intensities stay bytes, because their differences are exact; only exp divides them by the scale.
 //!
-//! Every score is summed twice. The *exact* sum adds p as f64 has it. The *rounded* sum adds p rounded to whole units of
-//! 1/65535, the grid on which smr-core works; both are in that unit. Decisions follow the rounded sums, so that the two
-//! trackers walk through a recording side by side; [`Step::exact_peak`] has the decision of the exact sums.
+//! Every score is summed twice, in units of 1/65535. The *exact* sum adds each pixel's similarity p as an f64. The
+//! *rounded* sum adds p rounded to whole units, as smr-core does. Decisions follow the rounded sums, so that both
+//! trackers pass the same states in a recording; [`Step::exact_peak`] is the peak of the exact sums.
 
 use rayon::prelude::*;
 
-/// One unit of a score: 1.0 is this many.
+/// A similarity of 1.0, in the units of a score (1/65535).
 pub(super) const UNITS: f64 = 65535.0;
 
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    /// p = exp(-d / scale), d in gray levels.
+    /// Similarity of a pixel: p = exp(-d / scale), with the difference d in gray levels.
     pub scale: f64,
-    /// k = .0 / .1
+    /// The paper's factor k as a fraction `.0 / .1`: alpha = k * (largest change of a template pixel).
     pub k: (f64, f64),
-    /// alpha before the first update, in gray levels.
+    /// Threshold alpha before the first update, in gray levels.
     pub first_alpha: f64,
-    /// Zeroes on each side of the frame, in pixels.
+    /// Width of the zero padding on each side of the frame, in pixels.
     pub padding: i64,
-    /// The search window, x and y.
+    /// Search radius in x and y, in pixels.
     pub window: (i64, i64),
-    /// Pixels by which the window grows on each side, for each frame that the target is lost.
+    /// Growth of the search radius for each frame in which the target is lost, in pixels.
     pub growth: i64,
-    /// Largest search radius, x and y. With `None` it grows to the end of the padded frame.
+    /// Largest search radius in x and y, in pixels; with `None` only the padded frame bounds it.
     pub window_limit: Option<(i64, i64)>,
-    /// The runner-up is more than this far from the peak.
+    /// The runner-up is the best score at more than this many pixels from the peak in x or in y.
     pub neighbourhood: i64,
-    /// The template is updated if the box has x >= .0, y >= .1, x + w <= W - .2 and y + h <= H - .3
+    /// Least distances of the box to the frame's edges (left, top, right, bottom) for a template update, in pixels.
     pub zone: (i64, i64, i64, i64),
-    /// alpha is not below this after an update, in gray levels.
+    /// Lower bound of alpha after an update, in gray levels.
     pub least_alpha: f64,
-    /// Ratios of peak to runner-up that a frame needs, each .0 / .1
+    /// Thresholds that a peak must pass to be accepted.
     pub gate: GateNumbers,
-    /// Search the runner-up in every frame, not only where the gate's decision depends on it.
+    /// Searches for the runner-up in every frame, even if no decision depends on it.
     pub runner_up_always: bool,
 }
 
-/// Each ratio is .0 / .1, compared crosswise: products of whole numbers are exact in f64, 1.02 is not.
+/// Thresholds for accepting a peak. A ratio of peak to runner-up is a fraction `.0 / .1`, because products of whole
+/// numbers are exact in f64, but 1.02 is not.
 #[derive(Clone, Debug)]
 pub struct GateNumbers {
-    /// While the target is tracked inside the frame.
+    /// Ratio of peak to runner-up that is required while the target is tracked inside the frame.
     pub tracking: (f64, f64),
-    /// If the box is over the border.
+    /// Required ratio if the box at the peak crosses the frame's edge.
     pub border: (f64, f64),
-    /// After a box was over the border.
+    /// Required ratio after a box crossed the frame's edge, until a lost target is found again.
     pub been_at_border: (f64, f64),
-    /// To find a lost target again.
+    /// Required ratio for accepting a lost target again.
     pub lost: (f64, f64),
-    /// The lead over the runner-up that is enough without a ratio, in fully similar pixels.
+    /// Lead over the runner-up that is enough whatever the ratio, in fully similar pixels.
     pub lead: f64,
-    /// The least mean similarity of a pixel, in units of 1/65535. If it is 0, the contrast is not checked either.
+    /// Least mean similarity of a pixel, in units of 1/65535. If it is 0, contrast and clipping are not checked either.
     pub least_ratio: f64,
-    /// The least contrast of a patch, as a fraction of the template's; and the largest fraction of its pixels that may be clipped to
-    /// black or white, beyond those clipped in the template.
+    /// Least contrast of a patch, as a fraction of the template's contrast; and the largest fraction of pixels that may
+    /// be clipped at 0 or 255 in the patch but not in the template.
     pub least_contrast: f64,
     pub most_cut_off: f64,
 }
 
 impl Numbers {
-    /// The numbers of the paper and of its authors' program.
+    /// Settings of the paper and of its authors' program.
     pub fn paper() -> Self {
         Self {
             scale: 255.0,
@@ -90,8 +90,8 @@ impl Numbers {
         }
     }
 
-    /// The numbers of `paper::Config::camera()`: a bounded window, a template that is updated up to the edge, floors for alpha
-    /// and for the score, and the least ratio for a peak inside the picture.
+    /// Settings of `paper::Config::camera()`: a bounded window, template updates up to the frame's edge, lower bounds
+    /// for alpha and for the score, and no required ratio inside the frame.
     pub fn camera() -> Self {
         let mut numbers = Self::paper();
         numbers.window_limit = Some((80, 70));
@@ -110,14 +110,14 @@ pub enum Decision {
     Lost,
 }
 
-/// Both sums of one candidate, in units of 1/65535.
+/// Score of a candidate position, in units of 1/65535: `rounded` adds rounded similarities, `exact` unrounded ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sums {
     pub rounded: f64,
     pub exact: f64,
 }
 
-/// All candidates of a frame, row by row; the first one is at (`left`, `top`).
+/// Scores of all candidate positions in the search window, row by row; the first position is (`left`, `top`).
 pub struct Scores {
     pub left: i64,
     pub top: i64,
@@ -127,7 +127,6 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// Every candidate's position and sums, row by row.
     pub fn iter(&self) -> impl Iterator<Item = ((i64, i64), Sums)> {
         let positions =
             (self.top..self.top + self.rows).flat_map(|y| (self.left..self.left + self.columns).map(move |x| (x, y)));
@@ -137,21 +136,21 @@ impl Scores {
 
 pub struct Step {
     pub scores: Scores,
-    /// The candidate with the largest rounded sum, and that sum.
+    /// Position and value of the largest rounded sum.
     pub peak: ((i64, i64), f64),
-    /// The candidate with the largest exact sum, and that sum.
+    /// Position and value of the largest exact sum.
     pub exact_peak: ((i64, i64), f64),
-    /// The largest rounded sum outside the peak's neighbourhood; 0 if there is no candidate there.
+    /// Largest rounded sum outside the peak's neighbourhood; 0 if no candidate lies there.
     pub runner_up: f64,
-    /// False if nothing depended on it: the gate asks that the peak is larger, and it is.
+    /// True if the decision depends on the runner-up, or the settings require it in every frame.
     pub runner_up_asked: bool,
     pub alpha: f64,
     pub decision: Decision,
-    /// Left and top of the target after the frame.
+    /// Left and top edge of the target after the frame, in pixels.
     pub position: (i64, i64),
 }
 
-/// A frame, or a target's patch: intensities 0 to 255.
+/// Gray image, a frame or a patch: intensities 0 to 255, row by row.
 struct Picture {
     width: i64,
     height: i64,
@@ -174,7 +173,7 @@ impl Picture {
         Self { width, height, pixels }
     }
 
-    /// `count` pixels from (`x`, `y`) to the right.
+    /// Returns `count` pixels of a row, starting at (`x`, `y`).
     fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.width + x);
         &self.pixels[from..from + index(count)]
@@ -189,13 +188,13 @@ impl Picture {
         (self.width * self.height) as f64
     }
 
-    /// The sum of all absolute deviations from the mean, which is rounded to a gray level.
+    /// Contrast: the sum of absolute deviations from the mean, which is rounded to a whole gray level.
     fn deviation(&self) -> f64 {
         let mean = (self.pixels.iter().sum::<f64>() / self.area()).round();
         self.pixels.iter().map(|pixel| (pixel - mean).abs()).sum()
     }
 
-    /// Count of pixels that are black or white.
+    /// Count of clipped pixels, at 0 or 255.
     fn cut_off(&self) -> f64 {
         self.pixels.iter().map(|&pixel| if pixel <= 0.0 || pixel >= 255.0 { 1.0 } else { 0.0 }).sum()
     }
@@ -203,7 +202,7 @@ impl Picture {
 
 pub struct Reference {
     numbers: Numbers,
-    /// p by difference, evaluated once for each of the 256 differences that bytes can have.
+    /// Similarity p for each absolute difference of two bytes, 0 to 255.
     p: Vec<Sums>,
     frame_size: (i64, i64),
     template: Picture,
@@ -215,7 +214,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Starts on the `width` x `height` box at (`x`, `y`) of a frame; the box lies inside the frame.
+    /// Locks on the box `target` (left, top, width, height), which must lie inside the frame.
     pub fn lock(numbers: Numbers, frame: &[u8], frame_size: (i64, i64), target: (i64, i64, i64, i64)) -> Self {
         let (x, y, width, height) = target;
         let p = (0..=255).map(|d| similarity(f64::from(d), numbers.scale)).collect();
@@ -264,7 +263,7 @@ impl Reference {
         Step { scores, peak, exact_peak, runner_up, runner_up_asked, alpha, decision, position }
     }
 
-    /// Step 1: all positions within the window, one pixel apart, that keep the box within the padded frame.
+    /// Step 1: scores every position in the search window at which the box lies inside the padded frame.
     fn score_window(&self, padded: &Picture) -> Scores {
         let Numbers { padding, window, window_limit, growth, .. } = self.numbers;
         let (mut reach_x, mut reach_y) = (window.0 + growth * self.lost_for, window.1 + growth * self.lost_for);
@@ -283,7 +282,7 @@ impl Reference {
         Scores { left, top, columns, rows, sums }
     }
 
-    /// Steps 2 and 3: the sum of p over the pixels whose difference is within alpha.
+    /// Steps 2 and 3: sums the similarity p of the pixels whose difference to the template is below alpha.
     fn score(&self, padded: &Picture, x: i64, y: i64) -> Sums {
         let mut sums = Sums { rounded: 0.0, exact: 0.0 };
         for row in 0..self.template.height {
@@ -301,11 +300,12 @@ impl Reference {
         sums
     }
 
-    /// Step 4. Of equal sums the closest to the last position wins; of equally close ones the upper, then the left.
+    /// Step 4: finds the largest sum. Ties go to the position nearest to the previous one, then the upper, then the
+    /// left.
     fn arg_max(&self, scores: &Scores, sum: impl Fn(Sums) -> f64) -> ((i64, i64), f64) {
         let distance = |(x, y): (i64, i64)| (x - self.position.0).pow(2) + (y - self.position.1).pow(2);
         let mut best: Option<((i64, i64), f64)> = None;
-        // Row by row from the top, so that among equals in sum and distance the first one met is the one to keep.
+        // Scores come row by row: of equals in sum and distance, the first is the upper or left one.
         for (at, sums) in scores.iter() {
             let better = best.is_none_or(|(best_at, best_sum)| {
                 sum(sums) > best_sum || (sum(sums) == best_sum && distance(at) < distance(best_at))
@@ -323,7 +323,7 @@ impl Reference {
         outside.map(|(_, sums)| sums.rounded).fold(0.0, f64::max)
     }
 
-    /// Steps 5 and 6: the winning patch is the next template; alpha = max |G_t - G_t+1| * k, unless they are equal.
+    /// Steps 5 and 6: the winning patch becomes the template; alpha = k * max |old - new|, or stays if both are equal.
     fn replace_template(&mut self, frame: &Picture) {
         let next = frame.cut(self.position.0, self.position.1, self.template.width, self.template.height);
         let changes = self.template.pixels.iter().zip(&next.pixels).map(|(old, new)| (old - new).abs());
@@ -334,15 +334,16 @@ impl Reference {
         self.template = next;
     }
 
-    /// The gate: P > ratio * R, or P > R + 100; and the least ratio where there is one.
+    /// Accepts a peak if it exceeds ratio * runner-up or runner-up + lead, and its mean similarity is at least
+    /// `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
         let stands_out = peak * needed.1 > runner_up * needed.0 || peak > runner_up + gate.lead * UNITS;
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if the patch at a place inside the frame can show the target: it has a part of the template's contrast, and not many
-    /// more pixels at 0 or 255. Checked only if there is a least ratio.
+    /// True if the patch can show the target: enough of the template's contrast, and few more pixels at 0 or 255.
+    /// Always true if `least_ratio` is 0.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
         let seen = frame.cut(x, y, self.template.width, self.template.height);
@@ -351,7 +352,7 @@ impl Reference {
         gate.least_ratio == 0.0 || has_contrast && more_cut_off <= seen.area() * gate.most_cut_off
     }
 
-    /// Ratio of the peak to the runner-up that the gate demands.
+    /// Ratio of peak to runner-up that is required, as numerator and denominator.
     fn needed_ratio(&self, over_border: bool) -> (f64, f64) {
         let gate = &self.numbers.gate;
         if self.decision == Decision::Lost {
@@ -373,19 +374,18 @@ impl Reference {
     }
 }
 
-/// Step 3: p of one pixel, in units of 1/65535.
+/// Step 3: similarity p of a pixel, in units of 1/65535.
 pub(super) fn similarity(difference: f64, scale: f64) -> Sums {
     let exact = UNITS * (-difference / scale).exp();
     Sums { rounded: exact.round(), exact }
 }
 
-/// A difference of two bytes as an index.
+/// Converts an absolute difference of two bytes to an index.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255, and whole
 fn whole(difference: f64) -> usize {
     difference as usize
 }
 
-/// Converts a count or a position to an index.
 pub(super) fn index(value: i64) -> usize {
     usize::try_from(value).expect("places and numbers of things are not negative")
 }
@@ -406,7 +406,7 @@ mod tests {
 
     #[test]
     fn alpha_is_a_quarter_of_the_largest_change_and_stays_where_nothing_changed() {
-        // A picture so small has no zone in which the template would be updated.
+        // No margins, because the paper's margins leave no room for a template update in a 3x3 frame.
         let everywhere = Numbers { zone: (0, 0, 0, 0), ..Numbers::paper() };
         let mut reference = Reference::lock(everywhere, &[100; 9], (3, 3), (0, 0, 3, 3));
         reference.update(&[100; 9]);

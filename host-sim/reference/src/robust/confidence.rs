@@ -1,9 +1,9 @@
-//! Confidence: the evidence of a frame, its running mean, and the decision that follows. All in units of 1/65536, rounded down.
+//! Confidence: evidence of a frame, its running mean, and the state that follows. Units are 1/65536, rounded down.
 
 use super::Numbers;
 use super::gaussian::ONE;
 
-/// The decisions, from the best to the worst.
+/// State of the target, ordered from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decision {
     Tracking,
@@ -11,21 +11,21 @@ pub enum Decision {
     Lost,
 }
 
-/// Evidence: the agreement plus the response, of which at most 1/2 counts.
+/// Evidence of a frame, 0 to 1.5: the template's agreement plus the filter's response, clamped to 0 and 1/2.
 pub fn evidence(agreement: f64, response: f64) -> f64 {
     agreement + 65536.0 * (response / ONE).clamp(0.0, 0.5)
 }
 
-/// The largest evidence, with which the mean begins.
+/// Largest evidence (1.5), with which the running mean begins.
 pub const FULL: f64 = 98304.0;
 
-/// The running mean after a frame. It may be at most [`Numbers::most_lead`] above the evidence of that frame.
+/// Running mean of the evidence after a frame, at most [`Numbers::most_lead`] above the frame's evidence.
 pub fn running_mean(numbers: &Numbers, mean: f64, evidence: f64) -> f64 {
     let mean = mean + ((evidence - mean) * numbers.confidence_rate / 256.0).floor();
     mean.min(evidence + numbers.most_lead)
 }
 
-/// The mean after the target was found again: its evidence, but too small for *tracking*.
+/// Mean evidence after the target was found again: the frame's evidence, clamped to the range of *uncertain*.
 pub fn found_mean(numbers: &Numbers, evidence: f64) -> f64 {
     let least = |confidence: f64| (confidence * 1.5).ceil();
     evidence.min(least(numbers.uncertain_below) - 1.0).max(least(numbers.lost_below))
@@ -45,7 +45,7 @@ pub fn decided(trust: f64, lost_below: f64, uncertain_below: f64) -> Decision {
     }
 }
 
-/// Two thirds of the mean: 0 to 65535.
+/// Confidence, 0 to 65535: two thirds of the mean evidence.
 pub fn confidence(mean: f64) -> f64 {
     (mean.max(0.0) * 2.0 / 3.0).floor().min(65535.0)
 }

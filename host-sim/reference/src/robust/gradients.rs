@@ -1,4 +1,4 @@
-//! Features: ten bytes for each cell, nine for the gradient by direction and one for gray.
+//! Features of a cell, ten bytes: a gradient histogram of nine directions, and the mean gray level.
 
 use super::Numbers;
 use super::rounding::{down, index, nearest, real};
@@ -6,10 +6,10 @@ use super::sampling::Patch;
 use std::f64::consts::PI;
 
 const DIRECTIONS: usize = 9;
-/// Bytes of a cell.
+/// Feature bytes of a cell.
 pub const CHANNELS: usize = DIRECTIONS + 1;
 
-/// Cells row by row, `CHANNELS` bytes each.
+/// Features of cells, row by row, `CHANNELS` bytes each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     pub across: i64,
@@ -18,13 +18,13 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// `count` cells from (`x`, `y`) to the right.
+    /// Returns the features of `count` cells of a row, starting at (`x`, `y`).
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.across + x) * CHANNELS;
         &self.bytes[from..from + index(count) * CHANNELS]
     }
 
-    /// The gray of each cell, from -128 to 127.
+    /// Mean gray level of each cell less 128: -128 to 127.
     pub fn grays(&self) -> impl Iterator<Item = f64> {
         self.bytes.iter().skip(DIRECTIONS).step_by(CHANNELS).copied()
     }
@@ -37,7 +37,7 @@ impl Cells {
 
 #[derive(Clone)]
 struct Sums {
-    /// The gradient by direction, in gray levels per pixel.
+    /// Sum of the cell's gradients by direction, in gray levels.
     gradient: [f64; DIRECTIONS],
     gray: f64,
 }
@@ -48,7 +48,7 @@ impl Sums {
     }
 }
 
-/// The features of a picture of whole cells and a pixel more on each side.
+/// Computes the features of a picture of whole cells with a border of one pixel.
 pub fn features(numbers: &Numbers, picture: &Patch) -> Cells {
     let (across, down) = ((picture.columns - 2) / numbers.cell, (picture.rows - 2) / numbers.cell);
     let places = || (0..down).flat_map(|y| (0..across).map(move |x| (x, y)));
@@ -69,7 +69,7 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     let side = numbers.cell;
     for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (1 + column * side + x, 1 + row * side + y))) {
         let (right, down) = (pixel(x + 1, y) - pixel(x - 1, y), pixel(x, y + 1) - pixel(x, y - 1));
-        // Opposite gradients count alike.
+        // Directions are unsigned: opposite gradients count alike.
         let turned = down < 0.0 || (down == 0.0 && right < 0.0);
         split(&mut sums.gradient, if turned { (-right, -down) } else { (right, down) });
         sums.gray += pixel(x, y);
@@ -78,8 +78,8 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     sums
 }
 
-/// Splits a gradient between the two directions next to it, u and v: g = a u + b v, so a = (g x v) / (u x v) and
-/// b = (u x g) / (u x v). Directions over u x v, which is sin 20 degrees, are rounded to 1/256.
+/// Splits a gradient g between the two nearest directions u and v: g = a u + b v, with a = (g x v) / (u x v) and b = (u
+/// x g) / (u x v). Directions divided by u x v = sin 20 degrees are rounded to 1/256.
 fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     let step = PI / DIRECTIONS as f64;
     let cross = |number: usize| {
@@ -87,16 +87,16 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
         let (x, y) = (nearest(angle.cos() / step.sin(), 256.0), nearest(angle.sin() / step.sin(), 256.0));
         x * below - y * right
     };
-    // The second direction is the first one that the gradient does not reach. Beyond the last direction there is none.
+    // The second direction is the first one beyond the gradient's angle; after the last one comes direction 0.
     let second = (1..DIRECTIONS).find(|&number| cross(number) < 0.0).unwrap_or(DIRECTIONS);
     gradient[second - 1] -= cross(second).min(0.0);
     gradient[second % DIRECTIONS] += cross(second - 1).max(0.0);
 }
 
-/// Features: gradients over the norm of the cells around, rounded down, at most 127; and the mean gray of the cell, less 128.
+/// Features of a cell: gradients over the norm of the cells around, rounded down, at most 127; and mean gray less 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
-    // A quarter of a gray level in units of a feature, on a grid of 2^-16.
+    // Feature value of a quarter of a gray level, rounded down to 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
     let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;

@@ -1,11 +1,10 @@
-//! The filter: weights for the features of cells, and how they are learned.
+//! Correlation filter: a weight for each feature byte of its cells, and the learning of these weights.
 //!
-//! Steepest descent, and conjugate gradients at the lock, on the sum over all offsets of (response - label)^2, plus `regularisation` times the
-//! sum of all squared weights.
-//! Weights, gradients and errors are coded for the sums: divided by the least power of two by which the largest one fits, and rounded.
-//! All sums are of whole numbers below 2^53, so they are exact in f64.
+//! Ridge regression by gradient descent, with conjugate gradients at the lock. It minimises the sum over all offsets of
+//! (response - label)^2, plus `regularisation` times the sum of squared weights. For integer sums, weights, gradients
+//! and errors are divided by a power of two and rounded (`Coded`); sums stay below 2^53, so they are exact in f64.
 //!
-//! Units: responses, labels and errors 1/16384; weights 1/65536 of that.
+//! Units: 2^-14 for responses, labels and errors; 2^-30 for weights.
 
 use super::Numbers;
 use super::gaussian::{ONE, label, learning_window, part};
@@ -17,7 +16,7 @@ pub struct Filter {
     pub weights: Vec<f64>,
 }
 
-/// Numbers coded for products with features. A coded number times `divisor` is about the original one.
+/// Values as small integers, for products with features; times `divisor` they are about the original values.
 pub struct Coded {
     pub numbers: Vec<f64>,
     pub divisor: f64,
@@ -29,7 +28,7 @@ impl Coded {
         Self { numbers: numbers.iter().map(|number| nearest(number / divisor, 1.0)).collect(), divisor }
     }
 
-    /// The sum of their products with the cells, of which the first is at (`x`, `y`).
+    /// Sum of products with the features of cells, starting at cell (`x`, `y`).
     fn sum(&self, shape: &Shape, cells: &Cells, x: i64, y: i64) -> f64 {
         let rows = self.numbers.chunks(index(shape.across) * CHANNELS).zip(y..);
         let product = |(weights, row): (&[f64], i64)| {
@@ -38,7 +37,7 @@ impl Coded {
         rows.map(product).sum()
     }
 
-    /// The response at an offset.
+    /// Filter response at the offset (`x`, `y`).
     pub fn response(&self, shape: &Shape, cells: &Cells, x: i64, y: i64) -> f64 {
         let most = 16_777_216.0; // 2^24
         (self.sum(shape, cells, x, y) * self.divisor / 65536.0).floor().clamp(-most, most)
@@ -46,7 +45,7 @@ impl Coded {
 }
 
 impl Filter {
-    /// All weights are 0.
+    /// Creates a filter whose weights are 0.
     pub fn new(shape: &Shape) -> Self {
         Self { weights: vec![0.0; index(shape.across * shape.down) * CHANNELS] }
     }
@@ -55,7 +54,7 @@ impl Filter {
         Coded::new(&self.weights, numbers.most_coded)
     }
 
-    /// Learns the target from its first frame: `first_steps` whole steps of conjugate gradients. The weights are 0.
+    /// Learns the first frame in `first_steps` full steps of conjugate gradients. All weights must be 0.
     pub fn lock(&mut self, numbers: &Numbers, shape: &Shape, cells: &Cells) {
         let mut responses = vec![0.0; offsets(numbers).count()];
         let mut before = None;
@@ -71,8 +70,8 @@ impl Filter {
         }
     }
 
-    /// Takes a step whose length is `part` of the best one, which is measured at offsets up to `reach`. Its direction is each gradient times the learning window at its
-    /// cell, plus a fraction of the direction before. That fraction is this step's descent over the descent before, in units of 1/65536.
+    /// Takes a step, `part` times as long as the best one for offsets up to `reach`. Its direction is the gradient
+    /// times the learning window, plus the direction of `before` times the ratio of both descents.
     pub fn learn(
         &mut self,
         numbers: &Numbers,
@@ -113,21 +112,21 @@ impl Filter {
     }
 }
 
-/// A step that was taken.
+/// Result of a learning step, which the next step of conjugate gradients needs.
 pub struct Step {
     direction: Coded,
-    /// The sum of gradients times masked gradients, in the squared unit of the direction.
+    /// Dot product of the gradient and the windowed gradient, in the squared unit of the direction.
     descent: f64,
-    /// The responses to the direction.
+    /// Filter responses of the direction at all offsets.
     responses: Vec<f64>,
-    /// In units of 2^-44.
+    /// Step length, in units of 2^-44.
     length: f64,
 }
 
-/// The best length of a step (exact line search), in units of 2^-44: the descent over the curvature along the direction.
+/// Step length of an exact line search, in units of 2^-44: descent over curvature along the direction.
 ///
-/// The curvature is `regularisation` times the squared directions plus the squared responses to the directions, in units of 2^18. The
-/// lowest nine bits of a response are dropped. `all` is the number of offsets, some of which have a response.
+/// The curvature, in units of 2^18, is the sum of squared `responses` of the direction, scaled up to all `all` offsets,
+/// plus `regularisation` times its squared values. The lowest nine bits of a response are dropped.
 fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
@@ -136,22 +135,22 @@ fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[
     quotient(descent * 67_108_864.0, curvature.max((descent / 2_097_152.0).floor() + 1.0))
 }
 
-/// A search window that is learned from.
+/// Search window to learn from.
 pub struct Sample<'a> {
     pub cells: &'a Cells,
-    /// The filter's responses to it, row by row.
+    /// Filter responses in the window, row by row.
     pub responses: &'a [f64],
-    /// Place of the target from the middle, in cells.
+    /// Offset of the target from the window's middle, in cells.
     pub target: (f64, f64),
 }
 
-/// All offsets of a window, row by row, from its corner.
+/// All offsets of a search window, row by row, counted from its top left corner.
 fn offsets(numbers: &Numbers) -> impl Iterator<Item = (i64, i64)> {
     let span = 2 * numbers.reach + 1;
     (0..span).flat_map(move |y| (0..span).map(move |x| (x, y)))
 }
 
-/// Response less label, at most `most_error`.
+/// Response less label at each offset, clamped to `most_error`.
 fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
     let part = |offset: i64, target: f64| part(numbers, shape, real(offset - numbers.reach) - target);
     let error = |((x, y), response): ((i64, i64), &f64)| {
@@ -161,7 +160,7 @@ fn errors(numbers: &Numbers, shape: &Shape, sample: &Sample<'_>) -> Vec<f64> {
     offsets(numbers).zip(sample.responses).map(error).collect()
 }
 
-/// For each weight, the sum over all offsets of error times feature.
+/// Sum of error times feature over all offsets, for each weight.
 fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; index(shape.across * shape.down) * CHANNELS];
     for ((x, y), error) in offsets(numbers).zip(errors) {
@@ -173,7 +172,7 @@ fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -
     sums
 }
 
-/// Each gradient times the learning window at its cell.
+/// Multiplies each gradient by the learning window at its cell.
 fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
     let axis = |cells: i64, side: i64| -> Vec<f64> {
         (0..cells).map(|at| learning_window(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()

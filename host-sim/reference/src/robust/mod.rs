@@ -1,11 +1,11 @@
-//! The robust method in f64, written from its description and meant to be checked against it by eye.
+//! The robust tracker in f64, a reference for `smr-core` that is meant to be checked against its description by eye.
 //!
-//! It takes no number, no table and no arithmetic from `smr-core`, and it is slow. Positions are in pixels of the frame. Where the method
-//! rounds a number, so does the reference (`rounding.rs`), so that all numbers of both trackers are equal in every frame. All sums are
-//! exact in f64.
+//! It shares no constant, table or arithmetic with `smr-core`, and it is slow. Positions are in pixels of the frame. It
+//! rounds wherever the method rounds (`rounding.rs`), and its sums are exact in f64, so all values of both trackers
+//! must be equal in every frame.
 //!
-//! The files have the names of the stages in `core/src/track/robust`; `refinement` has the alignment, too, and `place` is motion and
-//! redetection.
+//! Files are named after the stages in `core/src/track/robust`. `refinement` includes the alignment; `target_box` has
+//! motion and redetection.
 
 mod confidence;
 mod gaussian;
@@ -38,27 +38,27 @@ use target_box::{Place, sweep, whole_box};
 use verification::Similarity;
 
 pub struct Step {
-    /// The features of the search window, and the filter's responses to them.
+    /// Features of the search window, and the filter's response at each of its offsets.
     pub cells: Cells,
     pub responses: Vec<f64>,
-    /// The filter's response at the answered place.
+    /// Largest filter response of the window that the answer comes from.
     pub response: f64,
     pub ratio: f64,
     pub decision: Decision,
     pub confidence: f64,
     pub scale: f64,
-    /// The box (left, top, width, height), and the box with its edges rounded.
+    /// Box in pixels (left, top, width, height): with fractions, and with whole edges.
     pub fine: [f64; 4],
     pub bbox: [i64; 4],
     pub learned: bool,
-    /// True if windows of the sweep were searched.
+    /// True if windows all over the frame were searched for the lost target.
     pub swept: bool,
     pub found: bool,
-    /// True if a lost target was found again: by the sweep, or where it was followed.
+    /// True if a lost target was found again, by the sweep or in its usual search window.
     pub found_again: bool,
 }
 
-/// The best place in a search window, and what verifies it.
+/// Best position in a search window, with the values that verify it.
 struct Candidate {
     cells: Cells,
     responses: Vec<f64>,
@@ -66,7 +66,7 @@ struct Candidate {
     response: f64,
     aligned: Aligned,
     agreement: f64,
-    /// The contrast of the window, and the gain of the early template in the light of the patch.
+    /// Contrast of the search window in gray levels, and gain from the early template's contrast to the patch's.
     window: f64,
     gain: f64,
     /// True if the patch has enough contrast to show the target.
@@ -86,23 +86,23 @@ pub struct Reference {
     target_size: (i64, i64),
     shape: Shape,
     place: Place,
-    /// The velocity to the right and down, in pixels per frame.
+    /// Velocity to the right and down, in pixels per frame.
     velocity: (f64, f64),
     filter: Filter,
-    /// The early template: a running mean on the grid of 1/256.
+    /// Early template: a slow running mean of the target's patches, rounded to 1/256 gray level.
     early: Patch,
-    /// The gain of the early template for each gray level of contrast in the search window.
+    /// Lighting: gain of the early template's contrast per gray level of contrast in the search window.
     light: f64,
     mean_evidence: f64,
-    /// The scale in the last frame whose decision was *tracking*.
+    /// Scale in the last frame whose state was *tracking*.
     tracked_scale: f64,
     next_window: i64,
     refiner: Option<Refiner>,
 }
 
 impl Reference {
-    /// Starts on the `width` x `height` box at (`x`, `y`) of a frame; the box lies inside the frame.
-    /// `refiner` holds the weights of the network that corrects the box.
+    /// Locks on the box `target` (left, top, width, height), which must lie inside the frame. `refiner` has the weights
+    /// of the network that corrects the box.
     pub fn lock(
         numbers: Numbers,
         refiner: &'static [u8],
@@ -146,13 +146,13 @@ impl Reference {
         &self.filter.weights
     }
 
-    /// The early template in whole gray levels.
+    /// Early template, rounded to whole gray levels.
     pub fn early(&self) -> Patch {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// The frame pixels that the next update may read around the expected place: left, top, right, bottom. Other scales may be
-    /// searched anywhere in the window.
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read without a sweep. Other
+    /// scales may be searched at any position in the search window.
     pub fn region(&self) -> [i64; 4] {
         let Numbers { size, reach, scale_reach, cell, margin, .. } = self.numbers;
         let around = |place: Place, reach| self.region_around(place, reach);
@@ -163,7 +163,7 @@ impl Reference {
             all.extend(self.other_scales(centre.scale).map(larger));
         }
         if let Some(refiner) = &self.refiner {
-            // The region ends at the next grid pixel beyond the search and the view's margin, at the larger scale.
+            // Bound of the move in grid pixels of the larger scale: search radius + 1 cell, alignment margin, 2 pixels.
             let [_, larger] = self.other_scales(centre.scale);
             let by = real((reach + 1) * cell + margin + 2) * self.shape.step_at(larger);
             let target = Place { scale: larger, ..centre }.bbox(self.target_size);
@@ -172,7 +172,8 @@ impl Reference {
         all.into_iter().reduce(both).expect("there is a window")
     }
 
-    /// The frame pixels of the sweep's windows, if the target would be lost after a frame without evidence.
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update reads to search for a lost target;
+    /// `None` if even a frame without evidence would not make the target lost.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
         let lost_next = decision(&self.numbers, running_mean(&self.numbers, self.mean_evidence, 0.0)) == Decision::Lost;
@@ -183,7 +184,7 @@ impl Reference {
         windows.reduce(both)
     }
 
-    /// The margin of a view in whole cells.
+    /// Alignment margin, rounded up to whole cells.
     fn margin_cells(&self) -> i64 {
         (self.numbers.margin + self.numbers.cell - 1) / self.numbers.cell
     }
@@ -210,7 +211,7 @@ impl Reference {
                 *mean += nearest((new - *mean) * self.numbers.early_rate, FINE);
             }
         }
-        // In cells, on a grid of 1/256.
+        // Move of the target in cells, rounded toward 0 to 1/256: the filter's label is centred there.
         let cell = real(self.numbers.cell) * self.shape.step_at(centre.scale);
         let moved = |to: f64, from: f64| to_zero((to - from) / cell, FINE);
         let target = (moved(candidate.place.x, centre.x), moved(candidate.place.y, centre.y));
@@ -277,7 +278,7 @@ impl Reference {
         sweep > 0 && lost_below > 0.0 && self.refiner.as_ref().is_some_and(|refiner| refiner.gives_up(&self.numbers))
     }
 
-    /// The worse of two decisions: by the mean evidence, and by the network's opinion.
+    /// Worse of two decisions: by the mean evidence, and by the network's opinion of the box.
     fn decision(&self) -> Decision {
         let opinion = self.refiner.as_ref().map_or(Decision::Tracking, |refiner| refiner.decision(&self.numbers));
         decision(&self.numbers, self.mean_evidence).max(opinion)
@@ -311,7 +312,8 @@ impl Reference {
         Candidate { cells, responses, place, response, aligned, agreement, window, gain, can_show }
     }
 
-    /// Moves the place to the best alignment of the early template, if the agreement is high. Returns the growth of the target.
+    /// Moves the target to the best alignment of the early template and returns its growth; `None` if the agreement is
+    /// low.
     fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
         if candidate.agreement < self.numbers.refined_from {
             return None;
@@ -323,19 +325,19 @@ impl Reference {
         Some(step.growth)
     }
 
-    /// The next smaller scale and the next larger one.
+    /// Next smaller and next larger scale.
     fn other_scales(&self, scale: f64) -> [f64; 2] {
         let Numbers { scale_step, .. } = self.numbers;
         [self.limited(scale / scale_step), self.limited(scale * scale_step)]
     }
 
-    /// The scale rounded down, within the bounds.
+    /// Rounds a scale down to its grid and clamps it to its bounds.
     fn limited(&self, scale: f64) -> f64 {
         let most = self.numbers.most_scale;
         down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)
     }
 
-    /// The scale with the highest response: the last one, the next smaller one, or the next larger one.
+    /// Scale with the highest response: the current one, the next smaller or the next larger one.
     fn best_scale(&self, frame: &Picture<'_>, coded: &Coded, candidate: &Candidate) -> f64 {
         let Numbers { scale_gain, scale_reach, .. } = self.numbers;
         let (mut highest, mut best) = (f64::NEG_INFINITY, candidate.place.scale);
@@ -352,7 +354,8 @@ impl Reference {
         best
     }
 
-    /// The first candidate in the sweep's next windows with enough evidence, clearly more than `followed`, that at the followed place.
+    /// Searches the next windows of the sweep for the lost target. Returns the first candidate with enough evidence,
+    /// clearly more than `followed`, the evidence at the tracked position.
     fn redetect(&mut self, frame: &Picture<'_>, coded: &Coded, followed: f64) -> Option<Candidate> {
         let Numbers { found_from, better_by, .. } = self.numbers;
         for place in self.sweep() {
@@ -366,7 +369,7 @@ impl Reference {
     }
 }
 
-/// The smallest region that holds both; a region is left, top, right and bottom.
+/// Smallest region that contains `a` and `b`; a region is left, top, right, bottom.
 fn both(a: [i64; 4], b: [i64; 4]) -> [i64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }

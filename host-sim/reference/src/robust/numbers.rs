@@ -1,110 +1,113 @@
-//! All numbers of the method, as its description has them.
+//! Parameters of the robust method, as in its description.
 
 #[derive(Clone, Debug)]
 pub struct Numbers {
-    /// The parts that can be left out: the scale, and the learned network that corrects the box and can make the decision worse.
+    /// Optional parts: the scale estimation, and the network that corrects the box and can lower the state.
     pub size: bool,
     pub refiner: bool,
-    /// Grid: the most pixels of the template; the least step, in pixels of the frame.
+    /// Template: most pixels, and least distance of its samples in frame pixels.
     pub pixels: i64,
     pub least_step: f64,
-    /// Sampling: how many pixels of a block are read on each axis.
+    /// Samples per axis that are read of each block when the frame is reduced.
     pub read_per_side: i64,
-    /// Pixels of the grid on a side of a cell.
+    /// Side of a cell, in template pixels.
     pub cell: i64,
-    /// The filter covers .0 / .1 of the box on each axis.
+    /// Side of the filter over the side of the box, as a fraction `.0 / .1`.
     pub cover: (f64, f64),
-    /// The filter's size in cells: least and most on a side, and most in all.
+    /// Size of the filter in cells: least and most per side, and most in total.
     pub least_side: i64,
     pub most_side: i64,
     pub most_cells: i64,
-    /// Features: the floor that is added to a norm, in gray levels; the gain of a gradient over its norm.
+    /// Gradient features: term added to the norm, in gray levels, and gain of a normalised gradient.
     pub norm_floor: f64,
     pub norm_gain: f64,
-    /// Search radius, which is also the radius of learning, in cells.
+    /// Radius of search and of learning, in cells.
     pub reach: i64,
-    /// The label's standard deviation: .0 / .1 of the root of the target's area.
+    /// Standard deviation of the label over the square root of the target's area, as a fraction `.0 / .1`.
     pub label_width: (f64, f64),
-    /// The weight of the squared filter weights in the error.
+    /// Ridge penalty: factor of the squared filter weights in the error.
     pub regularisation: f64,
-    /// Bounds: of a coded number, of a coded error, and of an error.
+    /// Largest absolute value of a weight or gradient scaled to integers, of a scaled error, and of an unscaled error.
     pub most_coded: f64,
     pub most_gathered: f64,
     pub most_error: f64,
-    /// The fraction of the best length that the step of an update has.
+    /// Step length of an update, as a fraction of the exact line search.
     pub step: f64,
-    /// Steps of a lock. An update takes one.
+    /// Gradient steps at the lock. An update takes one.
     pub first_steps: usize,
-    /// The most that a step of a lock takes of the direction before.
+    /// Largest fraction of the previous direction in a conjugate-gradient step.
     pub most_conjugate: f64,
-    /// Part that a response loses at the edge of the search, in units of 1/256.
+    /// Fraction of a response that is subtracted at the edge of the search, in units of 1/256.
     pub distance_penalty: f64,
-    /// Motion: the fraction of the velocity that is added to the last place, and the weight of the last move in the velocity.
+    /// Motion: fraction of the velocity in the prediction, and weight of the last move in the velocity.
     pub velocity_fraction: f64,
     pub velocity_rate: f64,
-    /// Scale search: the factor between scales, what the other scales' responses count in units of 1/256, and their reach in cells.
+    /// Scale search: factor between scales, weight of another scale's response in units of 1/256, search radius in
+    /// cells.
     pub scale_step: f64,
     pub scale_gain: f64,
     pub scale_reach: i64,
-    /// The largest scale. The least is 1 over it.
+    /// Largest scale; the smallest is its reciprocal.
     pub most_scale: f64,
-    /// The weight of a new patch in the early template.
+    /// Weight of a new patch in the early template, a running mean.
     pub early_rate: f64,
-    /// Similarity: p = exp(-d / similarity_scale).
+    /// Similarity of a pixel: p = exp(-d / similarity_scale), with the difference d in gray levels.
     pub similarity_scale: f64,
-    /// The largest factor between the gain of the template's contrast and the expected gain, and the bounds of the expected gain.
+    /// Largest factor between the template's gain and its expected gain, and bounds of the expected gain.
     pub most_change: f64,
     pub gain_bounds: (f64, f64),
-    /// The least contrast of a search window, in gray levels.
+    /// Lower bound of a search window's contrast, in gray levels.
     pub least_window: f64,
-    /// The rate at which the light follows the light of a frame.
+    /// Weight of a frame in the running mean of the lighting.
     pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
-    /// A patch can show the target if its contrast is at least this fraction of the expected one and at least this many gray levels, and at most
-    /// this fraction of its pixels is cut off at black or white.
+    /// A patch can show the target with this least fraction of the expected contrast, this least contrast in gray
+    /// levels, and at most this fraction of pixels clipped at 0 or 255.
     pub least_contrast: f64,
     pub least_deviation: f64,
     pub most_cut_off: f64,
-    /// Verification: tiles on a side, and which of their sorted ratios counts (1 is the least).
+    /// Verification: tiles per axis, and the rank of the tile whose similarity counts (1 is the least similar).
     pub tiles_across: i64,
     pub counted_ratio: usize,
-    /// Alignment: the farthest one on each axis, and the distance of the first nine, in pixels of the grid.
+    /// Alignment: largest offset on each axis, and spacing of the first nine offsets, in template pixels.
     pub margin: i64,
     pub coarse_step: i64,
-    /// The agreement from which place and size are refined.
+    /// Least agreement for refining position and size.
     pub refined_from: f64,
-    /// The most that a Gauss-Newton step moves, in pixels of the grid, and grows, in units of 1/65536.
+    /// Bounds of a Gauss-Newton step: move in template pixels, and growth in units of 1/65536.
     pub most_move: f64,
     pub most_growth: f64,
     /// Each diagonal element of the normal equations grows by 1 / damping of itself.
     pub damping: f64,
-    /// The elements are divided by a power of two until they are below this.
+    /// Upper bound of the normal equations' elements, which a power of two divides until they are below.
     pub most_sum: f64,
-    /// Confidence: the weight of a frame in the mean evidence, in units of 1/256; how much the mean may be above the evidence; the bounds
-    /// of the decisions.
+    /// Confidence: weight of a frame in the mean evidence, in units of 1/256; largest lead of the mean over the
+    /// evidence; confidences below which the target is lost or uncertain.
     pub confidence_rate: f64,
     pub most_lead: f64,
     pub lost_below: f64,
     pub uncertain_below: f64,
-    /// Opinion: the most trust; the weight of a frame's trust; that weight while a bad opinion rises; the bounds of the two decisions.
+    /// The network's opinion of the box: largest trust; weight of a frame in the running mean, and while a bad opinion
+    /// rises; opinions below which the target is lost or uncertain.
     pub most_trust: f64,
     pub opinion_rate: f64,
     pub opinion_rising_rate: f64,
     pub opinion_lost_below: f64,
     pub opinion_uncertain_below: f64,
-    /// A target is given up after so many frames in a row below `opinion_uncertain_below`, and begins with `opinion_found` when it is found.
+    /// Frames in a row with a bad opinion after which the target is given up, and the opinion when it is found again.
     pub opinion_patience: i64,
     pub opinion_found: f64,
-    /// The evidence from which a frame is learned.
+    /// Least evidence of a frame that the filter learns from.
     pub learned_from: f64,
-    /// Redetection: the windows in a frame, the least evidence, and how much more it must be than at the followed place.
+    /// Redetection: windows per frame, least evidence of a find, and its least lead over the evidence at the tracked
+    /// position.
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,
 }
 
 impl Numbers {
-    /// The preset `refined`: all parts.
+    /// Preset `refined`: all optional parts are on.
     pub fn refined() -> Self {
         Self {
             size: true,

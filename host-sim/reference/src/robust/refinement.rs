@@ -1,4 +1,4 @@
-//! The exact place and size: the best alignment of the early template in pixels of the grid, then a Gauss-Newton step.
+//! Exact position and size: the best alignment of the early template in whole pixels, then a Gauss-Newton step.
 
 use super::Numbers;
 use super::lighting::{gain, relit, threshold};
@@ -6,16 +6,15 @@ use super::rounding::{SCALE, SUB, real, to_zero};
 use super::sampling::Patch;
 use super::verification::Similarity;
 
-/// The best alignment of the early template in a view.
 pub struct Aligned {
-    /// Place from the view's middle, in pixels of the grid.
+    /// Offset from the view's middle, in template pixels.
     pub x: i64,
     pub y: i64,
     pub seen: Patch,
 }
 
-/// Scores nine alignments two pixels apart, then the eight around the best of them, with the template in the light of the middle. Of
-/// equal scores the first wins; the middle comes first, the others row by row.
+/// Scores nine offsets `coarse_step` pixels apart, then the eight around the best one, with the template in the
+/// lighting of the middle. Ties keep the earlier offset: the middle, then row by row.
 pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: &Patch, expected: f64) -> Aligned {
     let margin = numbers.margin;
     let cut =
@@ -37,15 +36,15 @@ pub fn aligned(numbers: &Numbers, similarity: &Similarity, view: &Patch, early: 
     Aligned { x: best.0, y: best.1, seen: cut(best.0, best.1) }
 }
 
-/// The move to the right and down in steps of 1/64 pixel of the grid; the growth in steps of 1/65536.
+/// Move to the right and down in template pixels, a multiple of 1/64; growth of the target, a multiple of 1/65536.
 pub struct Step {
     pub x: f64,
     pub y: f64,
     pub growth: f64,
 }
 
-/// The Gauss-Newton step from the early template to the patch: the least squares of difference + slope * (x, y) + outward * growth. The
-/// slope is taken from the mean of both pictures.
+/// Gauss-Newton step from the early template to the patch: least squares of `error + slope * (x, y) + outward *
+/// growth`, where `outward` is the slope away from the middle. Slopes are of the mean of both pictures.
 pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     let (lit, alpha) = (relit(early, seen, gain), threshold(numbers, early, seen, gain));
     let mut sums = [[0.0; 4]; 3];
@@ -63,7 +62,7 @@ pub fn step(numbers: &Numbers, early: &Patch, seen: &Patch, gain: f64) -> Step {
     solve(numbers, sums)
 }
 
-/// Solves three equations. A row holds three coefficients and the right side.
+/// Solves the normal equations. A row of `sums` has three coefficients and the right side.
 fn solve(numbers: &Numbers, sums: [[f64; 4]; 3]) -> Step {
     let square = |at: usize| sums[at][at] + (sums[at][at] / numbers.damping).floor();
     let largest = (0..3).map(square).fold(0.0, f64::max);
@@ -75,7 +74,7 @@ fn solve(numbers: &Numbers, sums: [[f64; 4]; 3]) -> Step {
         if row == column { (square(row) / unit).floor() + 1.0 } else { to_zero(sums[row][column] / unit, 1.0) }
     };
     let wanted = [0, 1, 2].map(|row: usize| to_zero(256.0 * sums[row][3] / unit, 1.0));
-    // Cramer's rule: a row of the adjoint, of which each element is a minor.
+    // Minors of the matrix, for Cramer's rule.
     let minor = |row: usize, column: usize| {
         let ((a, b), (c, d)) = (((row + 1) % 3, (row + 2) % 3), ((column + 1) % 3, (column + 2) % 3));
         number(a, c) * number(b, d) - number(a, d) * number(b, c)

@@ -1,26 +1,27 @@
-//! The refiner: the box corrected by a learned network of four convolutions and two full layers, and its opinion of the box.
+//! Refiner: a learned network (four convolutions, two fully connected layers) that corrects the box and rates it.
 //!
-//! The caller passes the weights that training wrote (`weights.bin`). All arithmetic is written anew: a layer's sum is exact in f64, then rounded down.
+//! The caller passes the trained weights (`weights.bin`). A layer's sums are exact in f64, then rounded down.
 
 use super::Numbers;
 use super::confidence::{Decision, decided};
 use super::rounding::{FINE, POSITION, SCALE, down, index, nearest, real, whole};
 use super::sampling::{Lattice, Picture};
 
-/// Samples on a side of a crop, and the side of a crop over that of the box.
+/// Side of a crop, the network's input, in samples; and the crop's side over the box's side.
 const SIDE: i64 = 32;
 const WIDER: f64 = 1.75;
-/// The input that stands for the mean of a crop.
+/// Network input for the mean gray level of a crop.
 const MEAN: f64 = 64.0;
-/// The grid of the network's estimates, in parts of 1.
+/// Grid of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: side of the outputs, step, input channels, outputs, and the divisor of the sums. A full layer has one pixel.
+/// Layers: output side, stride, input channels, output channels, divisor of the sums. A full layer has no side and
+/// stride.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULL: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
 
-/// Numbers on a square of pixels with channels. Outside the square they are `beyond`.
+/// Square feature map with channels, padded with the value `beyond`.
 struct Map {
     side: i64,
     channels: i64,
@@ -35,7 +36,7 @@ impl Map {
     }
 }
 
-/// Reads the bytes of the weights from the front.
+/// Unread bytes of the weight file.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -45,7 +46,7 @@ impl Bytes<'_> {
         biases.chunks(4).map(|bias| f64::from(i32::from_le_bytes(bias.try_into().expect("four bytes")))).collect()
     }
 
-    /// Reads the weights of each output. A row is padded to a multiple of four.
+    /// Reads one row of weights for each output. A row is padded to a multiple of four bytes.
     fn weights(&mut self, outputs: i64, inputs: i64) -> Vec<Vec<f64>> {
         let row = index((inputs + 3) / 4 * 4);
         let (weights, rest) = self.0.split_at(index(outputs) * row);
@@ -59,7 +60,8 @@ fn activation(sum: f64, divisor: f64) -> f64 {
     (sum / divisor).floor().clamp(0.0, 127.0)
 }
 
-/// The network's estimate for two crops: right, down, width, height; the logarithms of the spreads of place and size.
+/// Estimates from two crops: move right and down, growth of width and height, log of the expected errors of place and
+/// size.
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
@@ -81,7 +83,7 @@ fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     for (inputs, outputs, divisor) in FULL {
         let (biases, weights) = (bytes.biases(outputs), bytes.weights(outputs, inputs));
         let sums = biases.iter().zip(&weights).map(|(bias, row)| bias + dot(row, &numbers));
-        // The sums of the last layer are its outputs.
+        // The last layer has no activation.
         numbers = if outputs == 6 { sums.collect() } else { sums.map(|sum| activation(sum, divisor)).collect() };
     }
     numbers.iter().map(|sum| sum / ESTIMATE).collect()
@@ -98,7 +100,7 @@ fn lattice([x, y, width, height]: [f64; 4]) -> Lattice {
     Lattice { x: middle(x, width), y: middle(y, height), step, step_down, columns: SIDE, rows: SIDE }
 }
 
-/// The crop of a box: the mean becomes 64, and each standard deviation adds 16.
+/// Samples the crop of a box, normalised to mean 64 and standard deviation 16, less for low contrast.
 fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     let pixels = lattice(target).sample(numbers, frame).pixels;
     let mean = nearest(pixels.iter().sum::<f64>() / real(SIDE * SIDE), 1.0);
@@ -107,15 +109,15 @@ fn crop(numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4]) -> Vec<f64> {
     pixels.iter().map(|pixel| (((pixel - mean) * gain / 4096.0).floor() + MEAN).clamp(0.0, 127.0)).collect()
 }
 
-/// The crop of the first frame's target, and the correction that is carried from frame to frame.
+/// State of the refiner: crop of the target in the first frame, and the accumulated correction of the box.
 pub struct Refiner {
     weights: &'static [u8],
     first: Vec<f64>,
     centre: [f64; 2],
     sides: [f64; 2],
-    /// The running mean of trust. Trust is high if the network expects small errors.
+    /// Running mean of the trust, which is high if the network expects small errors.
     opinion: f64,
-    /// The last frames in a row in which the opinion was bad.
+    /// Count of frames in a row with a bad opinion, up to now.
     doubted: i64,
 }
 
@@ -135,8 +137,8 @@ impl Refiner {
         [x, y, width, height]
     }
 
-    /// Compares the corrected box with the first target, and updates the opinion. If the frame was learned, it adds a quarter
-    /// of the network's estimate to the correction, and then takes a sixteenth of the correction off.
+    /// Compares the corrected box with the first crop and updates the opinion. If the frame was learned, adds a quarter
+    /// of the network's estimate to the correction, then reduces the correction by a sixteenth.
     pub fn update(&mut self, numbers: &Numbers, frame: &Picture<'_>, target: [f64; 4], learned: bool) {
         let present = crop(numbers, frame, self.correct(target));
         let estimates = network(self.weights, &self.first, &present);
@@ -153,7 +155,7 @@ impl Refiner {
         }
     }
 
-    /// The opinion after a frame with this trust.
+    /// Updates the opinion with the trust of a frame.
     fn follow(&mut self, numbers: &Numbers, trust: f64) {
         let trust = trust.clamp(0.0, numbers.most_trust);
         let rises = self.opinion < numbers.opinion_uncertain_below && self.opinion < trust;
@@ -162,7 +164,7 @@ impl Refiner {
         self.doubted = if self.opinion < numbers.opinion_uncertain_below { self.doubted + 1 } else { 0 };
     }
 
-    /// True if the opinion was bad in so many frames in a row that the target counts as lost.
+    /// True if the opinion was bad for `opinion_patience` frames in a row: the target is given up.
     pub fn gives_up(&self, numbers: &Numbers) -> bool {
         self.doubted >= numbers.opinion_patience
     }
@@ -171,19 +173,20 @@ impl Refiner {
         (self.opinion, self.doubted) = (numbers.opinion_found, 0);
     }
 
-    /// The best decision that the opinion allows.
+    /// Best state that the opinion allows.
     pub fn decision(&self, numbers: &Numbers) -> Decision {
         decided(self.opinion, numbers.opinion_lost_below, numbers.opinion_uncertain_below)
     }
 
-    /// For an exact place and size: the correction fades by a quarter, and the trust is full.
+    /// Reduces the correction by a quarter and counts full trust, because the box of the frame is already exact.
     pub fn fade(&mut self, numbers: &Numbers) {
         self.follow(numbers, numbers.most_trust);
         self.centre = self.centre.map(|centre| down(centre * 0.75, ESTIMATE));
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }
 
-    /// The frame pixels that the crop of a box may read if the box moves by up to `by` pixels: left, top, right, bottom.
+    /// Bounds (left, top, right, bottom) of the frame pixels that a crop may read if the box moves by up to `by`
+    /// pixels.
     pub fn region(&self, target: [f64; 4], by: f64, frame_size: (i64, i64)) -> [i64; 4] {
         let Lattice { x, y, step, step_down, .. } = lattice(self.correct(target));
         let blocks = step + step_down + 2.0;

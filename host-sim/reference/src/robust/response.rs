@@ -6,14 +6,14 @@ use super::learning::Coded;
 use super::rounding::{FINE, index, quotient, real, to_zero};
 use super::sampling::Shape;
 
-/// Responses up to `reach` cells from the middle, row by row.
+/// Filter responses at all offsets up to `reach` cells from the middle, row by row.
 pub fn responses(shape: &Shape, coded: &Coded, cells: &Cells, reach: i64) -> Vec<f64> {
     let span = 2 * reach + 1;
     (0..span).flat_map(|y| (0..span).map(move |x| coded.response(shape, cells, x, y))).collect()
 }
 
-/// The responses with the penalty for their distance to the middle. It grows with the squared distance, up to `distance_penalty` / 256 at
-/// the edge of the search. Negative responses stay as they are. Both roundings are downwards.
+/// Reduces positive responses by a penalty that grows with the squared distance from the middle, up to
+/// `distance_penalty` / 256 at the edge of the search. Penalty and result are rounded down.
 pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     let (reach, span) = (numbers.reach, 2 * numbers.reach + 1);
     let away = |at: i64| (at % span - reach).pow(2) + (at / span - reach).pow(2);
@@ -25,13 +25,13 @@ pub fn penalised(numbers: &Numbers, responses: &[f64]) -> Vec<f64> {
     (0..).zip(responses).map(less).collect()
 }
 
-/// The largest response. Of equal ones it is the one in the middle, else the first.
+/// Largest response. Of equal ones the one in the middle wins, else the first in row order.
 pub struct Peak {
-    /// In cells from the middle, refined on each axis by a parabola.
+    /// Offset from the middle in cells, interpolated by a parabola on each axis.
     pub x: f64,
     pub y: f64,
     pub response: f64,
-    /// The response at the top of both parabolas.
+    /// Interpolated response at the top of both parabolas.
     pub height: f64,
 }
 
@@ -56,8 +56,8 @@ pub fn peak(responses: &[f64], reach: i64) -> Peak {
     Peak { x: real(x - reach) + across, y: real(y - reach) + down, response, height: response + wider + deeper }
 }
 
-/// The top of the parabola through three neighbouring responses: its distance from the middle one (at most 1/2, rounded towards 0 to
-/// 1/256) and its height above it (rounded down). Both are 0 if the parabola has no top.
+/// Top of the parabola through three neighbouring responses: its distance from the middle one (at most 1/2, rounded
+/// toward 0 to 1/256) and its height above it (rounded down). Both are 0 if the parabola has no top.
 fn top(before: f64, at: f64, after: f64) -> (f64, f64) {
     let bend = before - 2.0 * at + after;
     if bend >= 0.0 {

@@ -1,45 +1,45 @@
-//! The grids of the method's numbers, and rounding to them.
+//! Fixed-point grids of the method, and rounding to them.
 //!
-//! A grid is given by its parts of 1; all are powers of two. Numbers on them are exact in f64, and so are their sums and
-//! products here, which stay below 2^53.
+//! A grid is given by its steps in 1, a power of two. Values on a grid are exact in f64, and so are their sums and
+//! products, which stay below 2^53.
 
 pub(super) use crate::paper::index;
 
-/// Positions and steps, in pixels.
+/// Grid of positions and sampling steps: 1/4096 pixel.
 pub const POSITION: f64 = 4096.0;
 pub const SCALE: f64 = 65536.0;
-/// Fractions of what is mixed, means of gray levels, parts of a cell, and the box of an answer.
+/// Grid of interpolation weights, mean gray levels, fractions of a cell, and answered boxes: 1/256.
 pub const FINE: f64 = 256.0;
 
-/// The gain for each gray level of contrast in a search window.
+/// Grid of the lighting, a gain per gray level of contrast in a search window: 1/16384.
 pub const LIGHT: f64 = 16384.0;
 
-/// Parts of a pixel of the grid.
+/// Grid of the Gauss-Newton move: 1/64 template pixel.
 pub const SUB: f64 = 64.0;
 
-/// Rounds down to the grid.
+/// Rounds down to a multiple of 1 / `parts`.
 pub fn down(value: f64, parts: f64) -> f64 {
     (value * parts).floor() / parts
 }
 
-/// Rounds toward 0 to the grid.
+/// Rounds toward 0 to a multiple of 1 / `parts`.
 pub fn to_zero(value: f64, parts: f64) -> f64 {
     (value * parts).trunc() / parts
 }
 
-/// Rounds to the nearest number on the grid; of two, to the larger.
+/// Rounds to the nearest multiple of 1 / `parts`, halves up.
 pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
 }
 
-/// Quotient of two whole numbers, rounded down. It is computed in integers: `number` may be too large for f64 to tell the
-/// quotient from the next whole number.
+/// Quotient of two whole numbers, rounded down. Computed in integers, because f64 division can round up to the next
+/// one.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // whole numbers; the quotient is below 2^53
 pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64
 }
 
-/// The least power of two by which a whole number, divided and rounded to the nearest, is at most `most`.
+/// Least power of two `d` for which floor(`largest` / d) + 1, which no rounding exceeds, is at most `most`.
 pub fn divisor(largest: f64, most: f64) -> f64 {
     let mut divisor = 1.0;
     while (largest / divisor).floor() + 1.0 > most {
@@ -48,13 +48,11 @@ pub fn divisor(largest: f64, most: f64) -> f64 {
     divisor
 }
 
-/// Converts a whole number to an integer.
 #[allow(clippy::cast_possible_truncation)] // they are far below 2^53
 pub fn whole(value: f64) -> i64 {
     value as i64
 }
 
-/// Converts an integer to f64.
 #[allow(clippy::cast_precision_loss)] // they are far below 2^53
 pub fn real(value: i64) -> f64 {
     value as f64

@@ -1,4 +1,4 @@
-//! The grid: resamples the frame, so that a target of any size has about the same number of pixels.
+//! Resampling of the frame, so that the template has about the same number of pixels for a target of any size.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, index, nearest, real, whole};
@@ -9,7 +9,7 @@ pub struct Picture<'a> {
     pub height: i64,
 }
 
-/// Gray levels on the grid, row by row.
+/// Resampled gray levels, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     pub columns: i64,
@@ -18,22 +18,22 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Cuts out a part; `None` if it reaches outside.
+    /// Copies a part; `None` if it reaches outside.
     pub fn cut(&self, x: i64, y: i64, columns: i64, rows: i64) -> Option<Self> {
         let inside = x >= 0 && y >= 0 && x + columns <= self.columns && y + rows <= self.rows;
         let pixels = || (y..y + rows).flat_map(|row| self.row(x, row, columns)).copied().collect();
         inside.then(|| Self { columns, rows, pixels: pixels() })
     }
 
-    /// `count` pixels from (`x`, `y`) to the right.
+    /// Returns `count` pixels of a row, starting at (`x`, `y`).
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.columns + x);
         &self.pixels[from..from + index(count)]
     }
 }
 
-/// The shapes of template (in pixels of the grid) and filter (in cells), and frame pixels from one pixel of the grid to the next
-/// at scale 1.
+/// Size of the template in pixels (`columns`, `rows`) and of the filter in cells (`across`, `down`). `step` is the
+/// distance of template pixels at scale 1, in frame pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     pub columns: i64,
@@ -44,8 +44,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape for a box of `width` x `height` frame pixels: step = sqrt(area / pixels); the filter covers `cover` times the
-    /// box. Sides are rounded, the template's to even numbers; the longer one is cut until all has room.
+    /// Shape for a box of `width` x `height` frame pixels, with step = sqrt(area / pixels). Sides are rounded, the
+    /// template's to even numbers; the longer one is shortened until the area is small enough.
     pub fn new(numbers: &Numbers, width: i64, height: i64) -> Self {
         let area = real(width * height);
         let step = down((area / real(numbers.pixels)).sqrt(), POSITION).max(numbers.least_step);
@@ -65,7 +65,7 @@ impl Shape {
     }
 }
 
-/// Shortens the longer side, of equal ones the second, until the product of both is at most `most`.
+/// Shortens the longer side, of equal ones the second, until the area is at most `most`.
 fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     while across * down > most {
         if across > down {
@@ -77,7 +77,7 @@ fn fitting(mut across: i64, mut down: i64, most: i64) -> (i64, i64) {
     (across, down)
 }
 
-/// Places of samples around (`x`, `y`): columns are `step` apart, rows `step_down`.
+/// Grid of sample positions around the centre (`x`, `y`): columns are `step` frame pixels apart, rows `step_down`.
 #[derive(Clone, Copy, Debug)]
 pub struct Lattice {
     pub x: f64,
@@ -88,7 +88,7 @@ pub struct Lattice {
     pub rows: i64,
 }
 
-/// A sample on one axis: between two blocks of frame pixels, `part` of the way from the first.
+/// Linear interpolation on one axis: `part` of the way from the block `first` of frame pixels to the block `second`.
 struct Between {
     first: i64,
     second: i64,
@@ -111,7 +111,7 @@ impl Lattice {
         Patch { columns: self.columns, rows: self.rows, pixels }
     }
 
-    /// The frame pixels that sampling reads: left, top, right, bottom.
+    /// Bounds (left, top, right, bottom) of the frame pixels that `sample` reads.
     pub fn region(&self, numbers: &Numbers, frame_size: (i64, i64)) -> [i64; 4] {
         let block = self.block(numbers);
         let extent = |centre: f64, step: f64, count: i64, size: i64| {
@@ -124,7 +124,7 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// The blocks that the frame is first reduced by: their side is doubled until the mean step is less than two of them.
+    /// Blocks to which the frame is reduced first. Their side doubles until the mean step is less than two blocks.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / real(side) >= 2.0 {
@@ -134,25 +134,25 @@ impl Lattice {
     }
 }
 
-/// A block of side x side pixels, and the pixels of it that are read on either axis, from its first one.
+/// Square block of frame pixels, of which only the offsets in `read` are read on each axis.
 struct Block {
     side: i64,
     read: Vec<i64>,
 }
 
 impl Block {
-    /// Divides the block into `parts` equal parts on each axis, and reads the pixel in the middle of each: of two, the second.
+    /// Divides each axis into `parts` equal parts and reads the middle pixel of each part, of two the second.
     fn new(side: i64, parts: i64) -> Self {
         let middle = |part: i64| whole((real(side) * (real(part) + 0.5) / real(parts)).floor());
         Self { side, read: (0..parts).map(middle).collect() }
     }
 
-    /// The mean position of the pixels that are read, counted from the block's first pixel.
+    /// Mean offset of the pixels that are read.
     fn middle(&self) -> f64 {
         mean(self.read.iter().map(|&at| real(at)))
     }
 
-    /// The mean of the pixels that are read, in whole gray levels. Where the frame ends within the block, its edge is repeated.
+    /// Mean of the pixels that are read, in whole gray levels. Beyond the frame its edge pixels are repeated.
     fn mean(&self, frame: &Picture<'_>, column: i64, row: i64) -> f64 {
         let pixel = |x: i64, y: i64| {
             let (x, y) = (x.min(frame.width - 1), y.min(frame.height - 1));
@@ -168,7 +168,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// The samples of one axis, positions in blocks. Beyond the edges the first and the last whole block are repeated.
+/// Sample positions on one axis, in blocks. Beyond the frame the first and the last whole block are repeated.
 fn between(centre: f64, step: f64, count: i64, block: &Block, size: i64) -> Vec<Between> {
     let first_pixel = centre - down(real(count - 1) * step / 2.0, POSITION);
     let side = real(block.side);
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(read(2), (vec![0, 1], 0.5));
         assert_eq!(read(4), (vec![1, 3], 2.0));
         assert_eq!(read(1024), (vec![256, 768], 512.0));
-        // Reads only the second and the fourth of each four columns, and the last row.
+        // Of each four columns only the second and the fourth are read; the only row is repeated.
         let frame = Picture { pixels: &[9, 10, 9, 20, 9, 30, 9, 50], width: 8, height: 1 };
         let lattice = Lattice { x: 4.0, y: 0.0, step: 4.0, step_down: 4.0, columns: 2, rows: 1 };
         assert_eq!(lattice.sample(&Numbers::refined(), &frame).pixels, [15.0, 40.0]);

@@ -1,10 +1,10 @@
-//! Places: the target's own, the expected one, and those of the sweep for a lost target.
+//! Positions of the target: tracked, predicted from the velocity, and tried by the sweep for a lost target.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, nearest, real, whole};
 use super::sampling::{Lattice, Shape};
 
-/// The target's middle, and its size relative to the first box.
+/// Centre of the target in frame pixels, and its scale relative to the first box.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     pub x: f64,
@@ -13,24 +13,23 @@ pub struct Place {
 }
 
 impl Place {
-    /// Moves the middle into the frame.
     pub fn inside(self, (width, height): (i64, i64)) -> Self {
         let within = |at: f64, size: i64| at.clamp(0.0, real(size) - 1.0);
         Self { x: within(self.x, width), y: within(self.y, height), ..self }
     }
 
-    /// Moves the place, rounded down on each axis.
+    /// Moves the centre by (`right`, `below`) pixels, each rounded down to the grid of positions.
     pub fn moved(self, right: f64, below: f64) -> Self {
         Self { x: self.x + down(right, POSITION), y: self.y + down(below, POSITION), ..self }
     }
 
-    /// The search window: the filter's cells, `reach` more on each side, and one pixel more for the gradients.
+    /// Search window: the filter's cells, `reach` more cells on each side, and one more pixel for the gradients.
     pub fn window(self, numbers: &Numbers, shape: &Shape, reach: i64) -> Lattice {
         let side = |cells: i64| (cells + 2 * reach) * numbers.cell + 2;
         self.lattice(shape, side(shape.across), side(shape.down))
     }
 
-    /// The view: the template, and a margin on each side.
+    /// View in which the template is aligned: the template's size, and a margin on each side.
     pub fn view(self, numbers: &Numbers, shape: &Shape) -> Lattice {
         self.lattice(shape, shape.columns + 2 * numbers.margin, shape.rows + 2 * numbers.margin)
     }
@@ -40,25 +39,25 @@ impl Place {
         Lattice { x: self.x, y: self.y, step, step_down: step, columns, rows }
     }
 
-    /// The box of a target that was `size` at first: left, top, width, height.
+    /// Box of the target (left, top, width, height); `size` is its width and height at scale 1.
     pub fn bbox(self, size: (i64, i64)) -> [f64; 4] {
         let side = |size: i64| nearest(real(size) * self.scale, FINE);
         let (width, height) = (side(size.0), side(size.1));
-        // A position is that of a pixel's middle, half a pixel from its edge.
+        // Positions are those of pixel centres, half a pixel from the pixel's edge.
         let corner = |middle: f64, size: f64| down(middle + 0.5, FINE) - down(size / 2.0, FINE);
         [corner(self.x, width), corner(self.y, height), width, height]
     }
 }
 
-/// A box with each edge rounded; at least one pixel is left.
+/// Rounds each edge of a box (left, top, width, height) to whole pixels; each side is at least 1.
 pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     let edge = |at: f64| whole(nearest(at, 1.0));
     let side = |from: f64, size: f64| (edge(from + size) - edge(from)).max(1);
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// The middles of the sweep's windows from `number` on, `sweep` of them, but only to the end of the row. The frame is divided into equal parts, row
-/// by row, no larger than the offsets of a search of `reach` cells cover.
+/// Next centres of the sweep, at most `numbers.sweep`, from index `number` to at most the end of its row. The frame is
+/// divided into equal tiles, row by row, each no larger than a search of `reach` cells covers.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = real(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
     let count = |size: i64| whole((real(size) / covered).ceil());

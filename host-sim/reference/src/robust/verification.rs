@@ -1,4 +1,5 @@
-//! Agreement: compares the early template, in the light of the frame, with the patch, tile by tile.
+//! Agreement of a patch with the early template, tile by tile, after the template gets the patch's brightness and
+//! contrast.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
@@ -6,16 +7,16 @@ use super::rounding::{index, real, whole};
 use super::sampling::Patch;
 use crate::paper::{UNITS, similarity};
 
-/// p by difference, for each of the 256 differences of bytes.
+/// Table of the similarity p for each absolute difference of two bytes, 0 to 255.
 pub struct Similarity(Vec<f64>);
 
 impl Similarity {
-    /// p = exp(-d / scale), rounded to the table's grid.
+    /// Fills the table with p = exp(-d / scale), rounded to units of 1/65535.
     pub fn new(scale: f64) -> Self {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
 
-    /// The ratio of the tiles that counts, [`Numbers::counted_ratio`] from the least: 0 to 65535.
+    /// Agreement, 0 to 65535: the mean similarity of the tile whose rank from the least is [`Numbers::counted_ratio`].
     pub fn agreement(&self, numbers: &Numbers, seen: &Patch, early: &Patch, gain: f64) -> f64 {
         let lit = relit(early, seen, gain);
         let (alpha, across) = (threshold(numbers, early, seen, gain), numbers.tiles_across);
