@@ -1,10 +1,10 @@
-//! The command `host-sim` replays recorded sequences through `smr-core`, the very code that is linked into a camera.
+//! The command `host-sim`: runs recordings through `smr-core`, the same code that a camera links.
 //!
-//! Built-in scenes, recordings, the float reference, evaluation and pages are crates of their own (`smr-scene`, `smr-recordings`,
-//! `smr-reference`, `smr-evaluation`, `smr-pages`), each in a folder of this one. Here is what connects them:
+//! Built-in scenes, recordings, the float reference, evaluation and pages are crates in folders of this one
+//! (`smr-scene`, `smr-recordings`, `smr-reference`, `smr-evaluation`, `smr-pages`). This crate connects them:
 //!
-//! - [`check`]: core against the references, score by score.
-//! - [`mod@replay`]: flight records of firmware, run again.
+//! - [`check`]: compares smr-core with the references, score by score.
+//! - [`mod@replay`]: replays flight records, which firmware writes.
 //! - [`command`]: the command line, which `main` calls.
 
 pub mod check;

@@ -1,4 +1,4 @@
-//! The command `host-sim`. Exit codes: 0 it holds, 1 a check failed, 2 bad usage or input.
+//! The program `host-sim`. Exit codes: 0 success, 1 a check failed, 2 bad usage or input.
 
 use std::process::ExitCode;
 

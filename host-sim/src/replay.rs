@@ -1,4 +1,4 @@
-//! Replays a flight record: passes the recorded frames to smr-core again, and names the first answer that differs.
+//! Replays a flight record (frames and answers that firmware wrote) through smr-core, and reports the first difference.
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use serde::Serialize;
@@ -10,57 +10,56 @@ use smr_evaluation::{Paper, name_of};
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::sync::LazyLock;
 
-/// The most MiB of a file before its record begins.
+/// Largest offset of a record in its file, in MiB.
 const MOST_BEFORE: u64 = 64;
-/// A log must have its first line of a record within this many bytes.
+/// Largest offset of a record's first line in a text log, in bytes.
 const FIRST: usize = 1 << 20;
-/// No line of a log is this long, in bytes.
+/// Upper bound of the length of a log line, in bytes.
 const LINE: u64 = 256 << 20;
-/// The text before the bytes in a line of a log.
+/// Prefix of the record's bytes in a line of a text log.
 const LOGGED: &[u8] = b"smr-record [";
 
-/// The flights of a record, and the first answer that differs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// One flight for each start of the firmware, which appends to its record.
+    /// One flight for each start of the firmware, which appends to the same record.
     pub flights: Vec<Flight>,
-    /// Bytes of an incomplete entry at the end: the record was cut off there.
+    /// Size of an incomplete last entry in bytes, where the record was cut off; else 0.
     pub cut_off: usize,
-    /// The reason why the rest of the record was not replayed.
+    /// Damage in the record, where the replay stopped.
     pub damage: Option<String>,
-    /// The first answer that differs from the recorded one; the replay ends there.
+    /// First answer that differs from the recorded one; the replay stops there.
     pub difference: Option<Difference>,
 }
 
-/// The part of a record from one start of the firmware to the next.
+/// Part of a record from one start of the firmware to the next.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Flight {
-    /// `smr` or `robust`.
+    /// Name of the tracker: `smr` or `robust`.
     pub method: &'static str,
-    /// Locks, and answers that are as recorded.
+    /// Locks, and answers, that equal the recorded ones.
     pub locks: u64,
     pub answers: u64,
-    /// Entries of each other kind.
+    /// Turns of the camera that firmware reported, and saved targets that it restored.
     pub moved: u64,
     pub restored: u64,
-    /// Updates that were begun and cancelled.
+    /// Updates that firmware began and cancelled.
     pub given_up: u64,
-    /// Frames in each state, by its code.
+    /// Frame counts, indexed by the state's code.
     pub states: [u64; State::ALL.len()],
-    /// Bytes of all entries, and of the pixels in them.
+    /// Size of all entries in bytes, and of the pixels in them.
     pub bytes: u64,
     pub pixels: u64,
-    /// Bytes of an incomplete entry at the end of this flight.
+    /// Size of an incomplete entry at the flight's end in bytes; else 0.
     pub cut_off: usize,
-    /// The answer of the last update, if the record ends before it.
+    /// Replayed answer to the last update, if the record has none.
     pub unanswered: Option<Unanswered>,
-    /// The settings by name, each a list of values; null unless the caller asks for them.
+    /// Tracker settings by name, each a list of values; null unless requested.
     pub settings: Value,
-    /// The entries in their order, in the units of the record and without pixels; empty unless the caller asks for them.
+    /// Entries in record order, in the record's units and without pixels; empty unless requested.
     pub entries: Vec<Value>,
 }
 
-/// An update without an answer in the record.
+/// Replayed answer to an update that has no answer in the record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unanswered {
     pub frame: u64,
@@ -71,19 +70,19 @@ pub struct Unanswered {
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// Number of the flight, from 1.
+    /// Flight number, counted from 1.
     pub flight: usize,
-    /// Number of the frame in the flight, from 1. Each lock and each answer belongs to one frame.
+    /// Frame number in the flight, counted from 1. Every lock and every answer is one frame.
     pub frame: u64,
-    /// Number of the entry in the flight, from 0.
+    /// Index of the entry in the flight, from 0.
     pub entry: u32,
     pub field: &'static str,
     pub recorded: String,
     pub replayed: String,
 }
 
-/// Replays the record in `source`, to its end or to the first difference, and calls `progress` after each entry. With `every` the report has
-/// every entry.
+/// Replays the record in `source` up to the first difference, and calls `progress` for each entry. With `every`, the
+/// report has the settings and all entries.
 /// Errors: The file is no record, or cannot be read. Later damage is in [`Report::damage`].
 pub fn replay(source: impl Read, every: bool, progress: impl Fn()) -> Result<Report> {
     let record = bytes_of(source).context("cannot read the record")?;
@@ -152,7 +151,7 @@ fn not_a_record() -> Error {
     anyhow!("it is not a flight record: expected an entry SMRB first, or lines of a log with `smr-record [`")
 }
 
-/// Ends a flight, whose last `cut_off` bytes are no entry.
+/// Closes the current flight; its last `cut_off` bytes are an incomplete entry.
 fn end(run: Option<Box<dyn Runs<'_> + '_>>, report: &mut Report, cut_off: usize) {
     if let (Some(mut run), Some(flight)) = (run, report.flights.last_mut()) {
         let frame = flight.locks + flight.answers + 1;
@@ -188,7 +187,7 @@ impl Flight {
     }
 }
 
-/// An entry as JSON: boxes are left, top, width, height.
+/// Converts an entry to JSON; a box is an array of left, top, width, height.
 fn said(entry: &Entry<'_>) -> Value {
     let of = |Rect { x, y, width, height }: Rect| json!([x, y, width, height]);
     match entry {
@@ -217,14 +216,14 @@ fn said(entry: &Entry<'_>) -> Value {
     }
 }
 
-/// A tracker that replays a record.
+/// Replay of one flight, whatever its tracker.
 trait Runs<'a> {
-    /// Replays an entry. True if an update was begun before it and has no answer.
+    /// Replays an entry. The flag is true if the entry cancels an update; the error is a difference to the record.
     fn play(&mut self, entry: &Entry<'a>) -> (bool, Result<(), record::Difference>);
 
     fn settings(&self) -> Value;
 
-    /// State and box of the update that was begun and not answered.
+    /// Replayed state and box of the last update, if the record ends before its answer.
     fn unanswered(&mut self) -> Option<(&'static str, String)>;
 }
 
@@ -233,7 +232,7 @@ struct Run<'a, T: Recorded> {
     player: Player<'a, T>,
 }
 
-/// The tracker that a record begins with, and its name.
+/// Creates the replay of the tracker that the entry `begin` describes. Returns it with the tracker's name.
 fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)> {
     if begin.tracker == Paper::TRACKER {
         return Ok((run::<Paper>(begin, paper::Config::paper(), |config, table| config.table = table)?, "smr"));
@@ -243,11 +242,12 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)
     Ok((run::<Robust>(begin, robust::Config::robust(), |config, table| config.table = table)?, "robust"))
 }
 
-/// Tables other than the paper's. A configuration borrows its table for the life of the program.
+/// Similarity tables of all scales; static, because a configuration borrows its table for the life of the program.
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
-/// `rest`: the settings that a record does not have, except the table.
+/// Creates the replay with the first table whose entries are in the record. `rest` has the settings that a record
+/// lacks.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,
@@ -284,8 +284,8 @@ impl<'a, T: Recorded> Runs<'a> for Run<'a, T> {
     }
 }
 
-/// The name of the value that differs, as recorded and as replayed.
-/// Errors: The record itself is wrong.
+/// Returns the name of the value that differs, and its recorded and replayed text.
+/// Errors: The record itself is invalid.
 fn named(difference: record::Difference) -> Result<Option<(&'static str, [String; 2])>> {
     use record::Difference as Is;
     let rect = |Rect { x, y, width, height }: Rect| format!("{width}x{height} at ({x}, {y})");
@@ -306,7 +306,7 @@ fn named(difference: record::Difference) -> Result<Option<(&'static str, [String
     }))
 }
 
-/// Every value of an answer, by the name that people read.
+/// Values of an answer as text, each with its name in messages.
 pub fn values(answer: &Answer) -> [(&'static str, String); 8] {
     let number = |number: Option<u16>| number.map_or("none".to_owned(), |number| number.to_string());
     [
@@ -325,7 +325,7 @@ fn described(FineRect { x, y, width, height }: FineRect) -> String {
     format!("{width}x{height} at ({x}, {y})")
 }
 
-/// Reads the bytes of a record from `source`, which holds them raw or as lines of a log.
+/// Reads a record from `source`, which contains its raw bytes or a text log with lines of bytes.
 fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     let has = |bytes: &[u8], part: &[u8]| bytes.windows(part.len()).any(|found| found == part);
     let mut bytes = Vec::new();
@@ -333,7 +333,7 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     if !bytes.starts_with(b"SMR") && has(&bytes[..bytes.len().min(FIRST)], LOGGED) {
         let mut lines = BufReader::new(Cursor::new(bytes).chain(source));
         let (mut record, mut line) = (Vec::new(), Vec::new());
-        // A line without an end is not a log.
+        // The limit bounds the memory for input without line ends.
         while lines.by_ref().take(LINE).read_until(b'\n', &mut line)? > 0 {
             record.extend(bytes_in(&line));
             line.clear();
@@ -349,8 +349,7 @@ fn bytes_of(mut source: impl Read) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Parses the bytes in a line like `smr-record [53, 4d]`, anywhere in the line, up to the first word that is no byte: a log can be cut off within
-/// a line.
+/// Parses the bytes of a line like `smr-record [53, 4d]`, up to the first invalid byte, because a log can be cut off.
 fn bytes_in(line: &[u8]) -> Vec<u8> {
     let Some(start) = line.windows(LOGGED.len()).position(|part| part == LOGGED) else { return Vec::new() };
     let text = String::from_utf8_lossy(&line[start + LOGGED.len()..]);

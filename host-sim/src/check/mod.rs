@@ -1,4 +1,4 @@
-//! Compares `smr-core` with the references, number by number, through a recording. Each tracker has a file with its comparisons.
+//! Comparison of `smr-core` with the f64 references, value by value in each frame. Each tracker has a file of its own.
 
 pub mod paper;
 pub mod robust;
@@ -8,14 +8,14 @@ use serde::Serialize;
 use smr_core::{Answer, Frame, Rect, Target, Tracker, UpdateError};
 use smr_recordings::GrayFrame;
 
-/// A tracker of smr-core that can be set beside its reference.
+/// A tracker of smr-core that can be compared with its reference.
 pub trait Checked: Target {
-    /// The tracker in f64, with its own copy of all numbers.
+    /// Implementation of the tracker in f64, with its own copy of all constants.
     type Reference;
     type Numbers;
     type Counts: Serialize + Default;
 
-    /// The reference, started on the box `target` (left, top, width, height) in a frame of this `size`.
+    /// Locks the reference on the box `target` (left, top, width, height) in the frame `first` of `size` pixels.
     fn reference(
         numbers: Self::Numbers,
         first: &[u8],
@@ -27,16 +27,16 @@ pub trait Checked: Target {
         Self::Counts::default()
     }
 
-    /// Compares what both have learned from the first frame.
+    /// Compares the states of both trackers after the first frame.
     fn locked(_core: &Self, _reference: &Self::Reference) -> Option<Violation> {
         None
     }
 
-    /// Updates both with one more frame and compares them; `number` is the number of the frame.
+    /// Updates both trackers with the next frame and compares them; `number` counts frames from 1.
     fn compare(sides: &mut Sides<Self>, frame: &GrayFrame, number: usize) -> Result<Option<Violation>>;
 }
 
-/// Both trackers, and the counts of their check.
+/// A tracker of smr-core and its reference, which run side by side, and the counts of the check.
 pub struct Sides<T: Checked> {
     core: Box<Tracker<T>>,
     reference: T::Reference,
@@ -54,19 +54,17 @@ impl<T: Checked> Sides<T> {
     }
 }
 
-/// Result of a check.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<C> {
     pub sequence: String,
-    /// Frames compared: all but the first, which is locked on, or up to and including the first violation.
+    /// Compared frames: all after the first, up to and including the first violation.
     pub frames: usize,
-    /// The first frame in which something differs.
     pub violation: Option<Violation>,
     #[serde(flatten)]
     pub counts: C,
 }
 
-/// Runs both trackers side by side, one frame at a time.
+/// Comparison of a tracker with its reference, one frame at a time.
 pub struct Check<T: Checked> {
     name: String,
     sides: Sides<T>,
@@ -75,8 +73,8 @@ pub struct Check<T: Checked> {
 }
 
 impl<T: Checked> Check<T> {
-    /// Locks both trackers on `target` in the first frame, and updates core in steps of `step` work. `numbers` and `config`
-    /// must describe the same settings.
+    /// Locks both trackers on `target` in the first frame; smr-core then updates in steps of `step` work units.
+    /// `config` and `numbers` must describe the same settings.
     pub fn lock(
         name: &str,
         (config, numbers): (T::Config, T::Numbers),
@@ -95,13 +93,12 @@ impl<T: Checked> Check<T> {
         Ok(Self { name: name.to_owned(), sides, frames: 0, violation })
     }
 
-    /// True if nothing has differed so far.
     pub const fn holds(&self) -> bool {
         self.violation.is_none()
     }
 
-    /// Compares one more frame. After a violation the trackers are in different states, so no frame can be compared.
-    /// Errors: Core refuses the frame, or there was a violation before.
+    /// Compares the next frame.
+    /// Errors: smr-core refuses the frame, or an earlier frame differed and left the trackers in different states.
     pub fn update(&mut self, frame: &GrayFrame) -> Result<()> {
         if !self.holds() {
             bail!("{}: a check ends with its first violation", self.name);
@@ -119,19 +116,19 @@ impl<T: Checked> Check<T> {
     }
 }
 
-/// The first difference, and its frame.
+/// A difference between smr-core and its reference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Violation {
-    /// The frame, counted from 1.
+    /// Frame number, counted from 1.
     pub frame: usize,
     pub what: String,
     pub core: String,
-    /// Value of the reference, or the bound.
+    /// Value of the reference, or the bound that the value of smr-core exceeds.
     pub reference: String,
 }
 
 impl Violation {
-    /// A violation whose frame is set later.
+    /// Creates a violation in frame 0; the caller sets the frame.
     fn new(what: String, core: impl ToString, reference: impl ToString) -> Self {
         Self { frame: 0, what, core: core.to_string(), reference: reference.to_string() }
     }

@@ -1,12 +1,9 @@
-//! The paper's tracker against its reference, score by score, through a recording.
+//! Comparison of the paper's tracker with its reference, in every frame and at every candidate position:
 //!
-//! Two comparisons, in every frame and for every candidate:
-//!
-//! 1. **Bit for bit.** With the reference's p rounded to the table's grid, all scores, the peak, alpha, the box, the state
-//!    and the template's bytes must be equal; so must the runner-up, in the frames in which it is asked for.
-//! 2. **Within the bound.** With the reference's p exact, a score of n pixels may differ by n times half a unit of
-//!    1/65535, the rounding of n table entries, and by f64's own rounding. Where the exact sums have another arg max, the
-//!    lead of that offset over core's may not exceed twice the bound.
+//! 1. **Bit for bit.** With the reference's similarities rounded to 1/65535, all scores, the peak, a runner-up that is
+//!    needed, alpha, the box, the state and the template must be equal.
+//! 2. **Within a bound.** With exact similarities, a score of n pixels may differ by n half units of 1/65535 and by the
+//!    rounding of f64. If the exact scores peak elsewhere, they may exceed core's peak by at most twice the bound.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -20,24 +17,24 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
-    /// Candidates in all frames together.
+    /// Number of compared scores in all frames.
     pub scores: u64,
-    /// Frames in which the runner-up was compared, because the gate or the configuration asked for it.
+    /// Frames in which the runner-up was needed, and so compared.
     pub runners_up: usize,
-    /// The largest |core's score - exact score| of a candidate, in units of 1/65535.
+    /// Largest |core's score - exact score|, in units of 1/65535.
     pub largest_difference: f64,
-    /// Upper bound of `largest_difference`, for the template's number of pixels.
+    /// Upper bound of `largest_difference`, from the template's pixel count.
     pub bound: f64,
-    /// Frames where the exact sums have another arg max than core.
+    /// Frames in which the exact scores peak at another position than core's scores.
     pub other_peaks: Vec<OtherPeak>,
 }
 
-/// A frame in which rounding p to the table's grid decided which offset wins.
+/// A frame in which rounding the similarities changed the position of the peak.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OtherPeak {
-    /// The frame, counted from 1.
+    /// Frame number, counted from 1.
     pub frame: usize,
-    /// By how much the exact sum of the other offset is larger, in units of 1/65535.
+    /// Exact score at the exact peak, less the exact score at core's peak, in units of 1/65535.
     pub margin: f64,
 }
 
@@ -70,15 +67,16 @@ impl Checked for Paper {
     }
 }
 
-/// The most that a score of `pixels` pixels can differ from the exact sum, in units of 1/65535.
+/// Largest possible difference between a score of `pixels` pixels and the exact one, in units of 1/65535.
 fn bound(pixels: u32) -> f64 {
     let n = f64::from(pixels);
-    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each off by 2^-52 of itself, and rounds
-    // each partial sum of at most n * 65535 by another 2^-53 of itself.
+    // Half a unit for each table entry. f64 adds n numbers of at most 65535, each with a relative error of 2^-52, and
+    // rounds each partial sum of at most n * 65535 by a relative 2^-53.
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
-/// Core's score of every candidate, row by row, each computed alone: the search must find the same, in whatever order it works.
+/// Core's scores at all positions, row by row. Each is computed alone, and so independent of the order of core's
+/// search.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
     let frame = frame.frame();
     let score = |x, y| score_of(core, &frame, (x, y)).context("a whole frame holds every pixel");
@@ -102,7 +100,7 @@ impl Counts {
         different
     }
 
-    /// Notes a frame in which the exact sums choose another offset, and tells whether the bound allows it.
+    /// Records a frame in which the exact scores peak elsewhere. Returns a violation if their lead exceeds the bound.
     fn exact_arg_max(&mut self, frame: usize, peaks: &Peaks, step: &Step) -> Option<Violation> {
         let peak = (i64::from(peaks.peak.x), i64::from(peaks.peak.y));
         if peak == step.exact_peak.0 {
@@ -158,7 +156,7 @@ mod tests {
     use super::*;
     use smr_core::paper::Config;
 
-    /// A still frame of two levels, then another one, of `Config::camera()` and of a reference with these numbers.
+    /// Checks `Config::camera()` against `numbers` on two checkerboard frames, each of two gray levels.
     fn report(numbers: Numbers, first: [u8; 2], second: [u8; 2]) -> Report<Counts> {
         let frame = |levels: [u8; 2]| {
             let pixels = (0..30 * 30).map(|at| levels[(at % 30 + at / 30) % 2]).collect();
@@ -171,7 +169,7 @@ mod tests {
         check.into_report()
     }
 
-    /// The second frame is similar enough, but has less contrast than the target or more pixels at 0 or 255.
+    /// The second frames are similar to the first, but have too little contrast or too many pixels at 0 or 255.
     #[test]
     fn other_numbers_of_the_contrast_are_noticed() {
         type Other = (fn(&mut Numbers), [u8; 2], [u8; 2]);

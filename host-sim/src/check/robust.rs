@@ -1,8 +1,8 @@
-//! The robust tracker against its reference, number by number, through a recording.
+//! Comparison of the robust tracker with its reference, value by value in each frame.
 //!
-//! Core gets only the pixels of a frame that it asks for, the reference all of them. All this must be equal in every frame: the windows
-//! that core asks for, the features of the search window, the filter's responses at all offsets, its weights after it has learned, the
-//! early template, the response and the ratio at the place, the confidence, the state, the scale and the box.
+//! Core reads only the pixels that it asks for, the reference the whole frame. Equal must be: the requested pixel
+//! windows, the features and filter responses of the search window, the learned weights and early template, the
+//! response and ratio at the answer, confidence, state, scale and box.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -14,14 +14,13 @@ use smr_reference::robust::{Decision, Numbers, Reference, Step};
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
-    /// Responses in all frames together.
+    /// Number of compared filter responses in all frames.
     pub responses: u64,
-    /// Frames after which the target was uncertain, and frames after which it was lost.
+    /// Frames in which the target was uncertain, and frames in which it was lost.
     pub uncertain: usize,
     pub lost: usize,
-    /// Frames that the filter learned from.
     pub learned: usize,
-    /// Frames in which the target was swept for, and in which it was found again.
+    /// Frames in which the whole frame was searched for a lost target, and frames in which that search found it.
     pub swept: usize,
     pub found_again: usize,
 }
@@ -72,7 +71,7 @@ impl Checked for Robust {
     }
 }
 
-/// The frame with only the pixels that core asks for.
+/// Frame that contains only the pixels that core asks for.
 fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'a>> {
     let part = |region: Rect| -> Result<(Image<'a>, u16, u16)> {
         let pixels = frame.frame().patch(region).with_context(|| format!("{region:?} is not within the frame"))?;
@@ -85,7 +84,7 @@ fn asked_for<'a>(core: &Tracker<Robust>, frame: &'a GrayFrame) -> Result<Frame<'
     Ok(near.and_part(pixels, x, y)?)
 }
 
-/// Compares the grid and the windows before a frame is read.
+/// Compares the sampling grid and the requested pixel windows, before the frame is read.
 fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
     let (grid, shape) = (core.grid()?, reference.shape());
     let of_core = [grid.columns, grid.rows, grid.across, grid.down].map(i64::from);
@@ -97,12 +96,12 @@ fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
         .or_else(|| differs("pixels asked for to sweep", elsewhere, reference.sweep_region()))
 }
 
-/// Bytes in a row of the search window's cells.
+/// Feature bytes in a row of cells of the search window.
 fn window_columns(core: &Robust) -> usize {
     core.grid().map_or(1, |grid| usize::from(grid.across + 2 * REACH) * CHANNELS)
 }
 
-/// Compares number by number. Names the first difference by its row and its place in the row.
+/// Compares two tables value by value; `columns` values are a row. Names the row and column of the first difference.
 fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -> Option<Violation> {
     differs(&format!("number of: {what}"), core.len(), reference.len()).or_else(|| {
         let first = core.iter().zip(reference).position(|(core, reference)| core != reference)?;
@@ -111,7 +110,7 @@ fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -
     })
 }
 
-/// Compares the weights and the early template after a frame.
+/// Compares the filter weights and the early template after a frame.
 fn learned(core: &Robust, reference: &Reference) -> Option<Violation> {
     let shape = reference.shape();
     let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
@@ -158,7 +157,7 @@ mod tests {
         Check::lock(name, (config, numbers), u32::MAX, first, target).unwrap()
     }
 
-    /// Runs the remaining frames of a check, which may end early.
+    /// Checks `frames` up to the first violation.
     fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Report {
         for frame in frames {
             if !check.holds() {
@@ -169,7 +168,7 @@ mod tests {
         check.into_report()
     }
 
-    /// The check of the first frames of a built-in recording.
+    /// Checks the first `length` frames of a built-in recording after the lock.
     fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Report {
         let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
@@ -179,7 +178,7 @@ mod tests {
 
     type Change<T> = (&'static str, fn(&mut T));
 
-    /// Changes of one struct, each with its text.
+    /// Expands each assignment to its text and a function that makes it.
     macro_rules! changes {
         ($of:ident; $($change:expr),+ $(,)?) => { &[$((stringify!($change), |$of| $change)),+] };
     }
@@ -214,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Other numbers of the reference, each on frames that need it.
+    /// A changed parameter of the reference must be noticed, on frames that depend on it.
     #[test]
     fn other_numbers_are_noticed() {
         let [seen, _, border] = CHECKED.map(|name| move |numbers| checked(name, Config::refined(), numbers, 40));
@@ -229,7 +228,7 @@ mod tests {
                 of.most_move = 0.125, of.most_growth = 64.0, of.damping = 32.0, of.confidence_rate = 76.0, of.size = false,
             },
         );
-        // The refiner reads more of the frame than the scale search, which then changes no window.
+        // Without the refiner, which reads more of the frame than the scale search and hides a change of its window.
         let unrefined = |mut numbers: Numbers| {
             numbers.refiner = false;
             checked(CHECKED[0], Config::robust(), numbers, 40)
@@ -256,7 +255,7 @@ mod tests {
         noticed(cut_off, changes! { of; of.most_cut_off = 1.0 });
     }
 
-    /// Fails if the reference differs, or if a changed number is not noticed.
+    /// Fails if the unchanged parameters violate the check, or if changed ones do not.
     #[track_caller]
     fn noticed(report: impl Fn(Numbers) -> Report + Sync, others: &[Change<Numbers>]) {
         assert_eq!(report(Numbers::refined()).violation, None);
@@ -274,7 +273,7 @@ mod tests {
         through(lock("bounds", numbers, Config::refined(), &frame(0), target), std::iter::once(frame(1)))
     }
 
-    /// A picture of black and white alone: it has contrast, but all its pixels are clipped, so it cannot show a target.
+    /// Frames turn pure black and white: they have contrast, but all pixels are clipped, so they cannot show a target.
     fn cut_off(numbers: Numbers) -> Report {
         let cut = |mut frame: GrayFrame| {
             frame.pixels.iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
@@ -284,7 +283,8 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// Noise hides the target until the network gives it up; then the target returns. The opinion alone decides.
+    /// Noise hides the target until the network gives it up; then the target returns. Only the network's opinion
+    /// decides.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);
@@ -302,7 +302,7 @@ mod tests {
         through(lock("noisy", numbers, config, &frame(0), Rect::new(60, 40, 40, 40)), (1..94).map(frame))
     }
 
-    /// A target of tiles that jumps on a ground of larger tiles, and then is larger in each frame, with its right half turned over.
+    /// A target jumps over a tiled background, then grows in each frame with the right half of its pixels inverted.
     fn jumping(numbers: Numbers) -> Report {
         let frame = |(left, top): (usize, usize), side: usize| {
             let target = tiles(32, 32, |x, y| (x, y));
@@ -338,7 +338,7 @@ mod tests {
         through(check, [(6, 6), (2, 6), (2, 6), (2, 6), (2, 1), (2, 1), (6, 1), (6, 1), (6, 6)].into_iter().map(frame))
     }
 
-    /// A target that is seen again where it was lost is found again without the sweep.
+    /// The target is found again in its search window, before the search of the whole frame finds it.
     #[test]
     fn a_lost_target_that_comes_back_where_it_is_followed_holds() {
         let hidden = [0; 5].into_iter().chain([28; 8]).chain([0; 8]);
@@ -348,7 +348,7 @@ mod tests {
         assert!(counts.lost > 0 && counts.swept > 0 && counts.lost < 8, "{counts:?}");
     }
 
-    /// A frame no larger than the sweep's only window, with the target in its middle. `hidden` columns of the target are hidden.
+    /// A 60x60 frame with the target in its middle. The first `hidden` columns of the target are covered.
     fn still(hidden: usize) -> GrayFrame {
         let target = tiles(32, 32, |x, y| (x, y));
         let pixel = |x: usize, y: usize| match (x.wrapping_sub(14), y.wrapping_sub(14)) {
@@ -373,7 +373,7 @@ mod tests {
         assert!(lost > 0 && swept >= lost && found_again > 0, "{report:?}");
     }
 
-    /// A plain wall hides the target until it is lost and swept for. Then the target returns far from where it was.
+    /// The target disappears until it is lost, then returns far away.
     fn hidden(numbers: Numbers) -> Report {
         let frame = |at: Option<(usize, usize)>| {
             let ground = |x: usize, y: usize| u8::try_from(100 + (x / 40 + y / 40) % 2 * 30).unwrap();
@@ -392,7 +392,7 @@ mod tests {
         through(check, there.chain([None; 8]).chain([Some((190, 120)); 16]).map(frame))
     }
 
-    /// A picture of tiles of 4x4 pixels, moved.
+    /// Picture of 4x4 tiles, in which each pixel (x, y) shows the pixel `moved(x, y)` of the plain picture.
     fn tiles(width: usize, height: usize, moved: impl Fn(usize, usize) -> (usize, usize)) -> Vec<u8> {
         let tile = |x: usize, y: usize| u8::try_from((x * 83 + y * 47 + x * y * 29) % 256).unwrap();
         let pixel = |(x, y): (usize, usize)| tile(x / 4, y / 4);

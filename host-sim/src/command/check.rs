@@ -1,4 +1,4 @@
-//! `host-sim check`: smr-core against the reference, on recordings or on built-in ones.
+//! `host-sim check`: compares smr-core with the f64 reference, on recordings or by default on built-in ones.
 
 use super::recording_options::RecordingOptions;
 use super::tracker_options::TrackerOptions;
@@ -28,7 +28,6 @@ pub struct Check {
     tracker: TrackerOptions,
 }
 
-/// Result of a check, with the counts of its tracker.
 #[derive(Debug, Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -80,7 +79,7 @@ impl Check {
         Ok(Report { origin: variant.origin(), report })
     }
 
-    /// Compares frame by frame, until something differs.
+    /// Compares frame by frame, up to the first difference.
     fn compare<T: Checked>(
         &self,
         path: &Path,
@@ -93,7 +92,7 @@ impl Check {
         let (name, mut frames) = (sequence.name, sequence.frames);
         let first = frames.next().with_context(|| format!("{name}: no frames"))??.gray;
         let progress = progress::bar(&name, sequence.length.map(|length| length.saturating_sub(1)));
-        // Every command reports a refused box in the same words.
+        // Locks here first, so that a refused box gets the same message as in other commands.
         let variant = self.tracker.variant(self.method.into())?;
         lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
         let mut run = check::Check::<T>::lock(&name, numbers, step, &first, target)?;

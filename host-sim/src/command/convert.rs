@@ -1,4 +1,4 @@
-//! `host-sim convert`: a recording as files that other programs read and firmware replays.
+//! `host-sim convert`: writes a recording as files for other programs or for replay in firmware.
 
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
@@ -45,13 +45,13 @@ struct Report {
     format: String,
     #[serde(flatten)]
     written: Written,
-    /// The box to start from; null where none is known.
+    /// Initial box of the target; null if unknown.
     init: Option<BoundingBox>,
 }
 
 impl Convert {
     pub fn run(self) -> Result<Outcome> {
-        // The sequence of a toolkit is a folder, whatever its name.
+        // Toolkits (VOT, OTB, GOT-10k) read a folder, whatever its name.
         let is_folder = self.format.is_some_and(Format::needs_boxes);
         let places = Places::of([&self.sequence]);
         places.writes("--out", Some(&self.out), (!is_folder).then_some(TAKEN)).check()?;
@@ -62,7 +62,7 @@ impl Convert {
             "{name}: --format {} needs the box of the target in the first frame: give --init X,Y,W,H",
             choice_name(&format)
         );
-        // The sequence of a toolkit has the name of its folder.
+        // Toolkits (VOT, OTB, GOT-10k) name a sequence after its folder.
         let own = if format.needs_boxes() { self.out.file_name() } else { self.out.file_stem() };
         let own = own.filter(|_| format.needs_boxes() || Format::of_file(&self.out).is_some());
         let title = own.map_or_else(|| name.clone(), |own| own.to_string_lossy().into_owned());

@@ -1,4 +1,4 @@
-//! `host-sim eval`: methods, and the published results of others, measured against ground truth, from one start or many.
+//! `host-sim eval`: measures methods, and other trackers' results, against ground truth, from one start or several.
 
 use super::progress::Expected;
 use super::recording_options::RecordingOptions;
@@ -14,7 +14,6 @@ use smr_recordings::{Sequence, cleanup, slow};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// As it is called on the command line.
 const NAME: &str = "eval";
 
 #[derive(Debug, clap::Args)]
@@ -114,7 +113,7 @@ struct TableOptions {
 }
 
 impl TableOptions {
-    /// Errors: --part without CSV, or of a table that is not one of `known`.
+    /// Errors: `--part` is given without CSV, or names a table that is not in `known`.
     fn check(&self, known: &[TableName]) -> Result<()> {
         let Some(part) = self.part else { return Ok(()) };
         ensure!(self.format == Layout::Csv, "--part chooses a table of --format csv: expected both");
@@ -161,7 +160,7 @@ impl Eval {
         }
         let variants = self.tracker.variants(&self.method)?;
         for variant in &variants {
-            // An invalid configuration is no fault of a recording: it is reported once, here.
+            // An invalid configuration is reported once here, not for each recording.
             variant.build()?;
         }
         let former = self.against.as_deref().map(Former::read).transpose()?;
@@ -183,7 +182,7 @@ impl Eval {
                 robustness::measure(&found, open, &variants, starts, former.as_ref(), &progress)
             }
             Protocol::Whole => {
-                // The paper's recordings have the paper's table, with all that can stand in it.
+                // Recordings of the paper get its whole table: all methods, and other trackers' results.
                 let is_papers = says_nothing && found.iter().all(|path| is_published(path));
                 let variants = if is_papers { Variant::all() } else { variants };
                 let open = |path: &Path| self.open_part(path);
@@ -207,7 +206,7 @@ impl Eval {
         Ok(Outcome::Holds)
     }
 
-    /// Errors: Options that do not go together by their values, which clap does not see.
+    /// Errors: The values of two options exclude each other, which clap cannot check.
     fn protocol(&self) -> Result<Protocol> {
         if self.robustness {
             let starts = self.starts.unwrap_or(Starts::Near);
@@ -236,12 +235,12 @@ impl Eval {
         Ok(Protocol::Faults(all.iter().enumerate().filter_map(first).collect()))
     }
 
-    /// True if no option tells what is to be measured.
+    /// True if no option selects a method, a setting, the initial box or frames.
     fn says_nothing(&self) -> bool {
         self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
     }
 
-    /// Published figures are of all frames, so a part of a recording has a name of its own.
+    /// Opens a recording. A part of one has a name of its own, because published figures are of all frames.
     fn open_part(&self, path: &Path) -> Result<Sequence> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {
@@ -252,7 +251,7 @@ impl Eval {
 }
 
 /// Prints the failures, one line on standard error for each, and returns their number.
-/// Errors: The only thing that was asked for has failed.
+/// Errors: The only measurement failed.
 fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
     if is_all && failures.len() == 1 {
         return Err(failures.remove(0));
@@ -265,7 +264,7 @@ fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
     Ok(failures.len())
 }
 
-/// True if the paper's table has the recording at `path`.
+/// True if the paper's table lists the recording at `path`.
 fn is_published(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
 }

@@ -1,4 +1,4 @@
-//! The events of targets in words: locked, corrected, lost, found, each with its time.
+//! Event messages of targets: locked, corrected, lost, found, each with its time.
 
 use smr_core::State;
 use smr_evaluation::name_of;
@@ -16,8 +16,8 @@ impl Events {
         Self(vec![Seen::default(); targets])
     }
 
-    /// Words the event of this answer for the target with this index: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame 311`.
-    /// `None` if the state is that of the answer before.
+    /// Returns the event of the answer for a target: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame
+    /// 311`. `None` if the target was not locked, corrected, lost or found.
     pub fn of(&mut self, target: usize, locks: bool, frame: usize, time: Option<f64>, state: State) -> Option<String> {
         let seen = &mut self.0[target];
         let before = seen.last.replace(state);
@@ -33,14 +33,14 @@ impl Events {
         Some(format!("{event} at {}", time.map_or(frame.clone(), |time| format!("{} ({frame})", clock(time)))))
     }
 
-    /// The number of frames in each state.
+    /// Number of frames in each state: `tracking 4, lost 2`.
     pub fn sum(&self, target: usize) -> String {
         let counts = self.0[target].frames.iter().zip(State::ALL).filter(|(count, _)| **count > 0);
         counts.map(|(count, state)| format!("{} {count}", name_of(state))).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// Minutes and seconds, with hours if there are any: `1:02:03.4`.
+/// Formats a time in minutes and seconds, with hours if there are any: `1:02:03.4`.
 fn clock(seconds: f64) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
     let tenths = (seconds * 10.0).round() as u64;

@@ -1,11 +1,11 @@
-//! The end of a command: the exit code, and one line on standard error: what is wrong, where, and what was expected.
+//! Exit code of a command, and its error as one line on standard error: what is wrong, where, and what was expected.
 //!
 //! | exit code | |
 //! |---|---|
-//! | 0 | it holds |
+//! | 0 | success |
 //! | 1 | a check failed |
 //! | 2 | bad usage or input |
-//! | 128 and more | a signal came, of this number less 128 ([`cleanup`]) |
+//! | 128 + N | ended by signal N ([`cleanup`]) |
 
 use super::usage;
 use anyhow::{Context, Result, anyhow};
@@ -21,18 +21,18 @@ use std::process::ExitCode;
 pub enum Outcome {
     Holds,
     CheckFailed,
-    /// The signal of this number has asked the command to stop.
+    /// Stopped by the signal of this number.
     Stopped(i32),
 }
 
-/// Runs a program that has one command. Signals, errors and exit codes are those of host-sim.
+/// Runs a program of one command, with the signals, errors and exit codes of host-sim.
 pub fn program<T: Parser>(run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     obey(std::env::args_os().collect(), run)
 }
 
 pub(super) fn obey<T: Parser>(arguments: Vec<OsString>, run: impl FnOnce(T) -> Result<Outcome>) -> ExitCode {
     let all = T::command();
-    // Messages call the program by one name, whatever its file is called.
+    // Messages use a fixed program name, whatever the name of its file.
     let all = all.clone().bin_name(all.get_name().to_owned());
     if let Err(error) = cleanup::heed_signals().context("cannot wait for signals") {
         return refused(&error, &all);
@@ -76,7 +76,7 @@ fn refused(error: &anyhow::Error, command: &clap::Command) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// `host-sim track ... | head` is not an error.
+/// True if the reader of standard output is gone (`host-sim track ... | head`), which is no error.
 pub(super) fn is_closed_pipe(error: &anyhow::Error) -> bool {
     let io = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
     io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)

@@ -1,5 +1,4 @@
-//! The command line, one file a command. Each file holds the command's arguments and what it does with them. Programs of the tests are
-//! made of the same options ([`program`]).
+//! Command line of host-sim, one file for each command. Test programs reuse its options ([`program`]).
 
 mod check;
 mod convert;
@@ -128,7 +127,7 @@ pub fn run() -> ExitCode {
 }
 
 fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
-    // As it was typed, to be copied: after `cargo run` it is a path like target/release/host-sim.
+    // Program path as typed, so that examples can be copied: after `cargo run` it is like target/release/host-sim.
     let program = std::env::args().next().unwrap_or_else(|| "host-sim".to_owned());
     writeln!(
         out,
@@ -143,7 +142,7 @@ fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
     )
 }
 
-/// True if a line has a recording and no command: the window opens the recording.
+/// True if the arguments have a recording but no command; then the command is `view`.
 fn is_recording(arguments: &[OsString]) -> bool {
     let first = &arguments[1];
     let all = HostSim::command();
@@ -170,7 +169,7 @@ impl HostSim {
     }
 }
 
-/// Reads a whole number of this range, which `T` must be able to hold.
+/// Returns a parser of whole numbers in `range`; a number must also fit `T`.
 pub fn whole<T: FromStr>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number: &u64| range.contains(number));
@@ -182,12 +181,12 @@ pub fn whole<T: FromStr>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<
     }
 }
 
-/// Reads a whole number with no upper limit except the machine's.
+/// Returns a parser of whole numbers from `first` on that fit `T`.
 fn from<T: FromStr>(first: u64) -> impl Fn(&str) -> Result<T> + Clone {
     whole(first..=u64::MAX)
 }
 
-/// Prints a result, as JSON or in words.
+/// Prints a result as JSON, or as the text that `words` writes.
 pub fn tell<T: Serialize>(
     json: bool,
     result: &T,
@@ -200,7 +199,7 @@ pub fn tell<T: Serialize>(
     })
 }
 
-/// Writes a report to standard output. If its reader goes away (`| head`), the check goes on: its verdict is still wanted.
+/// Prints to standard output. A closed pipe (`| head`) is no error, because the exit code still tells the result.
 pub fn say(report: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     match print(report) {
         Err(error) if !is_closed_pipe(&error) => Err(error),

@@ -1,19 +1,18 @@
-//! The inputs and outputs of a command: no two outputs are one file, and none of them is an input.
+//! Checks of a command's paths: no two outputs are the same file, and no output belongs to an input.
 
 use anyhow::{Result, bail, ensure};
 use smr_recordings::output;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 
-/// The files of a command line, before anything is read or written.
+/// Input and output paths of a command line, checked before anything is read or written.
 pub struct Places<'a> {
-    /// Paths of recordings, or of folders of recordings.
     recordings: Vec<&'a Path>,
-    /// Each output: its option, its path, and the names that the option takes if the name tells the kind of output.
+    /// Outputs: option, path, and the file names that the option accepts (`None` for any).
     outputs: Vec<(&'static str, &'a Path, Option<Taken>)>,
 }
 
-/// The names that an option takes: endings of files, and whether a name without one is a folder or a file.
+/// File names that an option accepts: known extensions, or none; without one the name is a folder if `is_folder`.
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub endings: [&'static [&'static str]; 2],
@@ -22,7 +21,7 @@ pub struct Taken {
 
 impl Taken {
     fn takes(self, output: &Path) -> bool {
-        // A device takes anything. The writer refuses a file in place of a folder, and a folder in place of a file.
+        // A device accepts any name. The writer refuses a folder in place of a file.
         if fs::metadata(output).is_ok_and(|data| !data.is_file()) {
             return true;
         }
@@ -42,7 +41,7 @@ impl fmt::Display for Taken {
     }
 }
 
-/// Lists endings of files for a sentence.
+/// Lists file extensions for a message: `.csv, .json or .txt`.
 pub fn listed(endings: &[&str]) -> String {
     match endings {
         [others @ .., last] if !others.is_empty() => format!(".{} or .{last}", others.join(", .")),
@@ -51,18 +50,17 @@ pub fn listed(endings: &[&str]) -> String {
 }
 
 impl<'a> Places<'a> {
-    /// The files of a command that reads recordings.
     pub fn of(recordings: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         Self { recordings: recordings.into_iter().map(PathBuf::as_path).collect(), outputs: Vec::new() }
     }
 
-    /// Adds the output of an option, if it is given.
+    /// Adds the output path of `option`, if it is given.
     pub fn writes(mut self, option: &'static str, output: Option<&'a PathBuf>, taken: Option<Taken>) -> Self {
         self.outputs.extend(output.map(|output| (option, output.as_path(), taken)));
         self
     }
 
-    /// Errors: The name of an output does not say what it is, two outputs are one file, or an output is an input.
+    /// Errors: An output has an unknown extension, two outputs are the same file, or an output belongs to an input.
     pub fn check(&self) -> Result<()> {
         for (index, &(option, output, _)) in self.outputs.iter().enumerate() {
             let shown = output.display();
@@ -84,13 +82,13 @@ impl<'a> Places<'a> {
     }
 }
 
-/// True if both names stand for one file or folder. A device can be written to several times.
+/// True if both paths are the same file or folder. A device does not count, because it can be written to several times.
 fn is_same(one: &Path, other: &Path) -> bool {
     if let (Ok(first), Ok(second)) = (fs::metadata(one), fs::metadata(other)) {
         if !(first.is_file() || first.is_dir()) {
             return false;
         }
-        // A file can have several names.
+        // Hard links give a file several names.
         #[cfg(unix)]
         {
             use std::os::unix::fs::MetadataExt;
@@ -102,7 +100,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
     real(one) == real(other)
 }
 
-/// A path without links. If it does not exist yet, its folder is resolved.
+/// Resolves symbolic links. Of a file that does not exist yet, only the folder is resolved.
 fn real(path: &Path) -> PathBuf {
     let path = &output::behind_links(path);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -110,7 +108,7 @@ fn real(path: &Path) -> PathBuf {
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// True if `file` is a part of the recording at `path`, or of one in the folder `path`.
+/// True if `file` belongs to the recording at `path`, or to one in the folder `path`.
 fn is_part(file: &Path, path: &Path) -> bool {
     let (file, path) = (real(file), real(path));
     let folder = if path.is_dir() { path.as_path() } else { path.parent().unwrap_or(&path) };

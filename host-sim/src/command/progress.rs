@@ -1,4 +1,4 @@
-//! The progress of a command: one line on standard error, only if it is a terminal.
+//! Progress line of a command, on standard error if it is a terminal.
 
 use smr_recordings::messages;
 use smr_recordings::output::{ERASE, has_cursor};
@@ -7,10 +7,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 const PAUSE: Duration = Duration::from_millis(100);
-/// Between these two codes the terminal cuts a line that is too long, instead of wrapping it.
+/// Terminal codes that turn line wrapping off and on, so that a long line is cut.
 const CUT: [&str; 2] = ["\x1b[?7l", "\x1b[?7h"];
 
-/// A counted line: `car: 120 of 300 frames, 4 s left`.
+/// Progress line: `car: 120 of 300 frames, 4 s left`.
 pub struct Bar {
     name: String,
     what: &'static str,
@@ -25,12 +25,12 @@ struct State {
     shown: Instant,
 }
 
-/// A bar over this number of frames; without the number they are counted.
+/// Creates a progress line over `frames` frames; with `None` it only counts them.
 pub fn bar(name: &str, frames: Option<usize>) -> Bar {
     of(name, frames, "frames")
 }
 
-/// A progress bar that counts something else than frames.
+/// Creates a progress line that counts `what` instead of frames.
 pub fn of(name: &str, count: Option<usize>, what: &'static str) -> Bar {
     let now = Instant::now();
     let state = Mutex::new(State { done: 0, all: count.map(|count| count as u64), shown: now });
@@ -57,7 +57,7 @@ impl Bar {
         state.done += 1;
         if !self.is_hidden && state.shown.elapsed() >= PAUSE {
             state.shown = Instant::now();
-            // A line that cannot be written is left out.
+            // Progress is not worth an error.
             let _ = write!(stderr(), "{ERASE}{}{}{}{}", CUT[0], self.name, self.line(&state), CUT[1]);
         }
     }
@@ -66,7 +66,7 @@ impl Bar {
         let seconds = self.began.elapsed().as_secs_f64();
         match all {
             Some(all) => {
-                // By the mean rate: the latest rate would be the rate of one recording.
+                // The mean rate, because the latest one is that of a single recording.
                 let left = seconds * all.saturating_sub(*done) as f64 / *done as f64;
                 format!(": {done} of {all} {}, {left:.0} s left", self.what)
             }
@@ -78,7 +78,7 @@ impl Bar {
         self.state().done
     }
 
-    /// Writes something else to the terminal.
+    /// Clears the line before other output to the terminal.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.clear();
         write()
@@ -97,7 +97,7 @@ impl Drop for Bar {
     }
 }
 
-/// An estimate of the number of frames while recordings are opened: the unopened ones count as long as the mean of the others.
+/// Estimate of the number of frames: recordings that are not opened yet count as the mean of the opened ones.
 pub struct Expected<'a> {
     bar: &'a Bar,
     state: Mutex<Opened>,
@@ -106,7 +106,7 @@ pub struct Expected<'a> {
 struct Opened {
     frames: u64,
     recordings: usize,
-    /// All recordings, also those that were not opened yet.
+    /// Number of recordings, opened or not.
     all: usize,
 }
 
@@ -115,7 +115,6 @@ impl<'a> Expected<'a> {
         Self { bar, state: Mutex::new(Opened { frames: 0, recordings: 0, all: recordings }) }
     }
 
-    /// Adds the frames of recordings that were opened.
     pub fn add(&self, frames: u64, recordings: usize) {
         let mut opened = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         opened.frames += frames;

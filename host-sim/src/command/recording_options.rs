@@ -1,4 +1,4 @@
-//! The options by which a recording is opened, for every command that reads one.
+//! Options for opening a recording, shared by all commands that read one.
 
 use super::tracker_options::Pair;
 use super::{from, whole};
@@ -49,23 +49,23 @@ pub struct RecordingOptions {
 }
 
 impl RecordingOptions {
-    /// The frames to read; `None` for all.
+    /// Frames to read; `None` for all.
     pub fn frames(&self) -> Option<FrameRange> {
         let Some(first) = self.truth_from.map(NonZeroUsize::get) else { return self.frames };
         Some(self.frames.map_or_else(|| FrameRange::from(first), |frames| frames.begun_at(first)))
     }
 
-    /// `frames`, counted from the first box of the ground truth, as the lines of other trackers' results are.
+    /// The range `frames`, counted from the first ground-truth box, like the lines of other trackers' results.
     pub fn frames_of_truth(&self) -> Option<FrameRange> {
         self.frames.map(|frames| frames.counted_from(self.truth_from.map_or(1, NonZeroUsize::get)))
     }
 
-    /// The longest silence of ffmpeg.
+    /// Timeout for an ffmpeg that neither reads nor writes.
     pub fn ffmpeg_patience(&self) -> Duration {
         self.ffmpeg_timeout.map_or(FFMPEG_PATIENCE, |seconds| Duration::from_secs(seconds.get().into()))
     }
 
-    /// Opens the recording at `path`, for a command that follows one target from the first frame on.
+    /// Opens the recording at `path`, for a command that tracks one target from the first frame on.
     pub fn open(&self, path: &Path) -> Result<Sequence> {
         let first = self.frames().map_or(1, |part| part.first());
         let one = self.init.len() <= 1 && self.init.iter().all(|start| start.frame.is_none_or(|frame| frame == first));
@@ -76,8 +76,8 @@ impl RecordingOptions {
         self.open_all(path, false).map(|(sequence, _)| sequence)
     }
 
-    /// Opens the recording at `path` for a command that follows all given targets, or else the one beside the recording. With
-    /// `takes_live` it also opens a live source.
+    /// Opens the recording at `path`. Returns the targets of the options, or else the one from files beside the
+    /// recording. With `takes_live` it also opens a live source.
     pub fn open_with_targets(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let (sequence, targets) = self.open_all(path, takes_live)?;
         if let Some(resize) = self.resize {
@@ -91,13 +91,13 @@ impl RecordingOptions {
         if !targets.is_empty() {
             return Ok((sequence, targets));
         }
-        // Without a box, this error says what to do.
+        // Fails without a box, with an error that explains how to give one.
         sequence.start()?;
         let starts = vec![(sequence.first, sequence.init)];
         Ok((sequence, vec![Target { name: None, starts }]))
     }
 
-    /// Opens the recording, and returns the given targets.
+    /// Opens the recording. Returns the targets of the options only.
     fn open_all(&self, path: &Path, takes_live: bool) -> Result<(Sequence, Vec<Target>)> {
         let options = OpenOptions {
             size: self.size.map(|Pair(width, height)| (width, height)),
@@ -121,7 +121,7 @@ impl RecordingOptions {
             ensure!(fits, "{name}: --frames reaches before the ground truth: expected frame {first} or later");
             sequence = sequence.with_truth_from(first);
         } else if let Some((part, boxes)) = self.frames.zip(sequence.truth.as_ref().map(Vec::len))
-            // Counting takes time, and a part that begins with the first frame does not need it.
+            // Counting frames takes time, and a range from the first frame on does not need it.
             && part.first() != 1
             && part.length_of(usize::MAX) >= boxes
             && let length = self.length(path, &options, &sequence)
@@ -161,7 +161,7 @@ impl RecordingOptions {
         Ok((sequence, targets))
     }
 
-    /// The number of frames. Frames of a video are counted by packets, or else decoded.
+    /// Number of frames. In a video, packets are counted or, if that fails, decoded frames.
     fn length(&self, path: &Path, options: &OpenOptions, sequence: &Sequence) -> Option<usize> {
         let packets = || sequence.source.length(self.ffmpeg_patience());
         let decoded =
@@ -169,25 +169,25 @@ impl RecordingOptions {
         sequence.length.or_else(packets).or_else(decoded)
     }
 
-    /// True if no option changes the box to start from, or the frames.
+    /// True if no option changes the initial box or the frames.
     pub fn says_nothing_of_start(&self) -> bool {
         !self.changes_start() && self.frames().is_none() && self.resize.is_none()
     }
 
-    /// True if an option changes the box to start from.
+    /// True if an option changes the initial box.
     pub fn changes_start(&self) -> bool {
         !self.init.is_empty() || self.inclusive
     }
 
-    /// The recordings at `paths`, and in folders there.
-    /// Errors: There is none, or one box is given for several of them.
+    /// Finds the recordings at `paths` and in folders there.
+    /// Errors: There is none, or `--init` is given for several recordings.
     pub fn find(&self, paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let found = recordings(paths)?;
         self.check_for(found.len())?;
         Ok(found)
     }
 
-    /// Errors: One box is given for several recordings.
+    /// Errors: `--init` is given for several recordings.
     pub fn check_for(&self, recordings: usize) -> Result<()> {
         ensure!(
             self.init.is_empty() || recordings <= 1,

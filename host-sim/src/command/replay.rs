@@ -1,4 +1,4 @@
-//! `host-sim replay`: a flight record through smr-core once more, and the first difference by name.
+//! `host-sim replay`: replays a flight record of firmware through smr-core and prints the first difference.
 
 use super::{Outcome, progress, tell};
 use crate::replay::{self, Flight, Report};

@@ -1,4 +1,4 @@
-//! `host-sim report`: recordings as people look at them, on one page or in figures.
+//! `host-sim report`: shows recordings on an HTML page, or draws the paper's figures of one.
 
 use super::paths::{Places, Taken};
 use super::recording_options::RecordingOptions;
@@ -18,7 +18,7 @@ use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// The most megabytes of a page by default.
+/// Default size limit of a page, in megabytes.
 const BUDGET: NonZeroUsize = NonZeroUsize::new(25).unwrap();
 
 const METHODS: [MethodKind; 2] = [MethodKind::Robust, MethodKind::Smr];
@@ -67,7 +67,7 @@ pub struct Report {
 struct Written {
     file: String,
     bytes: usize,
-    /// Frames whose pictures are in a figure; the first is 1.
+    /// Frames that a figure shows, counted from 1; `None` for a page.
     frames: Option<Vec<usize>>,
 }
 
@@ -116,7 +116,7 @@ impl Report {
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
-        // A page in a folder has the recording's name.
+        // In a folder, the page is named after the recording: checks its full path.
         Places::of(found).writes("--out", Some(&page), None).check()?;
         let output = Output::create(&page)?;
         let mut films = self.watch(found, sequences, methods)?;
@@ -128,11 +128,11 @@ impl Report {
         Ok((films, vec![Written { file: page.display().to_string(), bytes: text.len(), frames: None }]))
     }
 
-    /// Draws the paper's figures into `folder`. Returns the files, and the reasons why others are left out.
+    /// Draws the paper's figures into `folder`. Returns the files, and the reasons why some figures are left out.
     fn draw(&self, path: &Path, folder: &Path) -> Result<(Vec<Written>, Vec<String>)> {
         let methods = self.tracker.variants(&figures::METHODS)?;
         let watch = |stills: &BTreeSet<usize>| {
-            // Figures are gray.
+            // Figures are gray, so colors need not be read.
             let sequence = Sequence { source: Source::Once, ..self.recording.open(path)? };
             let bar = progress::bar(&sequence.name, sequence.length);
             let film = report::watch(sequence, vec![], &methods, Refusal::Fails, stills, None, || bar.inc());
@@ -143,7 +143,7 @@ impl Report {
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
-            // The recording must have the frame or the span that is given.
+            // A frame or range that the user gives must be in the recording.
             let must = match figure {
                 Figure::Boxes => self.frame.is_some(),
                 Figure::Occlusion => self.hidden.is_some(),
@@ -181,12 +181,12 @@ impl Report {
             if let [(one, _)] = &sequences[..] { one.name.clone() } else { format!("{} recordings", sequences.len()) };
         let progress = progress::bar(&name, length);
         let budget = Some(self.budget_bytes() / sequences.len());
-        // A method that the user did not name is left out instead of being an error.
+        // A default method that refuses the box is left out; of a method that the user named it is an error.
         let refusal = if self.method.is_empty() { Refusal::LeftOut } else { Refusal::Fails };
         let watch = |(path, (sequence, targets)): (&PathBuf, (Sequence, Vec<Target>))| {
             let (stills, several) = (BTreeSet::new(), targets.len() > 1);
             let mut film = report::watch(sequence, targets, methods, refusal, &stills, budget, || progress.inc())?;
-            // The results of other trackers are of the target that has ground truth.
+            // Other trackers' results are of the one target that has ground truth.
             if !several && !BUILT_IN.iter().any(|name| path.as_os_str() == *name) {
                 film.compare(&result_files(path)?, self.recording.frames_of_truth())?;
             }
@@ -212,7 +212,7 @@ impl Report {
     }
 }
 
-/// Numbers recordings of one name in several folders, so that each has its own name on the page.
+/// Numbers recordings of the same name, so that each has a name of its own on the page.
 fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     for at in 1..sequences.len() {
         let (before, rest) = sequences.split_at_mut(at);
@@ -225,7 +225,7 @@ fn name_apart(sequences: &mut [(Sequence, Vec<Target>)]) {
     }
 }
 
-/// Returns the file of the page, and makes its folder if there is none.
+/// Returns the path of the page, and creates its folder.
 fn page_file(out: &Path, name: &str) -> Result<PathBuf> {
     let is_page = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
     let file = if is_page { out.to_owned() } else { out.join(format!("{name}.html")) };

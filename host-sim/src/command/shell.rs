@@ -1,15 +1,15 @@
-//! Writes words as they are typed in a shell.
+//! Quoting of command-line words for a shell.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// A path that cannot be taken for an option.
+/// Prefixes `./` to a path that could be parsed as an option.
 pub fn file(path: &Path) -> PathBuf {
     let is_option = path.as_os_str().as_encoded_bytes().starts_with(b"-") && path != Path::new("-");
     if is_option { Path::new(".").join(path) } else { path.to_owned() }
 }
 
-/// A word, quoted where that is needed. Bytes that are no text, and control characters, are written out: `$'\xff'`.
+/// Quotes a word if necessary. Control characters and bytes outside UTF-8 are escaped: `$'\xff'`.
 pub fn word(word: &OsStr) -> String {
     let text = word.to_str().filter(|text| !text.chars().any(char::is_control));
     if let Some(Ok(quoted)) = text.map(shlex::try_quote) {

@@ -1,4 +1,4 @@
-//! `host-sim track`: the target's box in every frame.
+//! `host-sim track`: prints the target's box in every frame.
 
 use super::events::Events;
 use super::paths::{Places, Taken, listed};
@@ -64,11 +64,11 @@ pub struct Track {
 const FILM: Taken = Taken { endings: [&FILM_ENDINGS, &[]], is_folder: true };
 const BOXES: Taken = Taken { endings: [&Format::ENDINGS, &FILM_ENDINGS], is_folder: false };
 
-/// The warning about targets of poor quality.
+/// Warning about a target that is too similar to its surroundings.
 const POOR: &str = "can hardly be told from what lies beside it: expected a box with more texture";
 
 impl Track {
-    /// The file of the boxes, and the options that name a film.
+    /// Output file of the boxes, and the options that name a video, with their paths.
     fn outputs(&self) -> (Option<&PathBuf>, Vec<(&'static str, &PathBuf)>) {
         let is_film = |out: &&PathBuf| {
             out.extension().is_some_and(|ending| FILM_ENDINGS.iter().any(|film| ending.eq_ignore_ascii_case(film)))
@@ -95,7 +95,7 @@ impl Track {
         let printer = Printer::new(format, about);
         ensure!(films.len() < 2, "--out and --video both name a video: expected one of them");
         let film = films.first().map(|&(_, film)| film);
-        // A film is there to be looked at: numbers on the same terminal would hide what happens.
+        // With a video, a terminal shows events instead of lines of numbers, which would hide them.
         let events = (film.is_some() && boxes.is_none() && stdout().is_terminal()).then(|| Events::new(targets.len()));
         let mut lines = match boxes {
             _ if events.is_some() => Lines::Unread,
@@ -104,7 +104,7 @@ impl Track {
         };
         let live = sequence.source.live();
         if live.is_some() {
-            // Ctrl-C is the usual end of a live source.
+            // Ctrl-C is the usual end of a live source, so it must not lose the results.
             cleanup::stop_first();
         }
         let bar = self.bar(&sequence, film, events.is_some() || boxes.is_some() || !stdout().is_terminal());
@@ -129,7 +129,7 @@ impl Track {
         Ok(Outcome::Holds)
     }
 
-    /// Errors: The format has no place for the names of several targets, or the file is called as one of another.
+    /// Errors: The format has no names for several targets, or the file's extension belongs to another format.
     fn format(&self, targets: usize) -> Result<Format> {
         let usual = if targets > 1 { Format::Csv } else { Format::Tld };
         let of_file = self.out.as_ref().and_then(|out| Format::of_file(out));
@@ -147,7 +147,7 @@ impl Track {
         Ok(format)
     }
 
-    /// Makes the progress bar. `is_shown` is false if printed lines on the same terminal show the progress.
+    /// Creates the progress bar. `is_shown` is false if printed lines on the same terminal show the progress.
     fn bar(&self, sequence: &Sequence, film: Option<&PathBuf>, is_shown: bool) -> Bar {
         if !is_shown || !stderr().is_terminal() {
             return Bar::hidden();
@@ -165,7 +165,7 @@ impl Track {
     }
 }
 
-/// One pass through a recording: all targets, and the outputs.
+/// State of a run through a recording: all targets, and the outputs.
 struct Pass {
     name: String,
     targets: Vec<Follower>,
@@ -221,7 +221,7 @@ impl Pass {
         self.bar.suspend(|| complain(&format!("warning: {}: {what}", self.name)));
     }
 
-    /// Tells why a live source ended, and how many frames were not followed.
+    /// Prints why a live source ended, and how many of its frames were dropped.
     fn say_end(&self, live: &Arrivals) {
         if let Some(reason) = live.ended() {
             self.warn(&format!("it has ended: {reason}"));
@@ -231,7 +231,7 @@ impl Pass {
         complain(&format!("{name}: {came} frames came, {dropped} of them were dropped"));
     }
 
-    /// Errors: A box lies in none of the frames that were read.
+    /// Errors: A box is given for a frame after the last one.
     fn finish(mut self, first: usize) -> Result<()> {
         self.bar.clear();
         let missing = self.targets.iter_mut().find_map(|target| Some((target.next_start()?, target.name.as_ref())));
@@ -255,13 +255,13 @@ impl Pass {
     }
 }
 
-/// A line for each target, with the number of frames in each state.
+/// Returns a line for each target, with its number of frames in each state.
 fn ends(targets: &[Follower], events: &Events) -> String {
     let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
 }
 
-/// The warning about the targets of a frame that are of poor quality.
+/// Returns the warning about a frame's targets that are too similar to their surroundings; `poor` has their names.
 fn warning(poor: &[Option<&str>]) -> Option<String> {
     match poor {
         [] => None,
@@ -274,10 +274,10 @@ fn warning(poor: &[Option<&str>]) -> Option<String> {
     }
 }
 
-/// The output of lines: each is printed before the next frame is read, or all are written to a file at the end. A bad frame does not lose
-/// earlier lines.
+/// Output of lines. Standard output gets each line before the next frame is read, so that an error does not lose
+/// earlier ones; a file is complete at the end.
 enum Lines {
-    /// A closed pipe ends the command, unless it writes something else, too.
+    /// Standard output. With `goes_on`, a closed pipe does not end the command, because a video is written, too.
     Printed {
         goes_on: bool,
     },

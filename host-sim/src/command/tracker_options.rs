@@ -1,4 +1,4 @@
-//! The settings of the methods on the command line, for every command that runs a tracker.
+//! Options for the settings of methods, shared by all commands that run a tracker.
 
 use super::whole;
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -65,12 +65,12 @@ struct Known {
     methods: &'static [MethodKind],
 }
 
-/// The settings of both trackers, and two of the paper's that only `--set` knows.
+/// Settings of both trackers, and `scale` and `pruning` of the paper's tracker, which only `--set` knows.
 fn known() -> impl Iterator<Item = Known> {
     use MethodKind::{Lk, Ncc, Robust, Sad, Smr, Ssd};
     fn of<C: Settings>(methods: &'static [MethodKind]) -> impl Iterator<Item = Known> {
         C::SETTINGS.iter().zip(C::TEXTS).map(move |(&setting, text)| match setting.name() {
-            // The baselines search a window of a given radius in a padded frame.
+            // The baselines (sad, ssd, ncc, lk) search a window in a padded frame, too.
             "window" | "padding" => Known { setting, text, methods: &[Smr, Sad, Ssd, Ncc, Lk] },
             _ => Known { setting, text, methods },
         })
@@ -101,7 +101,7 @@ impl Known {
         format!("{}={form}", self.setting.name())
     }
 
-    /// Errors: Another form, or a number out of range.
+    /// Errors: The text has not the form of the setting, or a value is out of range.
     fn values(&self, text: &str) -> Result<Vec<u16>> {
         let shape = self.setting.shape;
         let values: Result<Vec<u16>, _> = match (shape, text) {
@@ -149,7 +149,7 @@ impl Serialize for Given {
     }
 }
 
-/// The methods that take an option or a setting.
+/// Methods to which an option or a setting applies.
 fn taken_by(name: &str) -> &'static [MethodKind] {
     Known::of(name).map_or(&[MethodKind::Smr, MethodKind::Robust], |known| known.methods)
 }
@@ -170,7 +170,7 @@ fn backend_as_name<S: Serializer>(backend: &Option<Backend>, serializer: S) -> R
 
 impl TrackerOptions {
     /// Returns each of `methods` once, with its settings.
-    /// Errors: An option that none of them takes, or that is out of range.
+    /// Errors: An option applies to none of the methods, or is out of range.
     pub fn variants(&self, methods: &[MethodKind]) -> Result<Vec<Variant>> {
         self.check_for(methods)?;
         let configs = self.configs()?;
@@ -183,7 +183,7 @@ impl TrackerOptions {
     }
 
     /// Returns a method with its settings.
-    /// Errors: An option that it does not take, or that is out of range.
+    /// Errors: An option does not apply to the method, or is out of range.
     pub fn variant(&self, method: MethodKind) -> Result<Variant> {
         Ok(self.variants(&[method])?.remove(0))
     }
@@ -199,7 +199,7 @@ impl TrackerOptions {
         self.given().is_empty()
     }
 
-    /// The options that were given and that `method` takes, as JSON.
+    /// Given options that apply to `method`, as JSON.
     fn options_of(&self, method: MethodKind) -> Map<String, Value> {
         let config = self.config.filter(|preset| preset.method() == method);
         let set = self.set.iter().filter(|given| taken_by(&given.name).contains(&method)).cloned().collect();
@@ -207,7 +207,7 @@ impl TrackerOptions {
         if method.is_core() { of_core.given() } else { Self { set: of_core.set, ..Self::default() }.given() }
     }
 
-    /// Errors: An option or a setting that none of `methods` takes.
+    /// Errors: An option or a setting applies to none of `methods`.
     fn check_for(&self, methods: &[MethodKind]) -> Result<()> {
         let names = |methods: &[MethodKind]| methods.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
         if let Some(preset) = self.config.filter(|preset| !methods.contains(&preset.method())) {
@@ -242,13 +242,12 @@ impl TrackerOptions {
         Ok(Configs { paper: self.paper()?, robust: self.robust()?, step })
     }
 
-    /// The configuration of the paper's tracker with the given options.
     fn paper(&self) -> Result<Config> {
         let mut config = if self.config == Some(Preset::Camera) { Config::camera() } else { Config::paper() };
         config.backend = self.backend;
         for Given { name, values, .. } in &self.set {
             match name.as_str() {
-                // The configuration wants a table for the life of the program; this is the one place that makes one.
+                // A configuration borrows its table for the life of the program, so the table is leaked.
                 "scale" => config.table = Box::leak(Box::new(Table::new(values[0])?)),
                 "pruning" => config.pruning = values[0] != 0,
                 _ => {}
@@ -263,7 +262,6 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The robust tracker's configuration with the given options.
     fn robust(&self) -> Result<robust::Config> {
         let plain = self.config == Some(Preset::Robust);
         let mut config = if plain { robust::Config::robust() } else { robust::Config::refined() };
@@ -273,7 +271,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The configuration with its given settings.
+    /// Applies the settings of `--set` that belong to `config`.
     fn put<C: Settings>(&self, mut config: C) -> Result<C> {
         let is_own = |given: &&Given| C::SETTINGS.iter().any(|setting| setting.name() == given.name);
         for given in self.set.iter().filter(is_own) {
@@ -282,7 +280,7 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// The numbers of the robust tracker's reference, which has its own copy of the defaults.
+    /// Parameters of the robust tracker's reference, which has its own copy of the defaults.
     pub fn robust_reference_numbers(&self) -> reference::Numbers {
         let mut numbers = reference::Numbers::refined();
         numbers.refiner = self.config != Some(Preset::Robust);
@@ -304,7 +302,7 @@ impl TrackerOptions {
         numbers
     }
 
-    /// The numbers of the paper's reference, which has its own copy of the defaults.
+    /// Parameters of the reference of the paper's tracker, which has its own copy of the defaults.
     pub fn reference_numbers(&self) -> Numbers {
         let mut numbers = if self.config == Some(Preset::Camera) { Numbers::camera() } else { Numbers::paper() };
         for Given { name, values, .. } in &self.set {
@@ -334,7 +332,7 @@ impl TrackerOptions {
     }
 }
 
-/// An error of two settings, with the values of both.
+/// Appends the values of the settings that `error` names to its message.
 fn both<C: Settings>(config: &C, error: ConfigError) -> anyhow::Error {
     let shown = |setting: &Setting| {
         let values = config.get(setting.name()).unwrap_or_default().map(|value| value.to_string());
@@ -345,7 +343,7 @@ fn both<C: Settings>(config: &C, error: ConfigError) -> anyhow::Error {
     anyhow!("{text}: {}", named.map(shown).collect::<Vec<_>>().join(", "))
 }
 
-/// `60x50`
+/// Two numbers like `60x50`, for example a width and a height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair(pub u16, pub u16);
 

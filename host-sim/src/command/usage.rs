@@ -1,5 +1,5 @@
-//! The error of a command line that cannot be read, in one line: the word, the expected form, and a proposal. A value with other separators, or the
-//! words behind an option as one value, is proposed if the line can be read with it.
+//! One-line error for an invalid command line: the wrong word, the expected form, and a suggestion. A suggestion is
+//! made only if the command line with it is valid.
 
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind as Usage};
@@ -7,12 +7,12 @@ use std::error::Error;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Separators of values.
+/// Separators in option values, and their names in messages.
 const SEPARATORS: [(&str, &str); 4] = [(",", "commas"), ("x", "an x"), ("..", "two dots"), ("/", "a slash")];
-/// Characters typed in place of separators.
+/// Characters that users type in place of the right separator.
 const TYPED: [&str; 11] = [" ", ";", ":", "*", "...", "..=", "-", "X", "x", ",", "/"];
 
-/// Joins `--frames -5..` to one argument: clap would take `-5..` for an option. A dash and a digit begin a value.
+/// Joins `--frames -5..` to one argument, because clap would parse `-5..` as an option.
 pub(super) fn joined(arguments: Vec<OsString>) -> Vec<OsString> {
     let mut all: Vec<OsString> = Vec::new();
     let mut is_over = false;
@@ -34,7 +34,7 @@ fn is_long(word: &str) -> bool {
     word.len() > 2 && word.starts_with("--") && !word.contains('=')
 }
 
-/// Explains why `all` does not take `arguments`.
+/// Explains in one line why the command `all` cannot parse `arguments`.
 pub(super) fn said(error: &clap::Error, all: &Command, arguments: &[OsString]) -> String {
     let words = arguments.iter().flat_map(|word| {
         let word = word.to_string_lossy().into_owned();
@@ -117,7 +117,7 @@ impl Line<'_> {
 
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
-        // A message names `--size <WxH>` by `--size` alone.
+        // Messages name `--size <WxH>` by `--size` alone.
         let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
         let known = self.texts(ContextKind::ValidValue);
         let expected = match self.error.kind() {
@@ -159,7 +159,7 @@ impl Line<'_> {
         format!("{command} has no option {name}: {rest}")
     }
 
-    /// A word that belongs to nothing: perhaps a part of the value before it, or a value without its option.
+    /// Error for a surplus word, which may be part of the value before it, or a value without its option.
     fn too_many(&self, word: &str) -> String {
         let at = self.words.iter().skip(1).position(|typed| typed == word).map_or(0, |at| at + 1);
         let option = self.words[..at].iter().rposition(|word| is_option(word));
@@ -183,28 +183,29 @@ impl Line<'_> {
         format!("{} is one word too many: expected {usage}{meant}", shown(word))
     }
 
-    /// The option and its words as typed, the separator in words, and the option with the value that was probably meant.
+    /// Returns an option as typed, the name of the right separator, and the option with the value that was probably
+    /// meant.
     fn meant(&self, option: usize) -> Option<(String, &'static str, String)> {
         let (before, after) = self.words.split_at(option + 1);
         let name = &self.words[option];
         let run = after.iter().take(8).take_while(|word| !is_option(word)).count();
         for count in (1..=run).rev() {
             let with = |value: &str| self.is_read(&[before, &[value.to_owned()], &after[count..]].concat());
-            // This option takes any text: that it reads a value proves nothing.
+            // An option that accepts any text cannot confirm a suggestion.
             if with("?") {
                 return None;
             }
             let typed = after[..count].join(" ");
             let bare = typed.trim_matches(|letter| "()[]{}".contains(letter));
             for (from, (to, separator)) in TYPED.iter().flat_map(|from| SEPARATORS.map(|to| (from, to))) {
-                // A single word without blanks is tried once, too, without brackets and capitals.
+                // A single word is tried, too: without brackets, and in lower case.
                 let is_tried = bare.contains(from) || (*from == " " && count == 1);
                 let is_in_name =
                     *from != " " && bare.match_indices(from).any(|(at, _)| bare[..at].ends_with(char::is_alphabetic));
                 if !is_tried || is_in_name {
                     continue;
                 }
-                // `142, 125, 90, 39`
+                // Removes blanks from values like `142, 125, 90, 39`.
                 let blanks = if *from == " " { bare.to_owned() } else { bare.replace(' ', "") };
                 for value in [blanks.replace(from, to), blanks.replace(from, to).to_lowercase()] {
                     let is_new = value != typed && !value.contains(&to.repeat(2));
@@ -233,7 +234,7 @@ fn has(command: &Command, option: &str) -> bool {
     })
 }
 
-/// A value as typed, in quotation marks if it would be invisible.
+/// Quotes a value that is empty or contains blanks.
 fn shown(value: &str) -> String {
     if value.is_empty() || value.contains(char::is_whitespace) { format!("{value:?}") } else { value.to_owned() }
 }

@@ -1,4 +1,4 @@
-//! The answers of trackers as a film: each is drawn over its frame.
+//! Video with the trackers' answers drawn over the frames.
 
 use anyhow::Result;
 use smr_core::State;
@@ -11,25 +11,24 @@ use std::path::Path;
 pub struct Film {
     film: export::Film,
     truth: std::vec::IntoIter<Option<BoundingBox>>,
-    /// The last visible box of each target.
+    /// Last known box of each target.
     lasts: Vec<Option<BoundingBox>>,
 }
 
 pub struct Shown<'a> {
     pub name: Option<&'a str>,
-    /// `None` before its first box, and while it is gone.
+    /// Answer of the tracker; `None` before the first box of the target, and while the target is gone.
     pub report: Option<Report>,
 }
 
 impl Film {
-    /// Begins a film. `truth` has the boxes of ground truth, if there are any.
+    /// Creates the video. `truth` has the ground-truth box of each frame, if there is any.
     pub fn create(out: &Path, plan: Plan, truth: Vec<Option<BoundingBox>>) -> Result<Self> {
         Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
     }
 
-    /// Draws the targets over the frame. Ground truth is white. The box of an only target is green while it is tracked, amber where
-    /// that is not sure, and red, where it was seen last, when it is lost. Of several targets each has its color, and its name at the
-    /// box; it is in dashes while the target is not tracked.
+    /// Draws the targets and the ground truth (white) over the frame. The color of a single target depends on its
+    /// state. Of several targets, each has a color and its name, and a dashed box while it is not tracked.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));

@@ -1,4 +1,4 @@
-//! `host-sim view`: a recording in one window, where boxes are dragged, followed and corrected.
+//! `host-sim view`: serves a page in the browser, on which boxes are drawn, tracked and corrected.
 
 use super::paths::Places;
 use super::tracker_options::{Pair, TrackerOptions};
@@ -71,9 +71,8 @@ pub struct View {
 struct Opened {
     name: String,
     source: Arc<dyn Source>,
-    /// The file names of the pictures; empty for other recordings.
+    /// File names of the pictures; empty if the recording is not a folder of pictures.
     pictures: Vec<String>,
-    /// The number of frames, if it is known.
     length: Option<usize>,
     beside: Option<Rect>,
 }
@@ -87,7 +86,7 @@ impl View {
         let first = source.gray_from(1)?.next().with_context(|| format!("{name} has no frames"))??.gray;
         let is_live = source.live().is_some();
         let (session, work) = Session::open(self.session_file(is_live), &name)?;
-        // The file of the targets, for errors.
+        // Name of the file that the targets come from, for error messages.
         let given_by = self.boxes.as_ref().map(|file| file.display().to_string());
         let from = given_by.or_else(|| session.name().filter(|_| work.is_some())).unwrap_or_else(|| name.clone());
         let is_read = self.boxes.is_some() || work.is_some();
@@ -96,7 +95,7 @@ impl View {
             None => (given, targets),
         };
         if !self.init.is_empty() && !is_live {
-            // All frames have one size: what a box is refused for can be told from the first.
+            // All frames have one size, so the first one shows whether a box will be refused.
             for target in targets.iter().flat_map(|target| &target.locks).filter_map(Lock::rect) {
                 lock(variant.build()?.as_mut(), &first.frame(), target).with_context(|| name.clone())?;
             }
@@ -162,7 +161,7 @@ impl View {
         Ok(Opened { name: sequence.name, source: Arc::new(source), pictures, length, beside })
     }
 
-    /// The given targets, or else the one beside the recording.
+    /// Targets of the command line, or else the one from files beside the recording.
     fn targets(&self, beside: Option<Rect>, length: Option<usize>) -> Result<Vec<Target>> {
         if let Some(file) = &self.boxes {
             return input::text(file, &input::BOXES)
@@ -182,7 +181,7 @@ impl View {
         (1..).zip(given).map(target).collect()
     }
 
-    /// The file of the session, if the work is to be kept.
+    /// Path of the session file. Cameras, standard input and built-in recordings have one only with `--session`.
     fn session_file(&self, is_live: bool) -> Option<PathBuf> {
         let source = &self.source;
         if self.session.is_some() || is_live || BUILT_IN.iter().any(|name| source == Path::new(name)) {
@@ -194,7 +193,7 @@ impl View {
         Some(named.with_file_name(name))
     }
 
-    /// Resumes the trackers and targets of a session. If the command line gives others, the session's work is set aside.
+    /// Resumes the method and targets of a session, except those that the command line gives.
     fn resumed(
         &self,
         work: Work,
@@ -203,7 +202,7 @@ impl View {
         is_live: bool,
     ) -> Result<(Variant, Vec<Target>)> {
         let name = session.name().unwrap_or_default();
-        // A camera numbers its frames anew.
+        // A camera numbers its frames anew, so the boxes of an earlier session belong to other frames.
         let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
         let mut note = format!("note: goes on with {name}, of the recording {}", work.recording);
@@ -229,7 +228,7 @@ fn has_ffmpeg() -> bool {
     std::process::Command::new("ffmpeg").arg("-version").output().is_ok()
 }
 
-/// The part of the window that needs the command line's options.
+/// Answers requests of the page that need the options of the command line.
 struct Desk {
     words: Vec<OsString>,
     pictures: Vec<String>,
@@ -282,7 +281,7 @@ impl Wish for Desk {
         let first = frames().min().filter(|_| is_live).unwrap_or(1);
         let mut left: Vec<_> = targets.iter().map(|(_, rows)| rows.iter().peekable()).collect();
         let (reached, _) = followed.reached(known.frames);
-        // If all targets are gone, frames follow the last answer.
+        // Frames after the last answer, in which all targets are gone, have lines, too.
         for frame in first..=frames().max().map_or(0, |last| last.max(reached)) {
             for (target, rows) in left.iter_mut().enumerate() {
                 let row = rows.next_if(|(at, _)| *at == frame).map(|(_, row)| row);
@@ -294,7 +293,7 @@ impl Wish for Desk {
         }
         text += &printer.foot()?;
         let ending = format.endings().last().unwrap_or(&"txt");
-        // While a result grows, its name has the number of frames so far.
+        // An unfinished result has the number of frames so far in its name.
         let so_far = match known.frames {
             Some(all) if reached >= all || is_live => String::new(),
             Some(all) => format!("-{reached}-of-{all}-frames"),
@@ -340,14 +339,14 @@ impl Wish for Desk {
     }
 }
 
-/// Makes a file name, valid on every system, for the boxes of the source `name`.
+/// Returns a file name, valid on every system, that begins with the name of the source.
 fn file(name: &str, so_far: &str, ending: &str) -> String {
     let plain = |letter: char| if letter.is_ascii_alphanumeric() || "-_".contains(letter) { letter } else { '_' };
     let name: String = name.trim_start_matches('-').chars().map(plain).take(80).collect();
     format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
 }
 
-/// The options `--init` that give these targets.
+/// Formats `targets` as options `--init`.
 fn inits(targets: &[Target]) -> Vec<OsString> {
     let init = |target: &Target, Lock { frame, bbox }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };
