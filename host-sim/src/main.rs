@@ -1,4 +1,4 @@
-//! The program `host-sim`. Exit codes: 0 success, 1 a check failed, 2 bad usage or input.
+//! Entry point of `host-sim`; all other code is in its library.
 
 use std::process::ExitCode;
 

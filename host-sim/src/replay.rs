@@ -151,7 +151,6 @@ fn not_a_record() -> Error {
     anyhow!("it is not a flight record: expected an entry SMRB first, or lines of a log with `smr-record [`")
 }
 
-/// Closes the current flight; its last `cut_off` bytes are an incomplete entry.
 fn end(run: Option<Box<dyn Runs<'_> + '_>>, report: &mut Report, cut_off: usize) {
     if let (Some(mut run), Some(flight)) = (run, report.flights.last_mut()) {
         let frame = flight.locks + flight.answers + 1;
@@ -246,8 +245,7 @@ fn begin<'a>(begin: &Begin<'_>) -> Result<(Box<dyn Runs<'a> + 'a>, &'static str)
 static TABLES: LazyLock<Vec<Table>> =
     LazyLock::new(|| Table::SCALES.filter_map(|scale| Table::new(scale).ok()).collect());
 
-/// Creates the replay with the first table whose entries are in the record. `rest` has the settings that a record
-/// lacks.
+/// Creates the replay with the table whose entries are in the record. `rest` has the settings that a record lacks.
 fn run<'a, T: Recorded<Config: 'a> + 'a>(
     begin: &Begin<'_>,
     mut rest: T::Config,

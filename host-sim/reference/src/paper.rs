@@ -1,11 +1,9 @@
 //! The paper's tracker in f64, a reference for `smr-core` that is meant to be checked against the paper's steps by eye.
 //!
-//! It shares no constant, table or arithmetic with `smr-core`. It is slow, keeps every score, and pads the frame with
-//! real zeroes. Intensities stay bytes, because their differences are exact; only exp divides them by the scale.
-//!
-//! Every score is summed twice, in units of 1/65535. The *exact* sum adds each pixel's similarity p as an f64. The
-//! *rounded* sum adds p rounded to whole units, as smr-core does. Decisions follow the rounded sums, so that both
-//! trackers pass the same states in a recording; [`Step::exact_peak`] is the peak of the exact sums.
+//! It is slow, shares no code or constant with `smr-core`, and pads the frame with real zeroes. Pixels stay bytes,
+//! because their differences are exact; only exp divides them by the scale. Every score is summed twice, in units of
+//! 1/65535: the *exact* sum adds each pixel's similarity as an f64, the *rounded* sum adds it rounded to whole units,
+//! as smr-core does. Decisions follow the rounded sums, so that both trackers pass the same states in a recording.
 
 use rayon::prelude::*;
 
@@ -28,13 +26,12 @@ pub struct Numbers {
     pub growth: i64,
     /// Largest search radius in x and y, in pixels; with `None` only the padded frame bounds it.
     pub window_limit: Option<(i64, i64)>,
-    /// The runner-up is the best score at more than this many pixels from the peak in x or in y.
+    /// Exclusion radius around the peak: the runner-up is more than this many pixels away in x or in y.
     pub neighbourhood: i64,
     /// Least distances of the box to the frame's edges (left, top, right, bottom) for a template update, in pixels.
     pub zone: (i64, i64, i64, i64),
     /// Lower bound of alpha after an update, in gray levels.
     pub least_alpha: f64,
-    /// Thresholds that a peak must pass to be accepted.
     pub gate: GateNumbers,
     /// Searches for the runner-up in every frame, even if no decision depends on it.
     pub runner_up_always: bool,
@@ -63,7 +60,6 @@ pub struct GateNumbers {
 }
 
 impl Numbers {
-    /// Settings of the paper and of its authors' program.
     pub fn paper() -> Self {
         Self {
             scale: 255.0,
@@ -90,8 +86,7 @@ impl Numbers {
         }
     }
 
-    /// Settings of `paper::Config::camera()`: a bounded window, template updates up to the frame's edge, lower bounds
-    /// for alpha and for the score, and no required ratio inside the frame.
+    /// Same settings as `paper::Config::camera()` of smr-core.
     pub fn camera() -> Self {
         let mut numbers = Self::paper();
         numbers.window_limit = Some((80, 70));
@@ -136,9 +131,8 @@ impl Scores {
 
 pub struct Step {
     pub scores: Scores,
-    /// Position and value of the largest rounded sum.
+    /// Position and value of the largest rounded sum, and of the largest exact sum.
     pub peak: ((i64, i64), f64),
-    /// Position and value of the largest exact sum.
     pub exact_peak: ((i64, i64), f64),
     /// Largest rounded sum outside the peak's neighbourhood; 0 if no candidate lies there.
     pub runner_up: f64,
@@ -162,7 +156,6 @@ impl Picture {
         Self { width, height, pixels: pixels.iter().map(|&pixel| f64::from(pixel)).collect() }
     }
 
-    /// Adds `padding` rows and columns of zeroes on every side.
     fn padded(&self, padding: i64) -> Self {
         let (width, height) = (self.width + 2 * padding, self.height + 2 * padding);
         let mut pixels = vec![0.0; index(width * height)];
@@ -173,7 +166,6 @@ impl Picture {
         Self { width, height, pixels }
     }
 
-    /// Returns `count` pixels of a row, starting at (`x`, `y`).
     fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.width + x);
         &self.pixels[from..from + index(count)]
@@ -224,7 +216,6 @@ impl Reference {
         Self { numbers, p, frame_size, template, position, alpha, decision, been_at_border: false, lost_for: 0 }
     }
 
-    /// The template's intensities, row by row.
     pub fn template(&self) -> &[f64] {
         &self.template.pixels
     }
@@ -300,8 +291,7 @@ impl Reference {
         sums
     }
 
-    /// Step 4: finds the largest sum. Ties go to the position nearest to the previous one, then the upper, then the
-    /// left.
+    /// Step 4: finds the largest sum. Ties go to the position nearest to the last one, then the upper, then the left.
     fn arg_max(&self, scores: &Scores, sum: impl Fn(Sums) -> f64) -> ((i64, i64), f64) {
         let distance = |(x, y): (i64, i64)| (x - self.position.0).pow(2) + (y - self.position.1).pow(2);
         let mut best: Option<((i64, i64), f64)> = None;
@@ -334,7 +324,7 @@ impl Reference {
         self.template = next;
     }
 
-    /// Accepts a peak if it exceeds ratio * runner-up or runner-up + lead, and its mean similarity is at least
+    /// Accepts a peak above ratio * runner-up or above runner-up + lead, with a mean similarity of at least
     /// `least_ratio`.
     fn is_accepted(&self, peak: f64, runner_up: f64, needed: (f64, f64)) -> bool {
         let gate = &self.numbers.gate;
@@ -342,7 +332,7 @@ impl Reference {
         stands_out && (peak / self.template.area()).floor() >= gate.least_ratio
     }
 
-    /// True if the patch can show the target: enough of the template's contrast, and few more pixels at 0 or 255.
+    /// True if the patch has enough of the template's contrast, and not many more pixels at 0 or 255 than the template.
     /// Always true if `least_ratio` is 0.
     fn is_shown(&self, frame: &Picture, (x, y): (i64, i64)) -> bool {
         let gate = &self.numbers.gate;
@@ -352,7 +342,6 @@ impl Reference {
         gate.least_ratio == 0.0 || has_contrast && more_cut_off <= seen.area() * gate.most_cut_off
     }
 
-    /// Ratio of peak to runner-up that is required, as numerator and denominator.
     fn needed_ratio(&self, over_border: bool) -> (f64, f64) {
         let gate = &self.numbers.gate;
         if self.decision == Decision::Lost {
@@ -380,7 +369,6 @@ pub(super) fn similarity(difference: f64, scale: f64) -> Sums {
     Sums { rounded: exact.round(), exact }
 }
 
-/// Converts an absolute difference of two bytes to an index.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255, and whole
 fn whole(difference: f64) -> usize {
     difference as usize

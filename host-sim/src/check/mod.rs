@@ -10,7 +10,6 @@ use smr_recordings::GrayFrame;
 
 /// A tracker of smr-core that can be compared with its reference.
 pub trait Checked: Target {
-    /// Implementation of the tracker in f64, with its own copy of all constants.
     type Reference;
     type Numbers;
     type Counts: Serialize + Default;
@@ -64,7 +63,6 @@ pub struct Report<C> {
     pub counts: C,
 }
 
-/// Comparison of a tracker with its reference, one frame at a time.
 pub struct Check<T: Checked> {
     name: String,
     sides: Sides<T>,
@@ -116,7 +114,6 @@ impl<T: Checked> Check<T> {
     }
 }
 
-/// A difference between smr-core and its reference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Violation {
     /// Frame number, counted from 1.

@@ -17,7 +17,6 @@ use smr_reference::{Decision, Numbers, Reference, Step};
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
-    /// Number of compared scores in all frames.
     pub scores: u64,
     /// Frames in which the runner-up was needed, and so compared.
     pub runners_up: usize,
@@ -75,8 +74,7 @@ fn bound(pixels: u32) -> f64 {
     n * 0.5 + n * (n + 2.0) * 65535.0 * f64::EPSILON
 }
 
-/// Core's scores at all positions, row by row. Each is computed alone, and so independent of the order of core's
-/// search.
+/// Core's scores at all positions, row by row. Each is computed alone, and so independent of the search's order.
 fn core_scores(core: &Paper, offsets: &Window, frame: &GrayFrame) -> Result<Vec<u32>> {
     let frame = frame.frame();
     let score = |x, y| score_of(core, &frame, (x, y)).context("a whole frame holds every pixel");

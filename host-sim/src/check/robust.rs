@@ -1,8 +1,6 @@
-//! Comparison of the robust tracker with its reference, value by value in each frame.
-//!
-//! Core reads only the pixels that it asks for, the reference the whole frame. Equal must be: the requested pixel
-//! windows, the features and filter responses of the search window, the learned weights and early template, the
-//! response and ratio at the answer, confidence, state, scale and box.
+//! Comparison of the robust tracker with its reference, in each frame: requested pixel windows, features and filter
+//! responses of the search window, learned weights, early template, response and ratio at the answer, confidence,
+//! state, scale and box. Core reads only the requested pixels, the reference the whole frame.
 
 use super::{Checked, Sides, Violation, differs};
 use anyhow::{Context, Result};
@@ -14,7 +12,6 @@ use smr_reference::robust::{Decision, Numbers, Reference, Step};
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Counts {
-    /// Number of compared filter responses in all frames.
     pub responses: u64,
     /// Frames in which the target was uncertain, and frames in which it was lost.
     pub uncertain: usize,
@@ -96,7 +93,6 @@ fn before(core: &Robust, reference: &Reference) -> Option<Violation> {
         .or_else(|| differs("pixels asked for to sweep", elsewhere, reference.sweep_region()))
 }
 
-/// Feature bytes in a row of cells of the search window.
 fn window_columns(core: &Robust) -> usize {
     core.grid().map_or(1, |grid| usize::from(grid.across + 2 * REACH) * CHANNELS)
 }
@@ -110,7 +106,6 @@ fn numbers_differ(what: &str, core: &[f64], reference: &[f64], columns: usize) -
     })
 }
 
-/// Compares the filter weights and the early template after a frame.
 fn learned(core: &Robust, reference: &Reference) -> Option<Violation> {
     let shape = reference.shape();
     let weights: Vec<f64> = unstable::weights(core).iter().map(|&weight| weight.into()).collect();
@@ -157,7 +152,6 @@ mod tests {
         Check::lock(name, (config, numbers), u32::MAX, first, target).unwrap()
     }
 
-    /// Checks `frames` up to the first violation.
     fn through(mut check: Check<Robust>, frames: impl Iterator<Item = GrayFrame>) -> Report {
         for frame in frames {
             if !check.holds() {
@@ -168,7 +162,6 @@ mod tests {
         check.into_report()
     }
 
-    /// Checks the first `length` frames of a built-in recording after the lock.
     fn checked(name: &str, config: Config, numbers: Numbers, length: usize) -> Report {
         let sequence = smr_recordings::open(Path::new(name), &OpenOptions::default()).unwrap();
         let target = sequence.start().unwrap();
@@ -283,8 +276,7 @@ mod tests {
         through(check, [still(0), cut(still(0)), cut(still(0)), still(0)].into_iter())
     }
 
-    /// Noise hides the target until the network gives it up; then the target returns. Only the network's opinion
-    /// decides.
+    /// Noise hides the target until the network gives it up; then the target returns. The network's opinion decides.
     fn noisy(mut numbers: Numbers) -> Report {
         let mut config = Config::refined();
         (config.lost_below, config.uncertain_below) = (1, 1);

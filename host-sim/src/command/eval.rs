@@ -264,7 +264,6 @@ fn count_failures(mut failures: Vec<Error>, is_all: bool) -> Result<usize> {
     Ok(failures.len())
 }
 
-/// True if the paper's table lists the recording at `path`.
 fn is_published(path: &Path) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(published::is_known)
 }

@@ -16,8 +16,7 @@ impl Events {
         Self(vec![Seen::default(); targets])
     }
 
-    /// Returns the event of the answer for a target: `lost at 0:12.4 (frame 311)`, or without a time `lost at frame
-    /// 311`. `None` if the target was not locked, corrected, lost or found.
+    /// Event of an answer: `lost at 0:12.4 (frame 311)`. `None` if the target was not locked, corrected, lost or found.
     pub fn of(&mut self, target: usize, locks: bool, frame: usize, time: Option<f64>, state: State) -> Option<String> {
         let seen = &mut self.0[target];
         let before = seen.last.replace(state);

@@ -108,7 +108,6 @@ Exit codes: 0 all answers are the recorded ones, 1 one differs, 2 the record can
 
 const FIRST_PAGE: &str = "smr-demo.html";
 
-/// Runs the command line of this process.
 pub fn run() -> ExitCode {
     let mut arguments: Vec<_> = std::env::args_os().collect();
     let is_first = arguments.len() <= 1;
@@ -186,7 +185,6 @@ fn from<T: FromStr>(first: u64) -> impl Fn(&str) -> Result<T> + Clone {
     whole(first..=u64::MAX)
 }
 
-/// Prints a result as JSON, or as the text that `words` writes.
 pub fn tell<T: Serialize>(
     json: bool,
     result: &T,

@@ -54,7 +54,6 @@ impl<'a> Places<'a> {
         Self { recordings: recordings.into_iter().map(PathBuf::as_path).collect(), outputs: Vec::new() }
     }
 
-    /// Adds the output path of `option`, if it is given.
     pub fn writes(mut self, option: &'static str, output: Option<&'a PathBuf>, taken: Option<Taken>) -> Self {
         self.outputs.extend(output.map(|output| (option, output.as_path(), taken)));
         self

@@ -57,7 +57,7 @@ impl Bar {
         state.done += 1;
         if !self.is_hidden && state.shown.elapsed() >= PAUSE {
             state.shown = Instant::now();
-            // Progress is not worth an error.
+            // Output errors are ignored, because progress is no result.
             let _ = write!(stderr(), "{ERASE}{}{}{}{}", CUT[0], self.name, self.line(&state), CUT[1]);
         }
     }

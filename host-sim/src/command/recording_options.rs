@@ -174,7 +174,6 @@ impl RecordingOptions {
         !self.changes_start() && self.frames().is_none() && self.resize.is_none()
     }
 
-    /// True if an option changes the initial box.
     pub fn changes_start(&self) -> bool {
         !self.init.is_empty() || self.inclusive
     }

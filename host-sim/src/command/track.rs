@@ -255,13 +255,11 @@ impl Pass {
     }
 }
 
-/// Returns a line for each target, with its number of frames in each state.
 fn ends(targets: &[Follower], events: &Events) -> String {
     let name = |target: &Follower| target.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
     targets.iter().enumerate().map(|(at, target)| format!("{}{}\n", name(target), events.sum(at))).collect()
 }
 
-/// Returns the warning about a frame's targets that are too similar to their surroundings; `poor` has their names.
 fn warning(poor: &[Option<&str>]) -> Option<String> {
     match poor {
         [] => None,

@@ -149,7 +149,6 @@ impl Serialize for Given {
     }
 }
 
-/// Methods to which an option or a setting applies.
 fn taken_by(name: &str) -> &'static [MethodKind] {
     Known::of(name).map_or(&[MethodKind::Smr, MethodKind::Robust], |known| known.methods)
 }
@@ -182,7 +181,6 @@ impl TrackerOptions {
         Ok((0..methods.len()).filter(|&index| first(index)).map(variant).collect())
     }
 
-    /// Returns a method with its settings.
     /// Errors: An option does not apply to the method, or is out of range.
     pub fn variant(&self, method: MethodKind) -> Result<Variant> {
         Ok(self.variants(&[method])?.remove(0))
@@ -199,7 +197,6 @@ impl TrackerOptions {
         self.given().is_empty()
     }
 
-    /// Given options that apply to `method`, as JSON.
     fn options_of(&self, method: MethodKind) -> Map<String, Value> {
         let config = self.config.filter(|preset| preset.method() == method);
         let set = self.set.iter().filter(|given| taken_by(&given.name).contains(&method)).cloned().collect();
@@ -271,7 +268,6 @@ impl TrackerOptions {
         Ok(config)
     }
 
-    /// Applies the settings of `--set` that belong to `config`.
     fn put<C: Settings>(&self, mut config: C) -> Result<C> {
         let is_own = |given: &&Given| C::SETTINGS.iter().any(|setting| setting.name() == given.name);
         for given in self.set.iter().filter(is_own) {

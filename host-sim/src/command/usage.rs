@@ -183,8 +183,7 @@ impl Line<'_> {
         format!("{} is one word too many: expected {usage}{meant}", shown(word))
     }
 
-    /// Returns an option as typed, the name of the right separator, and the option with the value that was probably
-    /// meant.
+    /// Returns an option as typed, the name of the right separator, and the option with the value that was meant.
     fn meant(&self, option: usize) -> Option<(String, &'static str, String)> {
         let (before, after) = self.words.split_at(option + 1);
         let name = &self.words[option];

@@ -346,7 +346,6 @@ fn file(name: &str, so_far: &str, ending: &str) -> String {
     format!("{}{so_far}.{ending}", if name.is_empty() { "boxes" } else { &name })
 }
 
-/// Formats `targets` as options `--init`.
 fn inits(targets: &[Target]) -> Vec<OsString> {
     let init = |target: &Target, Lock { frame, bbox }: &Lock| {
         let name = if targets.len() > 1 { format!("{}=", target.name) } else { String::new() };

@@ -18,7 +18,6 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Returns the features of `count` cells of a row, starting at (`x`, `y`).
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.across + x) * CHANNELS;
         &self.bytes[from..from + index(count) * CHANNELS]
@@ -78,8 +77,8 @@ fn sums(numbers: &Numbers, picture: &Patch, column: i64, row: i64) -> Sums {
     sums
 }
 
-/// Splits a gradient g between the two nearest directions u and v: g = a u + b v, with a = (g x v) / (u x v) and b = (u
-/// x g) / (u x v). Directions divided by u x v = sin 20 degrees are rounded to 1/256.
+/// Splits a gradient g between its two neighbouring directions u and v: g = a u + b v, with a = (g x v) / (u x v) and
+/// with b = (u x g) / (u x v). Directions divided by u x v = sin 20 degrees are rounded to 1/256.
 fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
     let step = PI / DIRECTIONS as f64;
     let cross = |number: usize| {

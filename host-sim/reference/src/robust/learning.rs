@@ -3,8 +3,7 @@
 //! Ridge regression by gradient descent, with conjugate gradients at the lock. It minimises the sum over all offsets of
 //! (response - label)^2, plus `regularisation` times the sum of squared weights. For integer sums, weights, gradients
 //! and errors are divided by a power of two and rounded (`Coded`); sums stay below 2^53, so they are exact in f64.
-//!
-//! Units: 2^-14 for responses, labels and errors; 2^-30 for weights.
+//! Units are 2^-14 for responses, labels and errors, and 2^-30 for weights.
 
 use super::Numbers;
 use super::gaussian::{ONE, label, learning_window, part};
@@ -37,7 +36,6 @@ impl Coded {
         rows.map(product).sum()
     }
 
-    /// Filter response at the offset (`x`, `y`).
     pub fn response(&self, shape: &Shape, cells: &Cells, x: i64, y: i64) -> f64 {
         let most = 16_777_216.0; // 2^24
         (self.sum(shape, cells, x, y) * self.divisor / 65536.0).floor().clamp(-most, most)
@@ -45,7 +43,6 @@ impl Coded {
 }
 
 impl Filter {
-    /// Creates a filter whose weights are 0.
     pub fn new(shape: &Shape) -> Self {
         Self { weights: vec![0.0; index(shape.across * shape.down) * CHANNELS] }
     }
@@ -117,16 +114,14 @@ pub struct Step {
     direction: Coded,
     /// Dot product of the gradient and the windowed gradient, in the squared unit of the direction.
     descent: f64,
-    /// Filter responses of the direction at all offsets.
     responses: Vec<f64>,
     /// Step length, in units of 2^-44.
     length: f64,
 }
 
-/// Step length of an exact line search, in units of 2^-44: descent over curvature along the direction.
-///
-/// The curvature, in units of 2^18, is the sum of squared `responses` of the direction, scaled up to all `all` offsets,
-/// plus `regularisation` times its squared values. The lowest nine bits of a response are dropped.
+/// Step length of an exact line search, in units of 2^-44: descent over curvature. The curvature, in units of 2^18, is
+/// the sum of squared `responses` of the direction, scaled up to all `all` offsets, plus `regularisation` times its
+/// squared values. The lowest nine bits of a response are dropped.
 fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[f64], all: f64) -> f64 {
     let squared: f64 = direction.numbers.iter().map(|number| number * number).sum();
     let curvature: f64 = responses.iter().map(|response| (response / 512.0).floor().powi(2)).sum();
@@ -135,10 +130,8 @@ fn best_length(numbers: &Numbers, direction: &Coded, descent: f64, responses: &[
     quotient(descent * 67_108_864.0, curvature.max((descent / 2_097_152.0).floor() + 1.0))
 }
 
-/// Search window to learn from.
 pub struct Sample<'a> {
     pub cells: &'a Cells,
-    /// Filter responses in the window, row by row.
     pub responses: &'a [f64],
     /// Offset of the target from the window's middle, in cells.
     pub target: (f64, f64),
@@ -172,7 +165,6 @@ fn correlated(numbers: &Numbers, shape: &Shape, cells: &Cells, errors: &[f64]) -
     sums
 }
 
-/// Multiplies each gradient by the learning window at its cell.
 fn directions(numbers: &Numbers, shape: &Shape, gradients: &Coded) -> Coded {
     let axis = |cells: i64, side: i64| -> Vec<f64> {
         (0..cells).map(|at| learning_window(numbers, side, real(at) + 0.5 - real(cells) / 2.0)).collect()

@@ -43,7 +43,7 @@ pub fn expected_gain(numbers: &Numbers, light: f64, window: f64) -> f64 {
     down(light * window, FINE).clamp(least, most)
 }
 
-/// True if the patch `seen` can show `target`: enough of the expected contrast, and few more pixels at 0 or 255.
+/// True if the patch `seen` can show `target`: enough of the expected contrast, and not many more clipped pixels.
 pub fn can_show(numbers: &Numbers, target: &Patch, seen: &Patch, expected: f64) -> bool {
     let (was, is) = (mean_and_deviation(target).1, mean_and_deviation(seen).1);
     let cut_off =
@@ -66,7 +66,7 @@ pub fn gain(numbers: &Numbers, template: &Patch, seen: &Patch, expected: f64) ->
     free_gain(template, seen).clamp(least, expected * numbers.most_change)
 }
 
-/// Returns `template` with its contrast scaled by `gain` and the mean of `seen`. Scaled deviations are rounded down.
+/// Returns `template` with the mean of `seen`, and contrast scaled by `gain`. Scaled deviations are rounded down.
 pub fn relit(template: &Patch, seen: &Patch, gain: f64) -> Patch {
     let (was, is) = (mean_and_deviation(template), mean_and_deviation(seen));
     let pixel = |pixel: &f64| (is.0 + ((pixel - was.0) * gain).floor()).clamp(0.0, 255.0);

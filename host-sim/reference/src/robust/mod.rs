@@ -1,11 +1,8 @@
 //! The robust tracker in f64, a reference for `smr-core` that is meant to be checked against its description by eye.
 //!
-//! It shares no constant, table or arithmetic with `smr-core`, and it is slow. Positions are in pixels of the frame. It
-//! rounds wherever the method rounds (`rounding.rs`), and its sums are exact in f64, so all values of both trackers
-//! must be equal in every frame.
-//!
-//! Files are named after the stages in `core/src/track/robust`. `refinement` includes the alignment; `target_box` has
-//! motion and redetection.
+//! It is slow, and shares no code or constant with `smr-core`. Both round at the same steps, and all sums are exact in
+//! f64, so all values must be equal in every frame. Positions are in frame pixels. Files have the names of the stages
+//! in `core/src/track/robust`; `refinement` includes the alignment, `target_box` motion and redetection.
 
 mod confidence;
 mod gaussian;
@@ -101,8 +98,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Locks on the box `target` (left, top, width, height), which must lie inside the frame. `refiner` has the weights
-    /// of the network that corrects the box.
+    /// Locks on the box `target` (left, top, width, height) inside the frame. `refiner` has the network's weights.
     pub fn lock(
         numbers: Numbers,
         refiner: &'static [u8],
@@ -146,7 +142,6 @@ impl Reference {
         &self.filter.weights
     }
 
-    /// Early template, rounded to whole gray levels.
     pub fn early(&self) -> Patch {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
@@ -184,7 +179,6 @@ impl Reference {
         windows.reduce(both)
     }
 
-    /// Alignment margin, rounded up to whole cells.
     fn margin_cells(&self) -> i64 {
         (self.numbers.margin + self.numbers.cell - 1) / self.numbers.cell
     }
@@ -312,8 +306,7 @@ impl Reference {
         Candidate { cells, responses, place, response, aligned, agreement, window, gain, can_show }
     }
 
-    /// Moves the target to the best alignment of the early template and returns its growth; `None` if the agreement is
-    /// low.
+    /// Moves the target to the early template's best alignment and returns its growth; `None` if the agreement is low.
     fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
         if candidate.agreement < self.numbers.refined_from {
             return None;
@@ -331,7 +324,6 @@ impl Reference {
         [self.limited(scale / scale_step), self.limited(scale * scale_step)]
     }
 
-    /// Rounds a scale down to its grid and clamps it to its bounds.
     fn limited(&self, scale: f64) -> f64 {
         let most = self.numbers.most_scale;
         down(scale, SCALE).clamp(down(1.0 / most, SCALE), most)

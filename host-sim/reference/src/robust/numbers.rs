@@ -42,8 +42,7 @@ pub struct Numbers {
     /// Motion: fraction of the velocity in the prediction, and weight of the last move in the velocity.
     pub velocity_fraction: f64,
     pub velocity_rate: f64,
-    /// Scale search: factor between scales, weight of another scale's response in units of 1/256, search radius in
-    /// cells.
+    /// Scale search: factor between scales, weight of another scale's response in 1/256, search radius in cells.
     pub scale_step: f64,
     pub scale_gain: f64,
     pub scale_reach: i64,
@@ -79,7 +78,7 @@ pub struct Numbers {
     pub most_growth: f64,
     /// Each diagonal element of the normal equations grows by 1 / damping of itself.
     pub damping: f64,
-    /// Upper bound of the normal equations' elements, which a power of two divides until they are below.
+    /// Upper bound of the normal equations' elements after their division by a power of two.
     pub most_sum: f64,
     /// Confidence: weight of a frame in the mean evidence, in units of 1/256; largest lead of the mean over the
     /// evidence; confidences below which the target is lost or uncertain.
@@ -99,15 +98,13 @@ pub struct Numbers {
     pub opinion_found: f64,
     /// Least evidence of a frame that the filter learns from.
     pub learned_from: f64,
-    /// Redetection: windows per frame, least evidence of a find, and its least lead over the evidence at the tracked
-    /// position.
+    /// Redetection: windows per frame, least evidence, and its least lead over the evidence at the tracked position.
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,
 }
 
 impl Numbers {
-    /// Preset `refined`: all optional parts are on.
     pub fn refined() -> Self {
         Self {
             size: true,

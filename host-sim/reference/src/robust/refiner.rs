@@ -15,8 +15,7 @@ const MEAN: f64 = 64.0;
 /// Grid of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
-/// Layers: output side, stride, input channels, output channels, divisor of the sums. A full layer has no side and
-/// stride.
+/// Layers: output side, stride, input channels, output channels, divisor of the sums. `FULL` has no side and stride.
 const CONVOLUTIONS: [(i64, i64, i64, i64, f64); 4] =
     [(16, 2, 2, 8, 64.0), (8, 2, 8, 16, 128.0), (8, 1, 16, 24, 128.0), (4, 2, 24, 24, 128.0)];
 const FULL: [(i64, i64, f64); 2] = [(384, 24, 256.0), (24, 6, 1.0)];
@@ -60,8 +59,7 @@ fn activation(sum: f64, divisor: f64) -> f64 {
     (sum / divisor).floor().clamp(0.0, 127.0)
 }
 
-/// Estimates from two crops: move right and down, growth of width and height, log of the expected errors of place and
-/// size.
+/// Estimates: move right and down, growth of width and height, logs of the expected errors of position and size.
 fn network(weights: &[u8], first: &[f64], present: &[f64]) -> Vec<f64> {
     let mut bytes = Bytes(weights);
     let both = first.iter().zip(present).flat_map(|(&first, &present)| [first, present]).collect();
@@ -155,7 +153,6 @@ impl Refiner {
         }
     }
 
-    /// Updates the opinion with the trust of a frame.
     fn follow(&mut self, numbers: &Numbers, trust: f64) {
         let trust = trust.clamp(0.0, numbers.most_trust);
         let rises = self.opinion < numbers.opinion_uncertain_below && self.opinion < trust;
@@ -185,8 +182,7 @@ impl Refiner {
         self.sides = self.sides.map(|side| 1.0 + down((side - 1.0) * 0.75, SCALE));
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that a crop may read if the box moves by up to `by`
-    /// pixels.
+    /// Bounds (left, top, right, bottom) of the frame pixels that a crop may read after a move of up to `by` pixels.
     pub fn region(&self, target: [f64; 4], by: f64, frame_size: (i64, i64)) -> [i64; 4] {
         let Lattice { x, y, step, step_down, .. } = lattice(self.correct(target));
         let blocks = step + step_down + 2.0;

@@ -1,7 +1,5 @@
-//! Fixed-point grids of the method, and rounding to them.
-//!
-//! A grid is given by its steps in 1, a power of two. Values on a grid are exact in f64, and so are their sums and
-//! products, which stay below 2^53.
+//! Rounding to fixed-point grids. A grid is given by its steps in 1, a power of two, so values on it are exact in f64;
+//! so are their sums and products, which stay below 2^53.
 
 pub(super) use crate::paper::index;
 
@@ -32,8 +30,7 @@ pub fn nearest(value: f64, parts: f64) -> f64 {
     (value * parts + 0.5).floor() / parts
 }
 
-/// Quotient of two whole numbers, rounded down. Computed in integers, because f64 division can round up to the next
-/// one.
+/// Quotient of two whole numbers, rounded down; in integers, because the f64 quotient can be rounded up.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // whole numbers; the quotient is below 2^53
 pub fn quotient(number: f64, by: f64) -> f64 {
     (number as i128).div_euclid(by as i128) as f64

@@ -9,7 +9,6 @@ pub struct Picture<'a> {
     pub height: i64,
 }
 
-/// Resampled gray levels, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     pub columns: i64,
@@ -25,7 +24,6 @@ impl Patch {
         inside.then(|| Self { columns, rows, pixels: pixels() })
     }
 
-    /// Returns `count` pixels of a row, starting at (`x`, `y`).
     pub fn row(&self, x: i64, y: i64, count: i64) -> &[f64] {
         let from = index(y * self.columns + x);
         &self.pixels[from..from + index(count)]

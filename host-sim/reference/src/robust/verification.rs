@@ -1,5 +1,4 @@
-//! Agreement of a patch with the early template, tile by tile, after the template gets the patch's brightness and
-//! contrast.
+//! Agreement, tile by tile, of a patch with the early template in the patch's brightness and contrast.
 
 use super::Numbers;
 use super::lighting::{relit, threshold};
@@ -7,11 +6,10 @@ use super::rounding::{index, real, whole};
 use super::sampling::Patch;
 use crate::paper::{UNITS, similarity};
 
-/// Table of the similarity p for each absolute difference of two bytes, 0 to 255.
+/// Table of the similarity p = exp(-d / scale) in units of 1/65535, for each absolute difference d of two bytes.
 pub struct Similarity(Vec<f64>);
 
 impl Similarity {
-    /// Fills the table with p = exp(-d / scale), rounded to units of 1/65535.
     pub fn new(scale: f64) -> Self {
         Self((0..=255).map(|difference| similarity(f64::from(difference), scale).rounded).collect())
     }
