@@ -10,7 +10,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 /// Terminal codes that turn line wrapping off and on, so that a long line is cut.
 const CUT: [&str; 2] = ["\x1b[?7l", "\x1b[?7h"];
 
-/// Progress line: `car: 120 of 300 frames, 4 s left`.
+/// A progress line such as `car: 120 of 300 frames, 4 s left`.
 pub struct Bar {
     name: String,
     what: &'static str,

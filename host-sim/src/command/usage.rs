@@ -117,7 +117,7 @@ impl Line<'_> {
 
     fn bad_value(&self, argument: &str) -> Option<String> {
         let value = self.texts(ContextKind::InvalidValue).pop()?;
-        // Messages name `--size <WxH>` by `--size` alone.
+        // Shortens the name of an option for messages: `--size <WxH>` to `--size`.
         let name = argument.split(' ').next().filter(|name| name.starts_with('-')).unwrap_or(argument);
         let known = self.texts(ContextKind::ValidValue);
         let expected = match self.error.kind() {
@@ -183,7 +183,7 @@ impl Line<'_> {
         format!("{} is one word too many: expected {usage}{meant}", shown(word))
     }
 
-    /// Returns an option as typed, the name of the right separator, and the option with the value that was meant.
+    /// Suggests a correction: the option as typed, the name of its separator, and the option with a valid value.
     fn meant(&self, option: usize) -> Option<(String, &'static str, String)> {
         let (before, after) = self.words.split_at(option + 1);
         let name = &self.words[option];

@@ -51,7 +51,7 @@ pub struct Step {
     /// True if windows all over the frame were searched for the lost target.
     pub swept: bool,
     pub found: bool,
-    /// True if a lost target was found again, by the sweep or in its usual search window.
+    /// True if a lost target was found again, in its usual search window or in the search of the whole frame.
     pub found_again: bool,
 }
 
@@ -146,7 +146,7 @@ impl Reference {
         Patch { pixels: self.early.pixels.iter().map(|&pixel| nearest(pixel, 1.0)).collect(), ..self.early }
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read without a sweep. Other
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update may read to track the target. Other
     /// scales may be searched at any position in the search window.
     pub fn region(&self) -> [i64; 4] {
         let Numbers { size, reach, scale_reach, cell, margin, .. } = self.numbers;
@@ -167,7 +167,7 @@ impl Reference {
         all.into_iter().reduce(both).expect("there is a window")
     }
 
-    /// Bounds (left, top, right, bottom) of the frame pixels that the next update reads to search for a lost target;
+    /// Bounds (left, top, right, bottom) of the frame pixels that the next update also reads if it loses the target;
     /// `None` if even a frame without evidence would not make the target lost.
     pub fn sweep_region(&self) -> Option<[i64; 4]> {
         let Numbers { sweep, reach, .. } = self.numbers;
@@ -306,7 +306,8 @@ impl Reference {
         Candidate { cells, responses, place, response, aligned, agreement, window, gain, can_show }
     }
 
-    /// Moves the target to the early template's best alignment and returns its growth; `None` if the agreement is low.
+    /// Refines the target's position by aligning the early template, and returns the growth. `None` if the agreement is
+    /// low.
     fn refine(&self, candidate: &mut Candidate) -> Option<f64> {
         if candidate.agreement < self.numbers.refined_from {
             return None;

@@ -18,7 +18,7 @@ pub struct Numbers {
     pub least_side: i64,
     pub most_side: i64,
     pub most_cells: i64,
-    /// Gradient features: term added to the norm, in gray levels, and gain of a normalised gradient.
+    /// Gradient features: constant added to the norm, in gray levels, and gain after the normalisation.
     pub norm_floor: f64,
     pub norm_gain: f64,
     /// Radius of search and of learning, in cells.
@@ -52,12 +52,13 @@ pub struct Numbers {
     pub early_rate: f64,
     /// Similarity of a pixel: p = exp(-d / similarity_scale), with the difference d in gray levels.
     pub similarity_scale: f64,
-    /// Largest factor between the template's gain and its expected gain, and bounds of the expected gain.
+    /// Lighting: largest factor between the gain of the template's contrast and its expected gain; bounds of the
+    /// latter.
     pub most_change: f64,
     pub gain_bounds: (f64, f64),
     /// Lower bound of a search window's contrast, in gray levels.
     pub least_window: f64,
-    /// Weight of a frame in the running mean of the lighting.
+    /// Weight of a frame in the running mean of the lighting (the template's gain per contrast of the window).
     pub light_rate: f64,
     pub alpha_bounds: (f64, f64),
     /// A patch can show the target with this least fraction of the expected contrast, this least contrast in gray
@@ -71,7 +72,7 @@ pub struct Numbers {
     /// Alignment: largest offset on each axis, and spacing of the first nine offsets, in template pixels.
     pub margin: i64,
     pub coarse_step: i64,
-    /// Least agreement for refining position and size.
+    /// Least agreement (similarity to the early template) for refining position and size.
     pub refined_from: f64,
     /// Bounds of a Gauss-Newton step: move in template pixels, and growth in units of 1/65536.
     pub most_move: f64,
@@ -96,9 +97,10 @@ pub struct Numbers {
     /// Frames in a row with a bad opinion after which the target is given up, and the opinion when it is found again.
     pub opinion_patience: i64,
     pub opinion_found: f64,
-    /// Least evidence of a frame that the filter learns from.
+    /// Least evidence (template agreement plus filter response) for learning from a frame.
     pub learned_from: f64,
-    /// Redetection: windows per frame, least evidence, and its least lead over the evidence at the tracked position.
+    /// Redetection of a lost target: windows per frame, least evidence, least lead over the evidence at the tracked
+    /// position.
     pub sweep: i64,
     pub found_from: f64,
     pub better_by: f64,

@@ -122,7 +122,8 @@ impl Lattice {
         [left, top, right, bottom]
     }
 
-    /// Blocks to which the frame is reduced first. Their side doubles until the mean step is less than two blocks.
+    /// Blocks of pixels that are averaged before interpolation: their side doubles until the mean step is below two
+    /// blocks.
     fn block(&self, numbers: &Numbers) -> Block {
         let mut side = 1;
         while (self.step + self.step_down) / 2.0 / real(side) >= 2.0 {

@@ -1,4 +1,4 @@
-//! Positions of the target: tracked, predicted from the velocity, and tried by the sweep for a lost target.
+//! Positions of the target: tracked, predicted from the velocity, and tried when the whole frame is searched for it.
 
 use super::Numbers;
 use super::rounding::{FINE, POSITION, down, nearest, real, whole};
@@ -56,8 +56,8 @@ pub fn whole_box([x, y, width, height]: [f64; 4]) -> [i64; 4] {
     [edge(x), edge(y), side(x, width), side(y, height)]
 }
 
-/// Next centres of the sweep, at most `numbers.sweep`, from index `number` to at most the end of its row. The frame is
-/// divided into equal tiles, row by row, each no larger than a search of `reach` cells covers.
+/// Centres of the next windows for finding a lost target: at most `numbers.sweep`, from index `number` on, in one row.
+/// The windows divide the frame into equal tiles, each no larger than a search of `reach` cells covers.
 pub fn sweep(numbers: &Numbers, shape: &Shape, frame: (i64, i64), scale: f64, number: i64) -> Vec<Place> {
     let covered = real(2 * numbers.reach * numbers.cell) * shape.step_at(scale);
     let count = |size: i64| whole((real(size) / covered).ceil());
