@@ -240,7 +240,7 @@ impl Eval {
         self.method.is_empty() && self.tracker.says_nothing() && self.recording.says_nothing_of_start()
     }
 
-    /// Opens a recording. A part of one has a name of its own, because published figures are of all frames.
+    /// Opens a recording. With `--frames` its name has the range, because published figures are of all frames.
     fn open_part(&self, path: &Path) -> Result<Sequence> {
         let mut sequence = self.recording.open(path)?;
         if let Some(frames) = self.recording.frames() {

@@ -116,7 +116,7 @@ impl Report {
         name_apart(&mut sequences);
         let title = if let [(one, _)] = &sequences[..] { one.name.clone() } else { "report".to_owned() };
         let page = page_file(out, &title)?;
-        // In a folder, the page is named after the recording: checks its full path.
+        // The final path is checked, too: in a folder, the page has the recording's name.
         Places::of(found).writes("--out", Some(&page), None).check()?;
         let output = Output::create(&page)?;
         let mut films = self.watch(found, sequences, methods)?;
@@ -143,7 +143,7 @@ impl Report {
         let frame = self.frame.map(|frame| frame.get() - 1);
         let (mut plans, mut left_out) = (Vec::new(), Vec::new());
         for figure in Figure::ALL {
-            // A frame or range that the user gives must be in the recording.
+            // A frame or range that the user gives must be in the recording, so its figure is not left out.
             let must = match figure {
                 Figure::Boxes => self.frame.is_some(),
                 Figure::Occlusion => self.hidden.is_some(),

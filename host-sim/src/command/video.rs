@@ -27,8 +27,7 @@ impl Film {
         Ok(Self { film: export::Film::create(out, plan)?, truth: truth.into_iter(), lasts: Vec::new() })
     }
 
-    /// Draws the targets and the ground truth (white) over the frame. The color of a single target depends on its
-    /// state. Of several targets, each has a color and its name, and a dashed box while it is not tracked.
+    /// Draws the ground truth in white, and each target's box in a color of its state or of the target.
     pub fn frame(&mut self, frame: Frame, targets: &[Shown<'_>]) -> Result<()> {
         let (number, moment) = (frame.number, frame.moment);
         let mut overlay = Overlay::new(frame.color.unwrap_or_else(|| (&frame.gray).into()));

@@ -15,8 +15,7 @@ pub fn part(numbers: &Numbers, shape: &Shape, cells: f64) -> f64 {
     gaussian((area * (256.0 * width / (of * real(numbers.cell))).powi(2)).floor(), cells)
 }
 
-/// Factor of the learning window on one axis, `cells` from the middle of a target with `side` template pixels. Its
-/// standard deviation is half the side.
+/// Factor of the learning window, `cells` from the middle on one axis; its deviation is half of `side` template pixels.
 pub fn learning_window(numbers: &Numbers, side: i64, cells: f64) -> f64 {
     gaussian((256.0 * real(side) / real(2 * numbers.cell)).powi(2), cells)
 }

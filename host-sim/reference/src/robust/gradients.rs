@@ -95,7 +95,7 @@ fn split(gradient: &mut [f64; DIRECTIONS], (right, below): (f64, f64)) {
 /// Features of a cell: gradients over the norm of the cells around, rounded down, at most 127; and mean gray less 128.
 fn normalised(numbers: &Numbers, sums: &Sums, energy_around: f64) -> Vec<f64> {
     let norm = down(energy_around.sqrt(), 8.0) + numbers.norm_floor;
-    // Feature value of a quarter of a gray level, rounded down to 2^-16.
+    // Factor from a quarter of a gray level to a feature value, rounded down to 2^-16.
     let quarter = down(numbers.norm_gain / (norm * 8.0), 65536.0);
     let byte = |sum: &f64| (sum * 4.0 * quarter).floor().min(127.0);
     let gray = (sums.gray / real(numbers.cell * numbers.cell)).floor() - 128.0;

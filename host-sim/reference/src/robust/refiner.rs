@@ -12,7 +12,7 @@ const SIDE: i64 = 32;
 const WIDER: f64 = 1.75;
 /// Network input for the mean gray level of a crop.
 const MEAN: f64 = 64.0;
-/// Grid of the network's outputs: 1/4096.
+/// Resolution of the network's outputs: 1/4096.
 const ESTIMATE: f64 = 4096.0;
 
 /// Layers: output side, stride, input channels, output channels, divisor of the sums. `FULL` has no side and stride.

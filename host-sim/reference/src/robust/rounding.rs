@@ -3,16 +3,16 @@
 
 pub(super) use crate::paper::index;
 
-/// Grid of positions and sampling steps: 1/4096 pixel.
+/// Resolution of positions and sampling steps: 1/4096 pixel.
 pub const POSITION: f64 = 4096.0;
 pub const SCALE: f64 = 65536.0;
-/// Grid of interpolation weights, mean gray levels, fractions of a cell, and answered boxes: 1/256.
+/// Resolution of interpolation weights, mean gray levels, fractions of a cell, and answered boxes: 1/256.
 pub const FINE: f64 = 256.0;
 
-/// Grid of the lighting, a gain per gray level of contrast in a search window: 1/16384.
+/// Resolution of the template's gain per gray level of contrast in the search window: 1/16384.
 pub const LIGHT: f64 = 16384.0;
 
-/// Grid of the Gauss-Newton move: 1/64 template pixel.
+/// Resolution of the Gauss-Newton move: 1/64 template pixel.
 pub const SUB: f64 = 64.0;
 
 /// Rounds down to a multiple of 1 / `parts`.

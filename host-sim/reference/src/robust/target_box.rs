@@ -18,7 +18,7 @@ impl Place {
         Self { x: within(self.x, width), y: within(self.y, height), ..self }
     }
 
-    /// Moves the centre by (`right`, `below`) pixels, each rounded down to the grid of positions.
+    /// Moves the centre by (`right`, `below`) pixels, each rounded down to 1/4096.
     pub fn moved(self, right: f64, below: f64) -> Self {
         Self { x: self.x + down(right, POSITION), y: self.y + down(below, POSITION), ..self }
     }
