@@ -1,59 +1,56 @@
-//! The answer of an update: where the target is, and how reliable that is.
+//! The result of an update: the target's box, state and confidence.
 
 use crate::frame::{smr_fine_rect, smr_rect};
 use smr_core::{Answer, State};
 
-/// The tracker's belief about its target after a frame.
+/// The state of the target after a frame, as the tracker judges it.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_state {
-    /// The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees,
-    /// tile by tile.
+    /// The target is in the box. The paper's tracker: the box is inside the frame. The robust tracker: the box matches
+    /// the early template (a running mean of the target's pixels that learns very slowly), tile by tile.
     SMR_TRACKING = 0,
-    /// The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the
-    /// robust tracker.
+    /// The box, with the target in it, is partly outside the frame. The template is not updated. Paper's tracker only.
     SMR_LEAVING = 1,
-    /// The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows
-    /// something else. Never from the paper's tracker.
+    /// The box hardly matches the early template: the target is partly hidden or changes quickly, or the tracker
+    /// follows something else. The paper's tracker never returns this state.
     SMR_UNCERTAIN = 2,
-    /// The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is
-    /// its current best guess. Nothing is learned (except while only the refiner's network says so), and the search
-    /// goes on.
+    /// The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
+    /// current best guess (robust tracker). Nothing is learned, unless only the refiner's network reports the loss.
     SMR_LOST = 3,
 }
 
-/// The answer of #smr_update. Ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
+/// The result of #smr_update. Ratios and confidence are in units of 1/65535: 65535 is 1.0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_answer {
     /// The target's box in whole pixels.
     pub bbox: smr_rect,
-    /// The box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
+    /// The target's box in units of 1/256 pixel; whole pixels from the paper's tracker.
     pub fine: smr_fine_rect,
-    /// The state: how far the box can be relied on.
+    /// The reliability of the box: tracking, leaving, uncertain or lost.
     pub state: smr_state,
-    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's
-    /// tracker.
+    /// The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
     pub scale: u32,
-    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
-    /// mean of 2/3 the early template's agreement and 1/3 the filter's response.
+    /// The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of
+    /// 2/3 agreement with the early template and 1/3 filter response.
     pub confidence: u16,
-    /// The similarity of the target in the box to the template. The paper's tracker: the similarity matching ratio,
-    /// rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
+    /// The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
+    /// robust tracker: the fourth lowest ratio of the early template's 16 tiles.
     pub ratio: u16,
-    /// The ratio of the runner-up; 0 if there is none.
+    /// The ratio of the runner-up, the best score away from the peak; 0 if there is none.
     pub runner_up_ratio: u16,
-    /// The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by
-    /// less. 0 from the robust tracker, which has a threshold for each place.
+    /// Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel counted if it differed by
+    /// less. 0 from the robust tracker, whose threshold varies over the target.
     pub alpha: u16,
-    /// 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in
+    /// 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in
     /// #smr_paper_config), and always from the robust tracker.
     pub has_runner_up: u8,
-    /// 1 if the target was lost in the frame before and is found in this one; else 0.
+    /// 1 if the target was lost in the previous frame and is found in this one; else 0.
     pub found_again: u8,
 }
 
-// The header's numbers are those of smr-core.
+// The states have the same codes in C and in smr-core.
 const _: () = assert!(
     State::Tracking.code() as i32 == smr_state::SMR_TRACKING as i32
         && State::Leaving.code() as i32 == smr_state::SMR_LEAVING as i32

@@ -1,51 +1,48 @@
-//! The capacity of a tracker, and the bytes that it takes. Both are fixed when the library is built.
+//! The largest box and search window of a tracker, and its bytes of memory, all fixed when the library is built.
 
 use smr_core::{Paper, Quality, Robust, Target};
 
-/// The largest area of a box of the paper's tracker, in pixels: `SMR_PIXELS` in the environment of the build, or 4096
-/// (64x64).
+/// The largest area of the paper's tracker's box, in pixels: `SMR_PIXELS` in the build's environment, or 4096.
 pub const PIXELS: usize = number(option_env!("SMR_PIXELS"), 4096);
 
-/// The most offsets of its search window on an axis: `SMR_SPAN` in the environment of the build, or 161 (the paper's).
+/// The most offsets on an axis of the paper's tracker's window: `SMR_SPAN` in the build's environment, or 161.
 pub const SPAN: usize = number(option_env!("SMR_SPAN"), 161);
 
-/// The paper's tracker with these capacities.
 pub(crate) type PaperTarget = Paper<PIXELS, SPAN>;
 
-/// Alignment of all memory from the caller: `SMR_ALIGNMENT` in the header.
+/// Alignment of storage and workspace in bytes: `SMR_ALIGNMENT` in the header.
 pub const ALIGNMENT: usize = 8;
 
-/// `SMR_PAPER_TARGET_SIZE` in the header: a byte for each pixel, the fixed fields, and a small reserve.
+/// Bytes of the paper's tracker (`SMR_PAPER_TARGET_SIZE`): one per pixel, the fixed fields, and a small reserve.
 pub const PAPER_TARGET_SIZE: usize = PIXELS.next_multiple_of(8) + size_of::<[usize; 10]>() + 112;
 
-/// Bytes that the table of a 32-bit processor without DSP or SIMD takes more: it has entries for differences of both
-/// signs. The header leaves room for them, so that it fits every processor.
+/// Extra bytes of the table of similarities on 32-bit processors without DSP or SIMD, where it has entries for
+/// differences of both signs. The header always includes them, so that it fits every processor.
 pub(crate) const SIGNED_DIFFERENCES: usize = 512;
 
-/// `SMR_PAPER_WORKSPACE_SIZE` in the header: a byte for each pixel, five words of 32 bits for each offset, 22 words and
-/// 672 bytes of other fields, and the larger table.
+/// Bytes of the paper's tracker's workspace (`SMR_PAPER_WORKSPACE_SIZE`): one per pixel, five 32-bit words per offset,
+/// 22 words and 672 bytes of other fields, and the larger table.
 pub const PAPER_WORKSPACE_SIZE: usize =
     PIXELS.next_multiple_of(8) + (20 * SPAN).next_multiple_of(8) + size_of::<[usize; 22]>() + 672 + SIGNED_DIFFERENCES;
 
-/// `SMR_PAPER_SAVED_SIZE` in the header.
+/// The most bytes of a saved target of the paper's tracker: `SMR_PAPER_SAVED_SIZE` in the header.
 pub const PAPER_SAVED_SIZE: usize = PIXELS + 94;
 
-/// Bytes that the refiner adds to a target. The header leaves room for them, so that it fits the library with and
-/// without the refiner.
+/// Bytes that the refiner adds to a robust tracker. The header always includes them, so that it fits both builds.
 pub(crate) const REFINER: usize = 1056;
-/// Bytes that it adds to the saved form.
+/// Bytes that the refiner adds to a saved target.
 const SAVED_REFINER: usize = 1044;
 
-/// `SMR_ROBUST_TARGET_SIZE` in the header.
+/// Bytes of a robust tracker, without its workspace: `SMR_ROBUST_TARGET_SIZE` in the header.
 pub const ROBUST_TARGET_SIZE: usize = 11344 + REFINER + size_of::<[usize; 8]>();
 
-/// `SMR_ROBUST_WORKSPACE_SIZE` in the header.
+/// Bytes of the robust tracker's workspace: `SMR_ROBUST_WORKSPACE_SIZE` in the header.
 pub const ROBUST_WORKSPACE_SIZE: usize = 39856 + SIGNED_DIFFERENCES + size_of::<[usize; 16]>();
 
-/// `SMR_ROBUST_SAVED_SIZE` in the header.
+/// The most bytes of a saved target of the robust tracker: `SMR_ROBUST_SAVED_SIZE` in the header.
 pub const ROBUST_SAVED_SIZE: usize = 11306 + SAVED_REFINER;
 
-/// `SMR_POOR_QUALITY` in the header.
+/// Targets of a lower quality are poor: `SMR_POOR_QUALITY` in the header.
 const POOR_QUALITY: u16 = 1023;
 
 const _: () = assert!(PAPER_SAVED_SIZE == PaperTarget::SAVED_SIZE);
@@ -53,7 +50,7 @@ const _: () =
     assert!(ROBUST_SAVED_SIZE == Robust::SAVED_SIZE || ROBUST_SAVED_SIZE == Robust::SAVED_SIZE + SAVED_REFINER);
 const _: () = assert!(POOR_QUALITY == Quality::POOR_BELOW);
 
-/// Parses `text` at compile time; `default` if there is no text. Anything but a number above 0 is a compile error.
+/// Parses `text` at compile time; returns `default` without one. Anything but a number above 0 is a compile error.
 #[allow(clippy::panic)] // evaluated by the compiler only
 const fn number(text: Option<&str>, default: usize) -> usize {
     let Some(text) = text else { return default };

@@ -1,4 +1,4 @@
-//! The configuration of a tracker as C sees it, converted to and from those of `smr-core`.
+//! The configuration structs of C, and their conversion to and from those of `smr-core`.
 
 use crate::frame::same;
 use crate::status::smr_status;
@@ -7,37 +7,37 @@ use smr_core::paper::{self, Fraction, Margins, Radius};
 use smr_core::robust;
 use smr_core::similarity::Backend;
 
-/// numerator / denominator; the denominator is at least 1.
+/// A fraction: numerator / denominator.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct smr_fraction {
-    /// The numerator.
+    /// Numerator; its range depends on the setting.
     pub numerator: u16,
-    /// The denominator; at least 1.
+    /// Denominator; at least 1.
     pub denominator: u16,
 }
 
-/// The radius of the search window around the last position, in pixels: offsets -x to x and -y to y.
+/// A search radius in pixels: offsets of -x to x and -y to y around the last position.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct smr_radius {
-    /// To the left and to the right.
+    /// The largest offset to the left and to the right.
     pub x: u16,
-    /// Up and down.
+    /// The largest offset up and down.
     pub y: u16,
 }
 
-/// Distances of a box from the edges of the frame, in pixels.
+/// Distances of a box from the four edges of the frame, in pixels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct smr_margins {
-    /// To the left edge.
+    /// Pixels from the frame's left edge to the box.
     pub left: u16,
-    /// To the top edge.
+    /// Pixels from the frame's top edge to the box.
     pub top: u16,
-    /// To the right edge.
+    /// Pixels from the box to the frame's right edge.
     pub right: u16,
-    /// To the bottom edge.
+    /// Pixels from the box to the frame's bottom edge.
     pub bottom: u16,
 }
 
@@ -80,37 +80,36 @@ pub struct smr_robust_config {
     pub early_rate: u16,
 }
 
-/// A tracker's code and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
-/// #smr_config_refined first, then change the numbers that you need.
+/// The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+/// #smr_config_refined, then change the settings that you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_config {
-    /// The tracker's code. Do not change it. A program links only the trackers whose configurations it fills.
+    /// The tracker's code; do not change it. A program links only the trackers whose presets it calls.
     pub method: *const smr_method,
-    /// 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory
-    /// (external RAM that the MPU has not made Normal) need it, because unaligned loads of words fault there. The
-    /// answers are the same.
+    /// 0: the fastest code for the processor. Otherwise: a plain loop over single bytes, with the same answers, for
+    /// frames in Device memory (external RAM that the MPU has not made Normal), where unaligned word loads fault.
     pub plain_loop: u8,
-    /// Only the paper's tracker reads it. #smr_config_robust and #smr_config_refined set it to 0.
+    /// Settings of the paper's tracker; all 0 after #smr_config_robust and #smr_config_refined.
     pub paper: smr_paper_config,
-    /// Only the robust tracker reads it. The other two presets set it to 0.
+    /// Settings of the robust tracker; all 0 after #smr_config_camera and #smr_config_paper.
     pub robust: smr_robust_config,
 }
 
-/// The code of a tracker.
+/// The code of a tracker, opaque in C: its constructor and the sizes of its memory.
 pub struct smr_method {
     pub(crate) is_paper: bool,
     pub(crate) target_size: usize,
     pub(crate) workspace_size: usize,
-    /// Makes a tracker and its workspace. Writes nothing if it fails.
+    /// Constructs a tracker and its workspace. Writes nothing if it fails.
     ///
     /// # Safety
-    /// The first two arguments point to memory of these sizes, aligned to `ALIGNMENT`.
+    /// The first two arguments point to `target_size` and `workspace_size` bytes, aligned to `ALIGNMENT`.
     pub(crate) make: unsafe fn(*mut c_void, *mut c_void, &smr_config) -> Result<(), smr_status>,
 }
 
 impl smr_config {
-    /// Of no tracker: NULL and zeroes.
+    /// A configuration without a tracker: NULL and zeroes.
     // SAFETY: every field is a pointer or a number.
     pub(crate) const EMPTY: Self = unsafe { core::mem::zeroed() };
 
@@ -118,7 +117,6 @@ impl smr_config {
         (self.plain_loop != 0).then_some(Backend::Scalar)
     }
 
-    /// The numbers of the paper's tracker.
     pub(crate) fn paper(&self) -> paper::Config {
         let mut config = paper::Config::paper();
         self.paper.put(&mut config);
@@ -126,7 +124,6 @@ impl smr_config {
         config
     }
 
-    /// The numbers of the robust tracker.
     pub(crate) fn robust(&self) -> robust::Config {
         let mut config = robust::Config::robust();
         self.robust.put(&mut config);
@@ -141,7 +138,7 @@ same! {
     Margins, smr_margins { left, top, right, bottom }
 }
 
-/// Converts between a configuration of `smr-core` and its struct in C: the numbers, then the switches.
+/// Converts between a configuration of `smr-core` and its struct in C. The fields after the semicolon are booleans.
 macro_rules! numbers {
     ($core:ty, $c:ident { $($number:ident),+; $($switch:ident),* }) => {
         impl From<&$core> for $c {

@@ -1,4 +1,4 @@
-//! The entries of a flight record.
+//! Reads a flight record entry by entry.
 
 use crate::answer::smr_answer;
 use crate::config::{smr_paper_config, smr_robust_config};
@@ -9,21 +9,21 @@ use core::ptr;
 use smr_core::record::{Entry, Flaw, Recorded, first};
 use smr_core::{Frame, Rect, Robust, paper, robust};
 
-/// The kind of an entry of a flight record.
+/// The kind of an entry of a flight record, the log that #smr_record writes.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_entry_kind {
-    /// There is no further entry.
+    /// The end of the record.
     SMR_ENTRY_END = 0,
-    /// A tracker begins, with this configuration.
+    /// A tracker begins, with the configuration in `is_robust` and `paper` or `robust`.
     SMR_ENTRY_BEGIN = 1,
-    /// A lock: `bbox` and `frame`.
+    /// A lock on `bbox` in `frame`.
     SMR_ENTRY_LOCK = 2,
-    /// A turn of the camera: `right` and `down`.
+    /// A turn of the camera, which moved the picture by `right` and `down`.
     SMR_ENTRY_MOVED = 3,
-    /// An update begins: `frame`.
+    /// An update with `frame` begins.
     SMR_ENTRY_WINDOW = 4,
-    /// Its `answer`.
+    /// The update ended with `answer`.
     SMR_ENTRY_ANSWER = 5,
     /// The tracker continues with a `saved` target.
     SMR_ENTRY_RESTORED = 6,
@@ -33,39 +33,39 @@ pub enum smr_entry_kind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_entry {
-    /// The event.
+    /// The kind of the event; it determines which fields are set.
     pub kind: smr_entry_kind,
-    /// The frame, with the windows that were read as its parts.
+    /// The frame. Its parts are the windows that the tracker read.
     pub frame: smr_frame,
-    /// The box that was locked on.
+    /// The box of a lock.
     pub bbox: smr_rect,
-    /// As for #smr_moved.
+    /// Motion of the picture to the right, in units of 1/256 pixel.
     pub right: i32,
-    /// As for #smr_moved.
+    /// Motion of the picture downwards, in units of 1/256 pixel.
     pub down: i32,
-    /// The answer.
+    /// The result of an update.
     pub answer: smr_answer,
-    /// A saved target, in the record.
+    /// Address of a saved target inside the record.
     pub saved: *const u8,
-    /// Its bytes.
+    /// Bytes of the saved target.
     pub saved_size: usize,
-    /// Of #SMR_ENTRY_BEGIN: 1 for the robust tracker, 0 for the paper's.
+    /// The tracker of #SMR_ENTRY_BEGIN: 1 for the robust one, 0 for the paper's.
     pub is_robust: u8,
-    /// The numbers of the paper's tracker.
+    /// Settings of the paper's tracker.
     pub paper: smr_paper_config,
-    /// The numbers of the robust tracker.
+    /// Settings of the robust tracker.
     pub robust: smr_robust_config,
 }
 
-/// Reads the next entry of a flight record in memory: a test of firmware can run it again, and compare the answers.
+/// Reads the next entry of a flight record in memory, so that a test of firmware can replay it and compare answers.
 ///
-/// @param record  The record.
-/// @param size    Its bytes.
-/// @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
+/// @param record  The bytes of the record.
+/// @param size    The number of bytes.
+/// @param at      Offset of the entry in bytes, at first 0. Is set to that of the next one; unchanged after an error.
 /// @param entry   Is set to the entry, which points into the record; unchanged after an error.
-/// @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
-///                (no whole entry begins there: the record was cut off), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
-///                other than the paper's).
+/// @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE,
+///                #SMR_ERROR_DAMAGED (no whole entry begins at `at`: the record was cut off), #SMR_ERROR_OTHER_VERSION
+///                or #SMR_ERROR_OTHER_CONFIG (a table of similarities other than the paper's).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_next_entry(
     record: *const u8,
@@ -102,14 +102,13 @@ unsafe fn next_entry(record: *const u8, size: usize, at: *mut usize, entry: *mut
 }
 
 impl smr_entry {
-    /// An entry of a kind, and zeroes.
     const fn of(kind: smr_entry_kind) -> Self {
         // SAFETY: zeroes are a NULL pointer, numbers of 0 and the first state.
         Self { kind, ..unsafe { core::mem::zeroed() } }
     }
 }
 
-/// Writes what an entry says. If it fails, it writes nothing.
+/// Converts an entry to its struct in C. Writes nothing if it fails.
 #[inline(never)] // keeps its stack out of that of the reader
 fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
     use smr_entry_kind as Kind;
@@ -149,7 +148,7 @@ fn fill(of: &mut smr_entry, entry: &Entry<'_>) -> Result<(), smr_status> {
 }
 
 impl smr_frame {
-    /// The frame with these parts, which are in memory.
+    /// The frame whose parts are `windows`, which must be in memory.
     fn of(frame: &Frame<'_>, windows: [Option<Rect>; 2]) -> Self {
         let part = |window: Option<Rect>| {
             let image = window.and_then(|window| frame.patch(window));

@@ -1,4 +1,4 @@
-//! Makes a tracker in the caller's memory, and follows the target from frame to frame: locks and updates, at once and in steps.
+//! The calls that construct a tracker, lock it and update it, at once or in steps of bounded work.
 
 use crate::answer::smr_answer;
 use crate::capacity::ALIGNMENT;
@@ -16,19 +16,17 @@ use core::ffi::c_void;
 use core::ptr;
 use smr_core::{Rect, Target};
 
-/// The size of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE of the library as it was built.
+/// The bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE as the library was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
-/// @return        Bytes; 0 if `config` is NULL or was not filled. Differs from the macro if this program defines other capacities
-///                than those that the library was built with.
+/// @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_target_size(config: *const smr_config) -> usize {
     // SAFETY: as the header demands of the caller.
     unsafe { given(config) }.map_or(0, |(_, method)| method.target_size)
 }
 
-/// The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was
-/// built.
+/// The bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE as it was built.
 ///
 /// @param config  Filled by one of the calls smr_config_...
 /// @return        As #smr_target_size.
@@ -38,22 +36,22 @@ pub unsafe extern "C" fn smr_workspace_size(config: *const smr_config) -> usize 
     unsafe { given(config) }.map_or(0, |(_, method)| method.workspace_size)
 }
 
-/// Makes a tracker without a target.
+/// Constructs a tracker in the caller's memory. It has no target before #smr_lock.
 ///
-/// @param storage         Memory for all that the tracker remembers, such as an #smr_paper_target or an #smr_robust_target; aligned to
-///                        #SMR_ALIGNMENT. It must stay where it is, untouched, as long as the tracker is used. After that you may use
-///                        it for anything.
+/// @param storage         Memory of the tracker, such as an #smr_paper_target or an #smr_robust_target, aligned to
+///                        #SMR_ALIGNMENT. It must stay where it is, untouched, as long as the tracker is used.
 /// @param storage_size    Bytes at `storage`; at least #smr_target_size.
-/// @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace; aligned to
-///                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
-///                        cancels an update that another tracker has begun in it.
+/// @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace. It
+///                        must be aligned and stay as `storage` must, but trackers of the same kind may share it.
+///                        #smr_init cancels an update that another tracker has begun in it.
 /// @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
-/// @param config          Which tracker, and its numbers. It is copied.
+/// @param config          The choice of a tracker and its settings. It is copied.
 /// @param tracker         Is set to the tracker, or to NULL after an error.
 /// @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
-///                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
-///                        configuration) or an error of the configuration (#SMR_ERROR_CONFIG_OUT_OF_RANGE,
-///                        #SMR_ERROR_LIMIT_BELOW_WINDOW, #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
+///                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE,
+///                        #SMR_ERROR_NOT_INITIALISED (the configuration) or an error of a setting
+///                        (#SMR_ERROR_CONFIG_OUT_OF_RANGE, #SMR_ERROR_LIMIT_BELOW_WINDOW,
+///                        #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_init(
     storage: *mut c_void,
@@ -105,14 +103,14 @@ unsafe fn init(
     unsafe { (method.make)(storage, workspace, config) }
 }
 
-/// The pixels of a frame that #smr_lock reads for a target. Firmware need not read out more.
+/// The window of a frame that #smr_lock reads for a box. Firmware need not read out other pixels.
 ///
 /// @param tracker  Made by #smr_init.
-/// @param width    Width of the frame.
-/// @param height   Height of the frame.
+/// @param width    Width of the frame in pixels.
+/// @param height   Height of the frame in pixels.
 /// @param bbox     The box, completely inside the frame.
-/// @param window   Is set to a rectangle, always inside the frame. The paper's tracker: the box. The robust tracker: the box and its
-///                 surroundings. Unchanged after an error.
+/// @param window   Is set to a rectangle inside the frame. The paper's tracker: the box. The robust tracker: the box
+///                 and its surroundings. Unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
 ///                 #SMR_ERROR_BOX_OUTSIDE_FRAME.
 #[unsafe(no_mangle)]
@@ -137,11 +135,9 @@ pub unsafe extern "C" fn smr_lock_window(
     })
 }
 
-/// Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the
-/// pixels in #smr_lock_window.
+/// Starts to follow the target in a box, and forgets any previous target. Reads only the pixels in #smr_lock_window.
 ///
-/// Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
-/// as much as two or three updates. #smr_lock_step does the same in steps.
+/// Cost: a copy of the box and two comparisons per pixel (paper's tracker), or two to three updates (robust tracker).
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -165,10 +161,9 @@ pub unsafe extern "C" fn smr_lock(
     })
 }
 
-/// Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
-/// size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
-/// no target until then. Units of work: see #smr_update_step; a lock takes at most 11.2 million. The paper's tracker does
-/// all work in one step.
+/// Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
+/// the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; there is no target until then. A lock takes
+/// at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -188,14 +183,12 @@ pub unsafe extern "C" fn smr_lock_step(
     })
 }
 
-/// Finds the target in the next frame.
-///
-/// It reads only the pixels in #smr_windows; the rest of the frame need not be in memory.
+/// Finds the target in the next frame. Reads only the pixels in #smr_windows.
 ///
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
-/// in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
-/// in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: at
-/// most 726 products for each of at most 2000 weights. #smr_update_step does the same in steps.
+/// in the window) * (pixels of the template) comparisons, at most twice that in the frame in which the target begins to
+/// leave the picture, and far fewer if the target is clearly visible. Cost of the robust tracker: at most 726 products
+/// for each of at most 2000 weights.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_windows.
@@ -219,16 +212,15 @@ pub unsafe extern "C" fn smr_update(
     })
 }
 
-/// Updates in steps of bounded work, for programs with a deadline: begins an update, or goes on with the one under way.
-/// Call it until it returns another status than #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the size of
-/// the steps. Every other call that may change the tracker ends the update, and so does another tracker that uses the
-/// workspace; the next step then begins a new one.
+/// Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one under
+/// way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other calls
+/// that may change the tracker, and other trackers that use the workspace, cancel it.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
 ///   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
-/// - The robust one: about an instruction of a Cortex-M4. An update takes at most 14.2 million units, with a
-///   `sweep` of 1 at most 6.5. A step may exceed `work` by at most 128,000.
+/// - The robust one: about an instruction of a Cortex-M4. A step may exceed `work` by at most 128,000. An update takes
+///   at most 14.2 million units, or 6.5 million with a `sweep` of 1.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    As for #smr_update. Its pixels are the same in every step.
@@ -248,12 +240,11 @@ pub unsafe extern "C" fn smr_update_step(
     })
 }
 
-/// The pixels of the frame that the next #smr_update may read. Firmware need not read out more.
+/// The two windows of the next frame that #smr_update may read. Firmware need not read out other pixels.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param windows  Are set to two rectangles, both inside the frame. The first is never empty. In the second the robust tracker searches
-///                 for a lost target: in most frames, and always for the paper's tracker, its width and height are 0. Unchanged after an
-///                 error.
+/// @param windows  Are set to two rectangles inside the frame. The first is never empty. The second, where the robust
+///                 tracker searches for a lost target, is empty in most frames. Unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[windows; 2]]
 #[unsafe(no_mangle)]
@@ -267,15 +258,13 @@ pub unsafe extern "C" fn smr_windows(tracker: *const smr_tracker, windows: *mut 
     })
 }
 
-/// Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
-/// expected at (x + right, y + down). It cancels an update under way.
-///
-/// The search window moves along. The box stays within reach of the frame. The
-/// paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
+/// Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). The
+/// search window moves along; the box stays within reach of the frame. Cancels an update under way. The paper's tracker
+/// rounds to whole pixels. Before the first lock the call does nothing.
 ///
 /// @param tracker  Made by #smr_init.
-/// @param right    In units of 1/256 pixel.
-/// @param down     In units of 1/256 pixel.
+/// @param right    Motion to the right in units of 1/256 pixel.
+/// @param down     Motion downwards in units of 1/256 pixel.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_moved(tracker: *mut smr_tracker, right: i32, down: i32) -> smr_status {

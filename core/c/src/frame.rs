@@ -1,4 +1,4 @@
-//! Rectangles, and frames with the parts of them that are in memory.
+//! Rectangles, and frames of which parts are in memory.
 
 use crate::pointer;
 use crate::status::smr_status;
@@ -23,21 +23,21 @@ pub struct smr_rect {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_fine_rect {
-    /// Left edge, to the right of the frame's left edge; may be negative.
+    /// Left edge, in 1/256 pixel to the right of the frame's left edge; may be negative.
     pub x: i32,
-    /// Top edge, below the frame's top edge; may be negative.
+    /// Top edge, in 1/256 pixel below the frame's top edge; may be negative.
     pub y: i32,
-    /// Width.
+    /// Width in 1/256 pixel.
     pub width: u32,
-    /// Height.
+    /// Height in 1/256 pixel.
     pub height: u32,
 }
 
-/// A part of a frame in memory: 8-bit gray pixels, and their place in the frame.
+/// A rectangular part of a frame in memory: 8-bit gray pixels and their position in the frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_part {
-    /// The top left pixel in memory.
+    /// Address of the top left pixel.
     pub pixels: *const u8,
     /// Readable bytes from `pixels` on: at least (height - 1) * stride + width.
     pub size: usize,
@@ -47,33 +47,32 @@ pub struct smr_part {
     pub width: u16,
     /// Height in pixels; at least 1.
     pub height: u16,
-    /// Left edge: column of the frame.
+    /// Column of the frame at which the part begins.
     pub x: u16,
-    /// Top edge: row of the frame.
+    /// Row of the frame at which the part begins.
     pub y: u16,
 }
 
-/// One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the
-/// call.
+/// A camera frame: its size, and its parts in memory. A call only reads the pixels, and does not keep their address.
 ///
-/// If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
-/// tracker needs, give #smr_windows as the parts; the second only if it is not empty.
+/// For a whole frame, pass one part of the frame's size at x = y = 0. If you read out only what the tracker needs, pass
+/// #smr_windows as the parts, the second only if it is not empty.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_frame {
-    /// Width of the whole frame.
+    /// Width of the whole frame in pixels.
     pub width: u16,
-    /// Height of the whole frame.
+    /// Height of the whole frame in pixels.
     pub height: u16,
     /// The parts in memory. If there is no second part, its `pixels` are NULL.
     pub parts: [smr_part; 2],
 }
 
-/// 8-bit gray pixels, row by row without gaps.
+/// An image of 8-bit gray pixels, row by row without gaps.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_image {
-    /// width * height bytes.
+    /// Address of width * height bytes.
     pub pixels: *const u8,
     /// Width in pixels.
     pub width: u16,
@@ -82,14 +81,14 @@ pub struct smr_image {
 }
 
 impl smr_part {
-    /// The part with these pixels, row by row without gaps, in the place of a window inside the frame.
+    /// The part of a frame in a window. Its `pixels` lie row by row without gaps.
     pub(crate) fn of(pixels: *const u8, Rect { x, y, width, height }: Rect) -> Self {
         let [x, y] = [x, y].map(|place| u16::try_from(place).unwrap_or(0));
         let stride = usize::from(width);
         Self { pixels, size: stride * usize::from(height), stride, width, height, x, y }
     }
 
-    /// The pixels. They must not lie in the `taken` memory of the tracker, which changes while they are read.
+    /// The pixels as an image. They must lie outside `taken`, the tracker's memory, which changes while they are read.
     ///
     /// # Safety
     /// If `pixels` is not NULL, `size` bytes from there can be read, and nobody writes them while the result lives.
@@ -103,7 +102,7 @@ impl smr_part {
 }
 
 impl smr_frame {
-    /// The frame of `smr-core`, for a call on a tracker with the `taken` memory.
+    /// Converts to a frame of `smr-core` for a tracker whose memory is `taken`.
     ///
     /// # Safety
     /// As for [`smr_part::image`], for both parts.
@@ -119,7 +118,7 @@ impl smr_frame {
     }
 }
 
-/// Converts between two structs with the same fields, in both directions.
+/// Implements `From` in both directions between two structs with the same fields.
 macro_rules! same {
     ($($core:path, $c:ident { $($field:ident),+ })+) => {
         $(

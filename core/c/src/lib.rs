@@ -1,20 +1,20 @@
 //! The trackers of `smr-core` for C: exactly what `include/smr.h` declares.
 //!
-//! Every public item has the name that C sees. The doc comments of public items become the header's comments, so they
-//! are written for C readers, in Doxygen's syntax. cbindgen writes the header; a test fails if the file is not current.
+//! Public items have their names in C. Their doc comments become the header's comments, so they are written for C
+//! readers, in Doxygen's syntax. cbindgen writes the header; a test fails if the file is not current.
 //!
 //! # Modules
 //!
 //! A module imports only modules that come before it in this table.
 //!
-//! | module | what it holds |
+//! | module | contents |
 //! |---|---|
-//! | `capacity` | how much a tracker holds, fixed at build time |
-//! | `status` | all statuses: number, name, text; the version of the library |
+//! | `capacity` | the largest box and window, and the sizes of memory |
+//! | `status` | every status with its number, name and text; the library's version |
 //! | `pointer` | the checks of every pointer |
 //! | `frame`, `answer` | the inputs and the result of an update |
-//! | `config` | a configuration as C sees it, converted to and from those of `smr-core` |
-//! | `tracker` | `smr_tracker`, and how a call finds the tracker behind a pointer |
+//! | `config` | the configuration structs of C, converted to and from those of `smr-core` |
+//! | `tracker` | the handle `smr_tracker`, and the access to the tracker behind it |
 //! | `method` | both trackers in the caller's memory |
 //! | `setting`, `follow`, `target`, `readout`, `record`, `entry` | the exported calls |
 //! | `unstable` | calls for the browser's page, which the header does not declare (feature `unstable`) |
@@ -24,18 +24,17 @@
 //! `libsmr.a` does not allocate, has no globals and needs no operating system. For a microcontroller (`target_os =
 //! "none"`) and as WebAssembly it is `no_std` and contains its own panic handler, which no call can reach.
 //!
-//! For a host, Rust's `core` is compiled for unwinding, which needs the runtime in `std`. The library therefore links
-//! `std` there, and also uses it to detect the processor's instruction sets. A panic would abort at the boundary; it
-//! never unwinds into C.
+//! For a host, Rust's `core` is compiled for unwinding, whose runtime is in `std`. The library therefore links `std`
+//! there, and also detects the processor's instruction sets with it. A panic would abort: it never unwinds into C.
 
 #![no_std]
 #![deny(missing_docs)]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 // This crate is the boundary to C: it dereferences C's pointers and exports symbols.
 #![allow(unsafe_code)]
-// Items have the names of the header.
+// Items have their names in C.
 #![allow(non_camel_case_types)]
-// The header says what a pointer must be: each call under `@param`, all calls at its top (cbindgen.toml).
+// The header states the requirements on pointers, under `@param` and at its top (cbindgen.toml).
 #![allow(clippy::missing_safety_doc)]
 
 #[cfg(not(any(target_os = "none", target_family = "wasm")))]
@@ -61,7 +60,7 @@ mod readout;
 
 mod record;
 
-// JavaScript has no use for it, and a module of WebAssembly has every call that there is.
+// JavaScript reads no entries, and a WebAssembly module would contain the call even if nothing uses it.
 #[cfg(not(target_family = "wasm"))]
 mod entry;
 
@@ -82,7 +81,7 @@ pub use status::*;
 pub use target::*;
 pub use tracker::*;
 
-/// For the linker. No call reaches it: `.ci/c` fails if it is in a linked program.
+/// The panic handler that the linker requires. No call reaches it: `.ci/c` fails if it is in a linked program.
 #[cfg(any(target_os = "none", target_family = "wasm"))]
 #[panic_handler]
 fn stop(_: &core::panic::PanicInfo<'_>) -> ! {

@@ -1,6 +1,6 @@
-//! Both trackers behind the handle: their layout in the caller's memory, their construction, and the calls on them.
+//! The two trackers behind the handle: their layout in the caller's memory, their construction, and their calls.
 //!
-//! Only the presets name a method, so that a program links only the trackers whose configurations it fills.
+//! Only the presets refer to a tracker's code, so that a program links only the trackers whose presets it calls.
 
 use crate::answer::smr_answer;
 use crate::capacity::{
@@ -21,15 +21,15 @@ use core::ops::Range;
 use core::ptr::{self, NonNull};
 use smr_core::{Frame, Rect, Robust, Target, calls};
 
-/// A tracker of `smr-core` that C can use.
+/// A tracker of `smr-core`, with what C needs to construct it.
 pub(crate) trait Method: Target + 'static {
     const METHOD: smr_method;
 
-    /// A target and a workspace that no call has used. As constants they are written in place, all zeroes.
+    /// A new target and a new workspace. As constants of zeroes they are written in place, not through the stack.
     const EMPTY: Self;
     const EMPTY_WORKSPACE: Self::Workspace;
 
-    /// This tracker's part of `config`.
+    /// The part of `config` that is for the tracker.
     fn configuration(config: &smr_config) -> Self::Config;
 
     fn known(&mut self) -> Known<'_>;
@@ -40,7 +40,7 @@ pub(crate) trait Method: Target + 'static {
     }
 }
 
-/// The method that a configuration of the tracker `T` points to.
+/// The value of `smr_config::method` for the tracker `T`.
 pub(crate) fn method_of<T: Method>() -> *const smr_method {
     &raw const *const { &T::METHOD }
 }
@@ -104,15 +104,15 @@ struct Held<T: Method> {
 /// The contents of a workspace.
 #[repr(C)] // the mark comes first: a tracker of the other method that takes the memory overwrites it
 struct Scratch<T: Method> {
-    /// [`Scratch::mark_of`] its own address, to recognise memory that is not a workspace of this method.
+    /// [`Scratch::mark_of`] the workspace's address. Any other value shows memory that is no workspace of this tracker.
     mark: usize,
-    /// The address of the [`Held`] target that used the workspace last: only its calls go on.
+    /// The address of the [`Held`] target that used the workspace last. Only its call in steps may continue.
     owner: usize,
     workspace: T::Workspace,
 }
 
 impl<T: Method> Scratch<T> {
-    /// The mark of a workspace at `address`. It differs between the methods.
+    /// The mark of a workspace at `address`. It differs between the two trackers.
     fn mark_of(address: *const Self) -> usize {
         address.addr() ^ 0x534D_5257 ^ T::METHOD.target_size // "SMRW"
     }
@@ -125,16 +125,13 @@ const _: () = assert!(
         && fits::<Scratch<Robust>>(ROBUST_WORKSPACE_SIZE, SIGNED_DIFFERENCES)
 );
 
-/// True if memory of the `size` that the header states holds a `T`, with or without what is `optional` in it, and at most
-/// 64 bytes to spare.
+/// True if the header's `size` holds a `T` and wastes at most 64 bytes. A build may leave `optional` bytes out of `T`.
 const fn fits<T>(size: usize, optional: usize) -> bool {
     let Some(spare) = size.checked_sub(size_of::<T>()) else { return false };
     let aligned = align_of::<T>() <= ALIGNMENT && size.is_multiple_of(ALIGNMENT);
     aligned && (spare <= 64 || optional <= spare && spare <= optional + 64)
 }
 
-/// Makes a tracker; see `smr_method::make`.
-///
 /// # Safety
 /// As `smr_method::make` demands.
 unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: &smr_config) -> Result<(), smr_status> {
@@ -155,7 +152,7 @@ unsafe fn make<T: Method>(storage: *mut c_void, workspace: *mut c_void, config: 
 }
 
 impl<T: Method> Held<T> {
-    /// The workspace, if the memory still holds one of this type.
+    /// The workspace; `None` if its memory was overwritten.
     fn marked(&self) -> Option<NonNull<Scratch<T>>> {
         let workspace = self.workspace;
         // SAFETY: `make` wrote this address, and its caller ensures that the memory stays. Only the mark is read: any
@@ -166,7 +163,7 @@ impl<T: Method> Held<T> {
         NonNull::new(workspace)
     }
 
-    /// The target and its workspace. A call of another tracker that was under way there ends.
+    /// The target and its workspace. Cancels a call in steps that another tracker has begun in the workspace.
     #[inline(never)] // one copy in flash
     fn parts(&mut self) -> Result<(&mut T, &mut T::Workspace), smr_status> {
         let owner = ptr::from_ref(self).addr();
@@ -181,7 +178,7 @@ impl<T: Method> Held<T> {
     }
 }
 
-/// Writes the answer of an update whose steps are done.
+/// Completes an update whose steps are done, and writes its answer.
 #[inline(never)] // keeps its stack out of that of a step
 fn conclude<T: Method>(target: &mut T, workspace: &mut T::Workspace, frame: &Frame<'_>, out: &Out<smr_answer>) {
     out.write(calls::commit(target, workspace, frame).into());
@@ -235,7 +232,7 @@ impl<T: Method> Tracked for Held<T> {
     }
 
     fn cancel(&mut self) {
-        // Without a workspace nothing is under way.
+        // If the workspace was overwritten, no call is under way.
         if let Ok((_, workspace)) = self.parts() {
             calls::end::<T>(workspace);
         }

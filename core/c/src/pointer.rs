@@ -1,7 +1,7 @@
 //! The checks of every pointer from C: not NULL, aligned, outside the tracker's memory.
 //!
-//! The rest cannot be checked; the header demands it of the caller: a pointer that passes these checks points to memory
-//! of the size of its type, or of the stated size, and nobody else writes there during the call.
+//! The header demands the rest of the caller, because it cannot be checked: the pointer points to memory of the size of
+//! its type, or of the stated size, and nobody else writes there during the call.
 
 use crate::status::smr_status;
 use core::ops::Range;
@@ -28,7 +28,7 @@ pub(crate) unsafe fn read<T: Copy>(from: *const T) -> Result<T, smr_status> {
     Ok(unsafe { from.read() })
 }
 
-/// The caller's memory for a result. It is checked before any work is done.
+/// The caller's memory for a result, checked before any work is done.
 pub(crate) struct Out<T>(*mut T);
 
 impl<T> Out<T> {
@@ -54,7 +54,7 @@ impl<T> Out<T> {
     }
 }
 
-/// Checks that `size` bytes from `bytes` on can be an object and share no byte with the `taken` memory of a tracker.
+/// Checks that `size` bytes can be an object, and lie outside `taken`, the memory of a tracker.
 ///
 /// # Errors
 /// The errors of [`check`], `SMR_ERROR_MEMORY_TOO_LARGE`, `SMR_ERROR_OVERLAPS_TRACKER`.
@@ -76,7 +76,6 @@ pub(crate) fn range<T: ?Sized>(start: *const T, size: usize) -> Range<usize> {
     start..start.saturating_add(size)
 }
 
-/// True if both contain a common address.
 pub(crate) fn overlap(a: &Range<usize>, b: &Range<usize>) -> bool {
     a.start < b.end && b.start < a.end
 }

@@ -1,4 +1,4 @@
-//! A camera's lines as they come, in any pixel format, into the windows that a tracker needs.
+//! Converts a camera's lines to gray as they arrive, and keeps the windows that a tracker reads.
 
 use crate::frame::{smr_frame, smr_part, smr_rect};
 use crate::pointer::{self, Out};
@@ -14,65 +14,63 @@ use smr_core::readout::{Format, Readout, ReadoutError};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum smr_format {
-    /// One byte a pixel, gray.
+    /// One byte per pixel: gray.
     SMR_GRAY8 = 0,
-    /// Two bytes a pixel: Y U Y V. Gray is Y.
+    /// Two bytes per pixel: Y U Y V. Gray is Y.
     SMR_YUYV = 1,
-    /// Two bytes a pixel: U Y V Y. Gray is Y.
+    /// Two bytes per pixel: U Y V Y. Gray is Y.
     SMR_UYVY = 2,
-    /// Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B
-    /// + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
+    /// Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
+    /// B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
     SMR_RGB565_BE = 3,
     /// RGB565 with the low byte first.
     SMR_RGB565_LE = 4,
-    /// One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has
-    /// half the width and half the height.
+    /// One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
     SMR_BAYER8 = 5,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are left out.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
     SMR_GRAY10 = 6,
 }
 
-// In the order of their numbers.
+// `Format::ALL` is in the order of the constants of `smr_format`.
 const _: () = {
     use Format::{Bayer8, Gray8, Gray10, Rgb565Be, Rgb565Le, Uyvy, Yuyv};
     assert!(matches!(Format::ALL, [Gray8, Yuyv, Uyvy, Rgb565Be, Rgb565Le, Bayer8, Gray10]));
 };
 
-/// A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+/// The state of a frame that is being read out. #smr_readout_begin fills it; programs read only `line`.
 ///
-/// Lines may come in an interrupt while the main loop asks for the frame. Then:
-/// - #smr_readout_begin writes all of it: call it where no line can come, in the interrupt itself or while it is
-///   switched off.
-/// - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
-///   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
-///   #smr_update. For the next frame give other memory, or begin it after the update.
+/// Lines may arrive in an interrupt while the main loop polls #smr_readout_frame:
+/// - #smr_readout_begin writes every field: call it in the interrupt, or while the interrupt is off.
+/// - Only #smr_readout_line writes `next` and `line`. It writes no pixel of the windows after #smr_readout_frame has
+///   succeeded, so the interrupt may stay on during #smr_lock and #smr_update. Begin the next frame after the
+///   update, or in other memory.
 /// - #smr_readout_frame only reads, and may be interrupted at any point.
 ///
-/// The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to
-/// prevent: two calls of #smr_readout_line, or #smr_readout_lines and any other.
+/// The interrupt must run on the processor core of the main loop. You must prevent all other overlaps: two calls of
+/// #smr_readout_line, or #smr_readout_lines and any other call.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_readout {
-    /// A number of #smr_format.
+    /// The pixel format, a constant of #smr_format.
     pub format: i32,
     /// Columns of the sensor.
     pub columns: u16,
     /// Lines of the sensor.
     pub lines: u16,
-    /// The number of the next line. It grows after the pixels of a line are written.
+    /// Index of the next line. It increases after the pixels of a line are written.
     pub next: u16,
-    /// The line that the last error SMR_ERROR_LINE_... is about.
+    /// Index of the line that caused the last error SMR_ERROR_LINE_...
     pub line: u16,
-    /// The windows. If there is no second one, its width and height are 0.
+    /// The windows to keep. If there is no second one, its width and height are 0.
     pub windows: [smr_rect; 2],
     /// The gray pixels of the first window, then those of the second.
     pub pixels: *mut u8,
-    /// Bytes there.
+    /// Bytes at `pixels`.
     pub size: usize,
 }
 
 impl smr_readout {
-    /// Reads the value at `from`. An interrupt may change `next` and `line`: the one is read at once, the other not at all.
+    /// Reads the value at `from`, and `next` only once: an interrupt may change it. `line` is not read.
     ///
     /// # Safety
     /// A `from` that passes [`pointer::check`] points to an `smr_readout`.
@@ -81,16 +79,16 @@ impl smr_readout {
         // SAFETY: neither NULL nor misaligned; the rest as the caller ensures.
         unsafe {
             let next = (&raw const (*from).next).read_volatile();
-            // Nothing that the lines before `next` brought is read before it.
+            // The pixels of the lines before `next` must not be read before `next` is.
             compiler_fence(Ordering::Acquire);
             Ok(Self { next, line: 0, ..*from })
         }
     }
 
-    /// Notes in `to`, after the pixels were written, the next line, and the line that an error is about.
+    /// Writes `next`, and the line of an error, after the pixels were written.
     ///
     /// # Safety
-    /// `to` was read.
+    /// [`Self::read`] has checked `to`.
     unsafe fn note(to: *mut Self, next: u16, result: Result<(), ReadoutError>) -> Result<(), smr_status> {
         use ReadoutError::{LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         compiler_fence(Ordering::Release);
@@ -110,7 +108,7 @@ impl smr_readout {
         known.copied().ok_or(SMR_ERROR_FORMAT_UNKNOWN)
     }
 
-    /// The readout of `smr-core`. Another call may be writing the pixels.
+    /// Converts to the readout of `smr-core`. Does not touch the pixels, which another call may be writing.
     fn open(&self) -> Result<Readout, smr_status> {
         let ([first, second], format) = (self.windows.map(Rect::from), self.format()?);
         pointer::check_bytes(self.pixels, self.size, &[0..0, 0..0])?;
@@ -125,7 +123,7 @@ impl smr_readout {
         Ok(readout)
     }
 
-    /// The two parts of a frame that the read-out fills; they passed the checks of its start.
+    /// The windows as parts of a frame, one after the other in `pixels`. `open` has checked them.
     fn parts(&self) -> [smr_part; 2] {
         let [first, second] = self.windows.map(Rect::from);
         let first = smr_part::of(self.pixels, first);
@@ -134,19 +132,19 @@ impl smr_readout {
     }
 }
 
-/// Begins a frame.
+/// Begins the read-out of a frame.
 ///
-/// Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
-/// #smr_windows; before a lock #smr_lock_window and an empty one.
+/// Windows are in pixels of the gray frame, which has the sensor's size, or half its width and height with #SMR_BAYER8.
+/// Pass #smr_windows; before a lock pass #smr_lock_window and an empty one.
 ///
 /// @param readout  Is filled; need not be initialised. Unchanged after an error.
-/// @param format   A number of #smr_format.
+/// @param format   A constant of #smr_format.
 /// @param columns  Columns of the sensor.
 /// @param lines    Lines of the sensor.
 /// @param windows  Two windows inside the gray frame. Only the second may be empty.
-/// @param pixels   Initialised memory, until the tracker was called with the frame. The gray pixels of the first window go there, then
-///                 those of the second, row by row without gaps.
-/// @param size     Bytes there; at least width * height of both windows.
+/// @param pixels   Initialised memory for the gray pixels of the first window, then of the second, row by row without
+///                 gaps. It must stay until the tracker was called with the frame.
+/// @param size     Bytes at `pixels`; at least width * height of both windows.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
 ///                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
 /// cbindgen:ptrs-as-arrays=[[windows; 2]]
@@ -171,15 +169,13 @@ pub unsafe extern "C" fn smr_readout_begin(
     status_of(begin())
 }
 
-/// Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in
-/// no window may be left out.
-///
-/// Cost: only pixels in the windows are converted.
+/// Converts a line of the sensor, for example in a DMA interrupt: see #smr_readout. Lines must come in order; lines
+/// outside the windows may be skipped. Only pixels in the windows cost time.
 ///
 /// @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
-/// @param y        The number of the line; the first is 0.
-/// @param bytes    The line.
-/// @param size     Bytes there; more than the line has are ignored.
+/// @param y        Index of the line, from 0.
+/// @param bytes    The bytes of the line.
+/// @param size     The number of bytes; excess bytes are ignored.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_LINE_OUT_OF_ORDER,
 ///                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING,
 ///                 #SMR_ERROR_OVERLAPS_TRACKER if the line lies in the memory of a window, or an error of #smr_readout_begin
@@ -195,12 +191,12 @@ pub unsafe extern "C" fn smr_readout_line(
     status_of(unsafe { pushed(readout, bytes, size, |readout, bytes, pixels| readout.push_line(y, bytes, pixels)) })
 }
 
-/// Takes all lines of a frame that is in memory. Not for interrupts: it takes as long as all its lines.
+/// Converts all lines of a frame in memory. Not for interrupts: it takes as long as all its lines.
 ///
-/// @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
-/// @param bytes    The first line.
-/// @param size     Bytes there.
-/// @param stride   Bytes from a line to the next one.
+/// @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` are converted.
+/// @param bytes    The bytes of the frame.
+/// @param size     The number of bytes.
+/// @param stride   Bytes from the start of a line to the start of the next.
 /// @return         As #smr_readout_line. A frame that ends early has lines that are too short.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_readout_lines(
@@ -215,7 +211,7 @@ pub unsafe extern "C" fn smr_readout_lines(
     })
 }
 
-/// Gives the `size` bytes to `push`, and notes its next line and its result.
+/// Calls `push` with `size` bytes of lines, then writes the next line and the line of an error to `to`.
 ///
 /// # Safety
 /// As the header demands of the caller of #smr_readout_line.
@@ -229,7 +225,7 @@ unsafe fn pushed(
     let begun = unsafe { smr_readout::read(to)? };
     pointer::check_bytes(bytes, size, &[pointer::range(begun.pixels, begun.size), 0..0])?;
     let mut readout = begun.open()?;
-    // Whoever has the frame may be reading its pixels, but then no line of the windows is left to come.
+    // Once the windows are complete, the tracker may be reading them, and no later line writes to them.
     let room = if readout.is_complete() { 0 } else { begun.size };
     // SAFETY: as the caller ensures; the line is outside the windows' memory.
     let result = unsafe {
@@ -240,14 +236,12 @@ unsafe fn pushed(
     unsafe { smr_readout::note(to, readout.next, result) }
 }
 
-/// The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
-///
-/// It changes nothing but `frame`, so an interrupt may bring lines at any time: see #smr_readout.
+/// Fills a frame for #smr_lock and #smr_update once all lines of the windows have come. See #smr_readout on interrupts.
 ///
 /// @param readout  Filled by #smr_readout_begin.
-/// @param frame    Is filled; need not be initialised. It points to the memory of the windows. Unchanged after an error.
-/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a window has not come, or
-///                 an error of #smr_readout_begin if the readout was changed.
+/// @param frame    Is filled; need not be initialised. Points to the windows' memory. Unchanged after an error.
+/// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a
+///                 window has not come, or an error of #smr_readout_begin if the readout was changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_readout_frame(readout: *const smr_readout, frame: *mut smr_frame) -> smr_status {
     let fill = || {

@@ -1,4 +1,4 @@
-//! Flight records, written as a tracker is called.
+//! Writes flight records: logs of the calls on a tracker, which can be replayed.
 
 use crate::answer::smr_answer;
 use crate::pointer::{self, Out};
@@ -9,35 +9,32 @@ use core::ops::Range;
 use smr_core::record::Recorder;
 use smr_core::{Frame, Rect};
 
-/// The recorder of a tracker: see #smr_record. Set `write` and `context`, and the rest to 0.
+/// The recorder of a tracker: see #smr_record. Set `write` and `context`, and all other fields to 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_recorder {
-    /// Stores bytes (in flash, a file, over a serial line), at most a row of pixels or 64 bytes at a time. Returns 0 if
-    /// that succeeds.
+    /// Stores bytes in flash, a file or elsewhere: at most a row of pixels or 64 bytes per call. Returns 0 on success.
     pub write: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *const u8, size: usize) -> c_int>,
     /// The first argument of `write`.
     pub context: *mut c_void,
-    /// The entries so far.
+    /// The number of entries written.
     pub entries: u32,
-    /// 1 once `write` has failed: nothing more is written.
+    /// 1 once `write` has failed; then nothing more is written.
     pub failed: u8,
     /// 1 while an update in steps is under way.
     pub under_way: u8,
-    /// The tracker that is recorded.
+    /// The recorded tracker.
     pub tracker: *mut smr_tracker,
 }
 
-/// Records a tracker from now on: every lock, update, move and restored target, as `write` of the recorder is given
-/// them. `host-sim replay FILE` runs the bytes through the same code again and names the first difference. The
-/// documentation of smr_core::record describes every byte.
+/// Starts a flight record of a tracker: `write` of the recorder gets every later lock, update, move and restored
+/// target. `host-sim replay FILE` replays it and names the first difference. smr_core::record documents every byte.
 ///
-/// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. Of trackers that
-/// share a workspace, finish one update in steps before you call another tracker.
-/// #smr_init ends it. What `write` does takes place within the calls that are recorded.
+/// Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
+/// workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
 ///
 /// @param tracker   Made by #smr_init.
-/// @param recorder  Stays where it is, and belongs to this tracker alone, while the tracker is used. NULL ends the record.
+/// @param recorder  Must stay in place, for this tracker alone, while it is used. NULL or #smr_init ends the record.
 /// @return          #SMR_OK, #SMR_ERROR_NULL (also `write`), #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut smr_recorder) -> smr_status {
@@ -62,14 +59,13 @@ pub unsafe extern "C" fn smr_record(tracker: *mut smr_tracker, recorder: *mut sm
 }
 
 impl smr_recorder {
-    /// The tracker that is recorded.
     fn own<'a>(&self) -> &'a mut dyn Tracked {
         // SAFETY: `smr_record` has set it, and its caller ensures that nobody else uses the tracker.
         unsafe { &mut *(*self.tracker).own }
     }
 }
 
-/// Passes each call on, and records it.
+/// Forwards each call to the tracker, and records it.
 impl Tracked for smr_recorder {
     fn known(&mut self) -> Known<'_> {
         self.own().known()
@@ -121,7 +117,7 @@ impl Tracked for smr_recorder {
             Event::Lock(frame, bbox) => to.lock_of(frame, bbox, own.lock_window(frame.bounds(), bbox)),
             Event::Window(frame) => {
                 let [window, sweep] = [own.window(), own.sweep_window()].map(Option::unwrap_or_default);
-                // Else the update fails.
+                // If the frame does not cover the windows, the update fails and is not recorded.
                 let shows = frame.covers(window) && (sweep.is_empty() || frame.covers(sweep));
                 if shows { to.window_of(frame, window, sweep) } else { Ok(()) }
             }

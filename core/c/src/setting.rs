@@ -1,4 +1,4 @@
-//! The configurations: the presets of both trackers, and the settings by name.
+//! The calls that fill a configuration: the presets of both trackers, and settings by name.
 
 use crate::capacity::{PaperTarget, SPAN};
 use crate::config::{smr_config, smr_method};
@@ -10,7 +10,7 @@ use crate::status::{
 use core::ffi::{CStr, c_char};
 use smr_core::{ConfigError, Robust, Settings, paper, robust};
 
-/// With windows for the capacity of this library.
+/// The preset for cameras, with windows that fit the capacity of this library.
 const CAMERA: paper::Config = {
     #[allow(clippy::cast_possible_truncation)] // below 161
     paper::Config::camera_within(if SPAN > 160 { 80 } else { (SPAN as u16 - 1) / 2 })
@@ -18,9 +18,9 @@ const CAMERA: paper::Config = {
 
 /// Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
 ///
-/// Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all
-/// windows fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed
-/// the runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
+/// Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
+/// fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
+/// runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is rejected.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -30,8 +30,7 @@ pub unsafe extern "C" fn smr_config_camera(config: *mut smr_config) -> smr_statu
     status_of(unsafe { fill(config, method_of::<PaperTarget>(), |config| config.paper = (&CAMERA).into()) })
 }
 
-/// Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of
-/// about 320x240.
+/// Fills a configuration of the paper's tracker with the values of the authors' program, for frames of about 320x240.
 ///
 /// The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
 /// axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
@@ -46,9 +45,8 @@ pub unsafe extern "C" fn smr_config_paper(config: *mut smr_config) -> smr_status
     })
 }
 
-/// Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view,
-/// reports when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in
-/// every library; #smr_config_refined has the refiner as well.
+/// Fills a configuration of the robust tracker without the refiner. It follows changes of light, size and view, reports
+/// when the target is not visible, and then searches for it. It takes more memory and time than the paper's tracker.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -60,11 +58,11 @@ pub unsafe extern "C" fn smr_config_robust(config: *mut smr_config) -> smr_statu
     })
 }
 
-/// Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a
-/// target that comes nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+/// Fills a configuration of the robust tracker with the refiner: a small learned network that fits the box to a target
+/// that approaches, turns or changes its shape. It is the default of host-sim, Python and JavaScript.
 ///
-/// Every library has this call, but #smr_init takes the configuration only in one that was built with the feature
-/// `refiner` (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+/// #smr_init accepts it only in a library with the feature `refiner` (core/c/install.sh --refiner), and else returns
+/// #SMR_ERROR_REFINER_NOT_BUILT_IN.
 ///
 /// @param config  Memory for the configuration.
 /// @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -93,17 +91,17 @@ unsafe fn fill(
     Ok(())
 }
 
-/// A setting of a configuration: see #smr_setting_at.
+/// The name, range and values of a setting, as #smr_setting_at returns them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct smr_setting {
-    /// The name, a static string: that of its field in #smr_paper_config or #smr_robust_config.
+    /// The name as a static string: that of the field in #smr_paper_config or #smr_robust_config.
     pub name: *const c_char,
-    /// 0: a number. 1: a switch. 2: numerator and denominator. 3: x and y. 4: left, top, right and bottom.
+    /// The kind of values. 0: a number. 1: a switch. 2: numerator, denominator. 3: x, y. 4: left, top, right, bottom.
     pub shape: u8,
-    /// The count of its values.
+    /// The number of values, 1 to 4.
     pub count: u8,
-    /// The lowest value. A denominator is also at least 1.
+    /// The lowest value; a denominator is also at least 1.
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
@@ -111,13 +109,13 @@ pub struct smr_setting {
     pub values: [u16; 4],
 }
 
-/// Sets a setting by its name, such as "window" to { 16, 16 }. A program that knows the name can also set the field of the
-/// configuration; this call is for names from a file, a console or another language.
+/// Sets a setting by its name, such as "window" to { 16, 16 }, where the name comes from a file, a console or another
+/// language. If you know the name, set the field of the configuration instead.
 ///
 /// @param config  Filled by one of the calls smr_config_...
-/// @param name    A string: the name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
+/// @param name    The name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
 /// @param values  The values, in the order of the field.
-/// @param count   How many there are.
+/// @param count   The number of values.
 /// @return        #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration),
 ///                #SMR_ERROR_SETTING_UNKNOWN, #SMR_ERROR_SETTING_COUNT or #SMR_ERROR_CONFIG_OUT_OF_RANGE.
 #[unsafe(no_mangle)]
@@ -148,10 +146,10 @@ pub unsafe extern "C" fn smr_set(
     })
 }
 
-/// Gives the name, the range and the values of a setting, one after the other until #SMR_ERROR_SETTING_UNKNOWN.
+/// Returns the name, range and values of the setting at an index; #SMR_ERROR_SETTING_UNKNOWN after the last one.
 ///
 /// @param config   Filled by one of the calls smr_config_...
-/// @param index    0 for the first setting.
+/// @param index    Index of the setting, from 0.
 /// @param setting  Is set; unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration) or
 ///                 #SMR_ERROR_SETTING_UNKNOWN.
@@ -190,17 +188,17 @@ fn at<C: Settings>(config: &C, index: usize) -> Result<smr_setting, smr_status> 
     })
 }
 
-/// The name that an error of the core gives, as a string of C.
+/// Converts the name in an error of `smr-core` to a string of C.
 pub(crate) fn name_in_c(name: &str) -> *const c_char {
     let mut settings = paper::Config::SETTINGS.iter().chain(robust::Config::SETTINGS);
     let known = settings.find(|setting| setting.name() == name).map(|setting| setting.name_with_zero());
     known.map_or(if name == "table" { c"table".as_ptr() } else { c"parts".as_ptr() }, |name| name.as_ptr().cast())
 }
 
-/// A configuration, and the method that it names.
+/// Dereferences a configuration and its `method`.
 ///
 /// # Safety
-/// A `config` that passes `pointer::check` points to one that stays, and whose method is NULL or was filled in.
+/// A `config` that passes `pointer::check` points to one that outlives the result. Its method is NULL or from a preset.
 pub(crate) unsafe fn given<'a>(config: *const smr_config) -> Result<(&'a smr_config, &'static smr_method), smr_status> {
     pointer::check(config)?;
     // SAFETY: as the caller ensures.

@@ -1,4 +1,4 @@
-//! All statuses: the number, name and text of each are written once, here. The version of the header and of the library.
+//! The number, name and text of every status, and the version of the header and of the library.
 
 use core::ffi::{CStr, c_char};
 use smr_core::readout::ReadoutError;
@@ -7,19 +7,18 @@ use smr_core::{ConfigError, FrameError, ImageError, LockError, RestoreError, Sav
 /// Defines the enum and the table of names and texts.
 macro_rules! statuses {
     ($($(#[doc = $text:literal])+ $name:ident = $number:literal,)+) => {
-        /// The result of a call. The header contains the texts as well.
+        /// The result of a call.
         #[repr(i32)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum smr_status {
             $($(#[doc = $text])+ $name = $number,)+
         }
 
-        /// Number, name with a zero at its end, and text of each status. A test writes the header's part from this
-        /// list.
+        /// Every status, its zero-terminated name and its text. A test writes the header's list from it.
         pub const STATUSES: &[(smr_status, &str, &str)] =
             &[$((smr_status::$name, concat!(stringify!($name), "\0"), concat!($($text, "\n"),+)),)+];
 
-        /// The names by number. A list of its own, so that a program does not link the texts.
+        /// The names by number, apart from the texts, so that a program does not link the texts.
         const NAMES: &[&str] = &[$(concat!(stringify!($name), "\0")),+];
 
         pub(crate) use smr_status::*;
@@ -27,7 +26,7 @@ macro_rules! statuses {
 }
 
 statuses! {
-    /// Done.
+    /// The call succeeded.
     SMR_OK = 0,
     /// A pointer is NULL.
     SMR_ERROR_NULL = 1,
@@ -39,18 +38,18 @@ statuses! {
     SMR_ERROR_WORKSPACE_TOO_SMALL = 4,
     /// Storage and workspace overlap.
     SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
-    /// One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
-    /// configuration was not filled by one of the calls smr_config_...
+    /// The tracker was not made by #smr_init, it or its workspace was moved or overwritten since, or the configuration
+    /// was not filled by one of the calls smr_config_...
     SMR_ERROR_NOT_INITIALISED = 6,
-    /// The call is for the other kind of tracker, or the target was saved by the other kind.
+    /// The call is for the other kind of tracker, or the other kind saved the target.
     SMR_ERROR_OTHER_METHOD = 7,
     /// No setting of this tracker has this name.
     SMR_ERROR_SETTING_UNKNOWN = 8,
-    /// The setting has another count of values.
+    /// The number of values is wrong for the setting.
     SMR_ERROR_SETTING_COUNT = 9,
     /// `window_limit` is smaller than `window`.
     SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
-    /// A number of the configuration lies outside its range, which stands beside its field.
+    /// A setting is outside its range, which is stated beside its field.
     SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
     /// Width or height of a part of the frame is 0.
     SMR_ERROR_FRAME_EMPTY = 12,
@@ -76,15 +75,15 @@ statuses! {
     SMR_ERROR_LOCK_WINDOW_NOT_IN_MEMORY = 22,
     /// There is no target yet: call #smr_lock first.
     SMR_ERROR_NOT_LOCKED = 23,
-    /// The frame has another size than the one of #smr_lock.
+    /// The frame's size differs from that at #smr_lock.
     SMR_ERROR_FRAME_SIZE_CHANGED = 24,
     /// The parts in memory do not cover #smr_windows.
     SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
-    /// A step has done its work, and more is left: call #smr_update_step or #smr_lock_step again. Not an error.
+    /// Work remains: call #smr_update_step or #smr_lock_step again. Not an error.
     SMR_UNDER_WAY = 26,
     /// The memory for the result is too small.
     SMR_ERROR_BUFFER_TOO_SMALL = 27,
-    /// These are not the bytes of a saved target.
+    /// The bytes are not a saved target.
     SMR_ERROR_NOT_SAVED = 28,
     /// The target was saved by another version of the library.
     SMR_ERROR_OTHER_VERSION = 29,
@@ -92,25 +91,23 @@ statuses! {
     SMR_ERROR_TRUNCATED = 30,
     /// The bytes have changed since they were saved: the checksum is wrong.
     SMR_ERROR_DAMAGED = 31,
-    /// The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
-    /// the setting.
+    /// The target was saved with another configuration, so answers would differ: #smr_other_setting names the setting.
     SMR_ERROR_OTHER_CONFIG = 32,
     /// The saved target is too large for this tracker.
     SMR_ERROR_SAVED_TOO_LARGE = 33,
-    /// A reason for which this interface has no number yet.
+    /// An error for which this interface has no number yet.
     SMR_ERROR_UNKNOWN = 34,
     /// The pixel format is none of #smr_format.
     SMR_ERROR_FORMAT_UNKNOWN = 35,
-    /// The line came before, or after a later one.
+    /// The line came already, or a later one did.
     SMR_ERROR_LINE_OUT_OF_ORDER = 36,
     /// The line has fewer bytes than its format needs.
     SMR_ERROR_LINE_TOO_SHORT = 37,
     /// The sensor has no such line.
     SMR_ERROR_LINE_OUTSIDE_FRAME = 38,
-    /// A line of the window did not come.
+    /// A line of a window did not come.
     SMR_ERROR_LINE_MISSING = 39,
-    /// The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
-    /// the feature `refiner` (core/c/install.sh --refiner).
+    /// The configuration enables the refiner, but the library lacks it: core/c/install.sh --refiner builds it in.
     SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
     /// `uncertain_below` is smaller than `lost_below`.
     SMR_ERROR_UNCERTAIN_BELOW_LOST = 41,
@@ -122,7 +119,7 @@ statuses! {
 /// @return        A static string, never NULL; "SMR_ERROR_UNKNOWN" for a number that is no status.
 #[unsafe(no_mangle)]
 pub extern "C" fn smr_status_name(status: i32) -> *const c_char {
-    // The parameter is a plain number: C can pass any, but a Rust enum must hold one of its own.
+    // An integer, because C can pass any number, and a Rust enum must hold one of its variants.
     let known = usize::try_from(status).ok().and_then(|number| NAMES.get(number));
     known.map_or(c"SMR_ERROR_UNKNOWN".as_ptr(), |name| name.as_ptr().cast())
 }

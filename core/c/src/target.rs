@@ -1,4 +1,4 @@
-//! The last box, the quality and the templates of a target, and all of it as bytes.
+//! The calls that read a target: its quality, its last box, its template, and its saved form.
 
 use crate::answer::smr_state;
 use crate::capacity::{PAPER_SAVED_SIZE, ROBUST_SAVED_SIZE};
@@ -52,11 +52,10 @@ pub unsafe extern "C" fn smr_last(
     })
 }
 
-/// A copy of the template: the appearance of the target at the last update of the paper's template, or the robust
-/// tracker's early template, with which it verifies the target.
+/// Copies the template: the paper's current one, or the robust tracker's early template, which verifies the target.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
-/// @param pixels   Memory outside the tracker's own, for the pixels, row by row without gaps.
+/// @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
 /// @param size     Bytes at `pixels`; #SMR_PIXELS or #SMR_ROBUST_PIXELS are always enough.
 /// @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
@@ -112,8 +111,7 @@ impl Known<'_> {
     }
 }
 
-/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
-/// built.
+/// The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as the library was built.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param size     Is set to the number of bytes; unchanged after an error.
@@ -129,12 +127,11 @@ pub unsafe extern "C" fn smr_saved_size(tracker: *const smr_tracker, size: *mut 
     })
 }
 
-/// Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with.
-/// The bytes are the same on every platform.
+/// Saves the target as bytes, with the settings, which #smr_restore compares. The bytes are the same on every platform.
 ///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param bytes    Memory outside the tracker's own; unchanged after an error.
-/// @param size     Bytes there; #smr_saved_size are always enough.
+/// @param size     Bytes at `bytes`; #smr_saved_size are always enough.
 /// @param written  Is set to the number of bytes written; unchanged after an error.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
 ///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_NOT_LOCKED or #SMR_ERROR_BUFFER_TOO_SMALL.
@@ -160,11 +157,11 @@ pub unsafe extern "C" fn smr_save(
     })
 }
 
-/// Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.
+/// Continues with a target that #smr_save wrote. Later answers are identical to those of the saved tracker.
 ///
 /// @param tracker  Made by #smr_init with the same configuration.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
-/// @param size     Bytes there; there may be more than were written.
+/// @param size     The number of bytes; excess bytes are ignored.
 /// @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
 ///                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_OTHER_METHOD or an error of the bytes (#SMR_ERROR_NOT_SAVED to
 ///                 #SMR_ERROR_SAVED_TOO_LARGE). After an error the tracker is unchanged.
@@ -183,14 +180,13 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
     })
 }
 
-/// Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the
-/// configuration that differs.
+/// Names the first setting that differs, for which #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
 ///
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
-/// @param size     Bytes there; there may be more than were written.
-/// @param name     Is set to a static string, such as "refiner" or "gate_lost", the field of the configuration; to NULL if no setting
-///                 differs. Unchanged after an error.
+/// @param size     The number of bytes; excess bytes are ignored.
+/// @param name     Is set to the field's name as a static string, such as "gate_lost"; to NULL if no setting differs.
+///                 Unchanged after an error.
 /// @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_other_setting(

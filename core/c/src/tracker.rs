@@ -1,4 +1,4 @@
-//! `smr_tracker`, the handle that C holds, and how to get from its pointer to the tracker behind it.
+//! The handle `smr_tracker` that C uses, and the access to the tracker behind it.
 
 use crate::answer::smr_answer;
 use crate::capacity::PaperTarget;
@@ -9,29 +9,24 @@ use core::ops::Range;
 use core::ptr::addr_of;
 use smr_core::{Frame, Rect, Robust};
 
-/// Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target
-/// in Rust it stays where it is: it is known by its address, and a copy of it is refused with
-/// #SMR_ERROR_NOT_INITIALISED.
+/// A tracker of one target, in storage that the caller gives to #smr_init. It needs no clean-up and must not move: a
+/// copy is no tracker (#SMR_ERROR_NOT_INITIALISED).
 ///
-/// Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that
-/// share a workspace. Other calls may.
+/// Calls on the same tracker, or on trackers that share a workspace, must not overlap in time. Other calls may.
 pub struct smr_tracker {
-    /// [`mark_of`] its own address, to recognise memory that is not a tracker.
+    /// [`mark_of`] the handle's address. Any other value shows memory that is not a tracker.
     mark: usize,
-    /// Takes the calls: `own`, or a recorder that passes them on. Only `smr_record` names the recorder's code, so a
-    /// program without it does not link it.
+    /// The receiver of calls: `own`, or a recorder, whose code is linked only if the program calls `smr_record`.
     held: *mut dyn Tracked,
     /// The tracker in the same storage.
     pub(crate) own: *mut dyn Tracked,
 }
 
 impl smr_tracker {
-    /// The handle at `address`, of the tracker `held`.
     pub(crate) fn new(address: *const Self, held: *mut dyn Tracked) -> Self {
         Self { mark: mark_of(address), held, own: held }
     }
 
-    /// Sends all calls to `held` from now on.
     pub(crate) const fn send_to(&mut self, held: *mut dyn Tracked) {
         self.held = held;
     }
@@ -42,17 +37,14 @@ fn mark_of(address: *const smr_tracker) -> usize {
     address.addr() ^ 0x534D_5231 // "SMR1"
 }
 
-/// A target by its type.
-///
-/// A program links all of [`Tracked`] for the trackers that it makes. A call that few programs make is therefore not
-/// there: it goes by the type. So a program that does not make the call does not link it; one that does links it for
-/// both trackers.
+/// A target by its type, for calls that few programs make. A program links every call of [`Tracked`], but a call that
+/// is made through `Known` only if it uses it, and then for both trackers.
 pub(crate) enum Known<'a> {
     Paper(&'a mut PaperTarget),
     Robust(&'a mut Robust),
 }
 
-/// Evaluates `$result` for a target of either method. There `$of` is the target.
+/// Evaluates `$result` with `$of` bound to the target, for either type of target.
 macro_rules! each {
     ($known:expr, $of:ident => $result:expr) => {
         match $known {
@@ -63,32 +55,32 @@ macro_rules! each {
 }
 pub(crate) use each;
 
-/// An event that is recorded.
+/// An event for the recorder.
 #[derive(Clone, Copy)]
 pub(crate) enum Event<'a> {
     Begin,
     Lock(&'a Frame<'a>, Rect),
     Window(&'a Frame<'a>),
-    /// As it was just written there.
+    /// The answer, which is already in the caller's memory.
     Answer(&'a Out<smr_answer>),
     Moved(i32, i32),
     Restored(&'a [u8]),
 }
 
-/// The calls that follow a target, whatever its method.
+/// The calls on a tracker of either type.
 pub(crate) trait Tracked {
-    /// For all other calls.
+    /// The target by its type, for calls that are not in this trait.
     fn known(&mut self) -> Known<'_>;
     /// The addresses of the storage and of the workspace.
     fn memory(&self) -> [Range<usize>; 2];
     fn lock_window(&self, bounds: Rect, target: Rect) -> Rect;
-    /// [`SMR_UNDER_WAY`] while work is left, as for an update.
+    /// Returns [`SMR_UNDER_WAY`] while work remains, as `update_step` does.
     fn lock_step(&mut self, frame: &Frame<'_>, bbox: &Rect, work: u32) -> Result<(), smr_status>;
-    /// Writes the answer to `out` itself: a returned answer would be on the stack twice.
+    /// Writes the answer to `out`, because a returned answer would be on the stack twice.
     fn update_step(&mut self, frame: &Frame<'_>, work: u32, out: &Out<smr_answer>) -> Result<(), smr_status>;
-    /// Ends what is under way.
+    /// Cancels a call in steps that is under way.
     fn cancel(&mut self);
-    /// Tells the recorder of an event, if there is one.
+    /// Passes an event to the recorder, if there is one.
     fn tell(&mut self, _: &Event<'_>) {}
     fn window(&self) -> Option<Rect>;
     fn sweep_window(&self) -> Option<Rect>;
@@ -98,7 +90,7 @@ pub(crate) trait Tracked {
     fn response_map(&mut self, frame: &Frame<'_>) -> Result<ResponseMap, smr_status>;
 }
 
-/// Responses on both axes of the robust tracker's largest window.
+/// Filter responses at the offsets of the robust tracker's largest window: rows, then columns.
 #[cfg(feature = "unstable")]
 pub(crate) type ResponseMap = [[i32; 17]; 17];
 
@@ -144,7 +136,7 @@ pub(crate) unsafe fn ask<T>(
     Ok(())
 }
 
-/// Does `work` with a tracker and a frame that lies outside the tracker's memory.
+/// Calls `work` with a tracker and a frame. The frame's pixels must lie outside the tracker's memory.
 ///
 /// # Safety
 /// As for [`borrow`]; a `frame` that is not NULL points to an `smr_frame`, whose pixels can be read during the call.
@@ -161,7 +153,7 @@ pub(crate) unsafe fn with_frame(
     }
 }
 
-/// The tracker, and the frame, which lies outside its memory.
+/// Dereferences the pointers of [`with_frame`], and checks that the frame lies outside the tracker's memory.
 ///
 /// # Safety
 /// As for [`with_frame`].

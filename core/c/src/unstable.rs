@@ -1,5 +1,5 @@
-//! The inside of a tracker that the browser's page shows: the counted work and the robust tracker's response map.
-//! The header does not declare these calls, and they may change in any version.
+//! Internals of a tracker for the browser's page: the counted work and the robust tracker's response map. The header
+//! does not declare these calls, and they may change in any version.
 
 use crate::frame::smr_frame;
 use crate::pointer::Out;
@@ -9,15 +9,15 @@ use crate::tracker::{ResponseMap, ask, smr_tracker, with_frame};
 use core::ffi::{c_int, c_void};
 
 /// Sets `work` to the work of the last update or lock in the workspace of `tracker`, in the units of `smr_update_step`.
-/// Another tracker may have done it.
+/// If trackers share the workspace, another one may have done that work.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_work(tracker: *const smr_tracker, work: *mut u32) -> smr_status {
     // SAFETY: as every call demands of its caller.
     status_of(unsafe { ask(tracker, work, |tracker| tracker.work()) })
 }
 
-/// Sets `responses` to the robust tracker's responses for `frame`, as the next update would see them, in units of
-/// 1/16384. The first 2 * `reach` + 1 of the first 2 * `reach` + 1 rows count. It cancels an update under way.
+/// Sets `responses` to the robust tracker's filter responses for `frame`, as the next update would see them, in units
+/// of 1/16384. Only the first 2 * `reach` + 1 rows and columns are used. Cancels an update under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_response_map(
     tracker: *mut smr_tracker,
@@ -34,7 +34,7 @@ pub unsafe extern "C" fn smr_response_map(
     })
 }
 
-/// Memory for the record of a tracker. Who reads it sets `used` to 0.
+/// Memory for a flight record. The reader resets `used` to 0.
 #[repr(C)]
 pub struct Sink {
     recorder: smr_recorder,
@@ -43,7 +43,7 @@ pub struct Sink {
     used: usize,
 }
 
-/// [`smr_record`] into memory: WebAssembly cannot be given a function to write with.
+/// [`smr_record`] into memory, because JavaScript cannot pass a function of C for `write`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_record_to_memory(tracker: *mut smr_tracker, sink: *mut Sink) -> smr_status {
     // SAFETY: as every call demands of its caller.

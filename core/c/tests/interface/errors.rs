@@ -1,7 +1,5 @@
-//! Every error of smr-core has a status in C, and its text in the languages that have no errors of Rust.
-//!
-//! The texts in `core/web/words.js` and `core/micropython/smr/words.h` are written from here:
-//! `SMR_RECORD=1 cargo test -p smr-c`.
+//! Checks that every error of smr-core has a status in C. Writes its text for JavaScript and MicroPython into
+//! `core/web/words.js` and `core/micropython/smr/words.h`: `SMR_RECORD=1 cargo test -p smr-c`.
 
 use smr::{STATUSES, smr_status};
 use smr_core::readout::ReadoutError;
@@ -10,18 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The line and the setting in the texts of errors that name one.
+/// Line and setting with which errors are made. `quoted` replaces them in the texts by placeholders.
 const LINE: u16 = 54_321;
 const SETTING: &str = "early_rate";
 
-/// An error: its name, its status and its text.
+/// An error's name, status and text.
 type Error = (&'static str, smr_status, String);
 
 fn error(name: &'static str, error: impl Display + Copy + Into<smr_status>) -> Error {
     (name, error.into(), error.to_string())
 }
 
-/// All errors that a call from another language can end with.
+/// Every error that a call from another language can return.
 fn errors() -> Vec<Error> {
     macro_rules! each {
         ($($kind:ident { $($reason:ident $(($of:expr))? $({ $($field:ident: $value:expr),+ })?),+ })+) => {
@@ -47,7 +45,7 @@ fn errors() -> Vec<Error> {
     }
 }
 
-/// Errors that a language cannot cause, and why. It shows the name of their status.
+/// Errors that a language cannot cause, and the reason; "" is every language. It shows the name of the status instead.
 const NEVER: &[(&str, &[&str], &str)] = &[
     ("JavaScript", &["ConfigError::RefinerNotBuiltIn"], "the module has the refiner"),
     ("JavaScript", READOUT, "a browser gives frames, not lines"),
@@ -70,7 +68,7 @@ const READOUT: &[&str] = &[
     "ReadoutError::LineMissing",
 ];
 
-/// The errors in the list of smr-core's interface, but for those of `pursuit` and tables, which are for Rust alone.
+/// The errors in smr-core's list of public items, except those of `pursuit` and of tables, which only Rust can cause.
 fn listed(core: &str) -> BTreeSet<String> {
     let paths = core.lines().filter_map(|line| line.strip_prefix("pub smr_core::")?.split(['(', ' ']).next());
     let named = |path: &str| {
@@ -81,7 +79,7 @@ fn listed(core: &str) -> BTreeSet<String> {
     paths.filter(|path| !path.starts_with("pursuit::") && !path.starts_with("similarity::")).filter_map(named).collect()
 }
 
-/// The texts of the errors that a language can cause, by the number of their status, with its name.
+/// The name and text of each status that a language can cause, by its number.
 fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
     let is_never = |name: &str| NEVER.iter().any(|(of, names, _)| ["", language].contains(of) && names.contains(&name));
     let mut words = BTreeMap::new();
@@ -93,7 +91,7 @@ fn words(language: &str) -> BTreeMap<i32, (&'static str, String)> {
     words
 }
 
-/// A text as C and JavaScript write it, with these places for a setting and a number.
+/// A text as a string literal of C and JavaScript, with `setting` and `number` as placeholders.
 fn quoted(text: &str, setting: &str, number: &str) -> String {
     format!("\"{}\"", text.replace(SETTING, setting).replace(&LINE.to_string(), number))
 }
@@ -130,7 +128,7 @@ fn javascript_has_the_words() {
 #[test]
 fn micropython_has_the_words() {
     let mut words = words("MicroPython");
-    // Rust's formats are a type, so it has no words for this.
+    // In Rust an unknown format cannot exist, so smr-core has no text for it.
     let formats = "the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10";
     words.insert(smr_status::SMR_ERROR_FORMAT_UNKNOWN as i32, ("SMR_ERROR_FORMAT_UNKNOWN", formats.to_owned()));
     let case = |(status, text): (&str, String)| {

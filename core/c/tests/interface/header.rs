@@ -1,4 +1,4 @@
-//! The types of `include/smr.h` have the same layout as the library's. `tests/api` shows that the header is current.
+//! Checks that sizes in `include/smr.h` equal those of the library. `tests/api` checks that the header is current.
 
 use crate::missing;
 use smr::{
@@ -37,7 +37,7 @@ fn the_header_and_the_library_agree_on_every_size() {
     assert!(compiles, "{words}");
 }
 
-/// True if a source with the header compiles; and what the compiler says.
+/// Returns whether a source that includes the header compiles, and the compiler's messages.
 fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let file = folder.path().join(if standard.starts_with("c++") { "source.cpp" } else { "source.c" });
@@ -51,7 +51,7 @@ fn compiles(compiler: &str, standard: &str, source: &str) -> (bool, String) {
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// A header before smr.h that does not end its packing gives types of other sizes.
+/// If a header before smr.h leaves a packing on, types would have other sizes, so smr.h must not compile.
 #[test]
 fn a_packing_does_not_compile() {
     if !missing::has_c_compiler("a_packing_does_not_compile") {
@@ -76,7 +76,7 @@ fn a_packing_does_not_compile() {
     }
 }
 
-/// The value of a size of the header on 32 bits, with other capacities than those of this library.
+/// A size in the header on 32 bits, computed for `pixels` and `span` in place of this library's capacity.
 fn on_32_bits(size: usize, name: &str, pixels: usize, span: usize) -> usize {
     let header = include_str!("../../include/smr.h");
     let definition = header.split_once(&format!("#define {name} ")).expect("the header defines it").1;
@@ -108,7 +108,6 @@ fn the_readmes_state_the_sizes_of_the_header() {
     ] {
         assert!(readme.contains(&words), "core/c/README.md: expected {words}");
     }
-    // In KB of 1000 bytes.
     let kb = |bytes: usize| format!("{}.{}", (bytes + 50) / 1000, (bytes + 50) % 1000 / 100);
     let heap = format!(
         "A `Paper` takes {} KB and a `Robust` {} KB. The first tracker of each kind also takes a\nworkspace ({} KB, {} KB)",

@@ -1,5 +1,5 @@
-//! `smr_init` takes little stack, even in debug builds: it makes the tracker in the storage and does not move it there.
-//! The presets `robust` and `refined`: in a library with the refiner and in one without it. Both builds run these tests.
+//! Tests of `smr_init`: it takes little stack, even in debug builds, because it constructs the tracker in its storage.
+//! Tests of the presets `robust` and `refined`, in builds with and without the refiner.
 
 #![allow(unsafe_code)] // calls the C interface, and reads the stack
 
@@ -11,16 +11,15 @@ use std::hint::black_box;
 use std::mem::MaybeUninit;
 use std::ptr;
 
-/// Bytes of stack that are measured.
+/// The largest measurable use of stack, in bytes.
 const DEPTH: usize = 512 << 10;
 const PAINT: u8 = 0xA5;
 const LINE: usize = 64;
 
-/// Paints the stack below its caller, or returns how much of it has lost its paint.
+/// Paints the stack below its caller, or returns how many bytes of it have lost the paint.
 ///
-/// The second time the array is uninitialised, so it holds what the call between the two has left. When a function
-/// reserves so large a frame, it writes a word to each page. A line therefore counts as used only if more than a word
-/// of it has changed.
+/// The second call leaves its array uninitialised, so that it contains what the code between the calls has left. A
+/// function with a large frame writes a word to each page: a line is used only if more than one word has changed.
 #[inline(never)]
 fn below(paint: bool) -> usize {
     let mut area = MaybeUninit::<[u8; DEPTH]>::uninit();
@@ -38,7 +37,7 @@ fn below(paint: bool) -> usize {
     (0..DEPTH / LINE).position(used).map_or(0, |first| DEPTH - first * LINE)
 }
 
-/// The result of `work`, and the bytes of stack that it takes.
+/// Returns the result of `work`, and the bytes of stack that it takes.
 fn stack_of<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> (R, usize) {
     let measure = || {
         below(true);
@@ -60,7 +59,7 @@ fn the_measurement_is_right() {
     assert!((0..2000).contains(&little) && (99_000..102_000).contains(&much), "{little}, {much}");
 }
 
-/// A filled configuration.
+/// A configuration filled by a preset.
 fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_config {
     let mut config = MaybeUninit::uninit();
     // SAFETY: there is memory for the configuration, and it is written before it is read.
@@ -70,7 +69,7 @@ fn filled(fill: unsafe extern "C" fn(*mut smr_config) -> smr_status) -> smr_conf
     }
 }
 
-/// The status of `smr_init`, and the bytes of stack that it takes with the call before it.
+/// Returns the status of `smr_init`, and the bytes of stack that the preset and `smr_init` take.
 fn init<const TARGET: usize, const WORKSPACE: usize>(
     fill: unsafe extern "C" fn(*mut smr_config) -> smr_status,
 ) -> (smr_status, usize) {
@@ -90,7 +89,7 @@ fn trackers_are_made_in_their_memory() {
     println!("smr_init: {paper}, robust {robust}");
     assert!(paper < 4096 && robust < 4096, "smr_init takes {paper} bytes of stack, for a robust tracker {robust}");
     assert_eq!([made, also_made], [smr_status::SMR_OK; 2]);
-    // Another package in the same build may have switched the refiner of smr-core on.
+    // Whether smr-core has the refiner: another package in the same build may have enabled it.
     let mut config = smr_core::robust::Config::robust();
     config.refiner = true;
     let expected = match config.check() {

@@ -1,4 +1,4 @@
-//! Tests of the C interface that need Rust, in one program.
+//! Tests of the C interface that need Rust.
 
 mod errors;
 mod header;
