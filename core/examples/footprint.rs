@@ -1,8 +1,8 @@
-//! One tracker alone, to measure its flash: the paper's, with the feature `robust` or `refiner` the robust one. The program is linked, but
-//! never run.
+//! A program with one tracker, linked to measure its flash but never run: the paper's, or with `robust` or `refiner`
+//! the robust one.
 //!
-//! `.ci/firmware` measures its size and checks its symbols: it contains no panic and no float. `black_box` hides all
-//! inputs from the compiler, so that the compiler drops no code that a camera would need.
+//! `.ci/firmware` measures its size and checks that it has no panic and no float. `black_box` hides the inputs, so that
+//! the compiler drops no code.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -15,13 +15,13 @@ mod firmware {
     use smr_core::paper::Config;
     #[cfg(feature = "robust")]
     use smr_core::{Robust as Weighed, robust::Config};
-    /// A template of 64x64 pixels, a window of +-16.
+    /// The paper's tracker with at most 64x64 template pixels and a search window of +-16.
     #[cfg(not(feature = "robust"))]
     type Weighed = smr_core::Paper<4096, 33>;
 
     const _: () = assert!(size_of::<Tracker<Weighed>>() <= 64 * 1024);
 
-    /// The smallest start-up code: that of cortex-m-rt on Arm, none elsewhere.
+    /// The entry point, with the least start-up code: cortex-m-rt on Arm, none elsewhere.
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(not(target_arch = "arm"), allow(unsafe_code), unsafe(export_name = "_start"))]
     fn start() -> ! {
@@ -57,7 +57,7 @@ mod firmware {
         }
     }
 
-    /// The compiler requires a panic handler. No call reaches it, so the linker drops it.
+    /// The panic handler that a `no_std` program must have. No call reaches it, so the linker drops it.
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         loop {

@@ -1,4 +1,4 @@
-// A firmware's answer on a host.
+// The `main` of firmware built for a host: prints how to run it.
 fn main() {
     let program = concat!("-p smr-examples --bin ", env!("CARGO_BIN_NAME"));
     let features = if cfg!(feature = "refiner") { " --features refiner" } else { "" };

@@ -1,17 +1,17 @@
-//! A first firmware: locks on a target in one frame, finds it in the next ones, and logs its box.
+//! A first firmware: locks on a target in one frame, finds it in the next frames, and logs its box. In QEMU:
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin minimal
 //! ```
 //!
-//! runs it in QEMU. For your own board, put your chip's addresses into `memory.x`, take the frames from your camera,
-//! and replace `defmt-semihosting` by the logger of your debug probe (`defmt-rtt`). The rest stays the same.
+//! For your board, put your chip's addresses into `memory.x`, take the frames from your camera, and replace
+//! `defmt-semihosting` by the logger of your debug probe (`defmt-rtt`).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod firmware {
-    // The crate is only linked: it has the critical section for the logger `defmt_semihosting`.
+    // Linked only for its critical section, which the logger `defmt_semihosting` needs.
     use cortex_m as _;
     use cortex_m_rt::entry;
     use defmt::{error, info};
@@ -23,15 +23,14 @@ mod firmware {
     const HEIGHT: u16 = 48;
     const FRAME: usize = WIDTH as usize * HEIGHT as usize;
 
-    /// The place of the target in the first frame: 10x10 pixels.
+    /// The target's box in the first frame: 10x10 pixels.
     const START: Rect = Rect::new(20, 16, 10, 10);
 
-    /// Three frames in flash in place of a camera, drawn at compile time. The target moves by a few pixels in each.
+    /// Three frames in flash in place of a camera, drawn at compile time. The target moves by a few pixels per frame.
     static FRAMES: [[u8; FRAME]; 3] = [draw(20, 16), draw(24, 15), draw(29, 17)];
 
-    /// A tracker with room for a template of 256 pixels and for 17 offsets on each axis, so with a window of -8..=8: a
-    /// small one, because the work is offsets times pixels. The type contains all the memory of the tracker, so its size
-    /// is known at compile time. It could also be a `static`.
+    /// A tracker for at most 256 template pixels and 17 offsets per axis (a window of -8..=8). It is small, because the
+    /// work is offsets times pixels. The value contains all its memory, so it could also be a `static`.
     type Small = Tracker<Paper<256, 17>>;
 
     #[entry]
@@ -52,20 +51,19 @@ mod firmware {
         tracker.lock(&frame(first)?, START)?;
 
         for (number, pixels) in (2u32..).zip(others) {
-            // The tracker reads only these pixels. If your camera can read out a part of the sensor, give it only
-            // these, as `Frame::of_window`.
+            // The tracker reads only this window. A camera that can read out just that passes it as `Frame::of_window`.
             let window = tracker.window().unwrap_or_default();
             info!("frame {=u32}: reads {=u16}x{=u16} pixels", number, window.width, window.height);
 
             let answer = tracker.update(&frame(pixels)?)?;
             let Rect { x, y, .. } = answer.bbox;
             match answer.state {
-                // The ratio is the similarity of target and template: 65535 is 1.0.
+                // The ratio is the similarity of target and template; 65535 is 1.0.
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
-                // The target is partly outside the frame: the template is not updated.
+                // The target is partly outside the frame, so the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // The box is the last one that the tracker accepted. Keep updating: it may find the target again. (Only
-                // the robust tracker is ever uncertain.)
+                // The box is the last accepted one. Keep updating, to find the target again. (`Uncertain` is never the
+                // paper's.)
                 State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
         }
@@ -77,7 +75,7 @@ mod firmware {
         Ok(Frame::whole(Image::new(pixels, WIDTH, HEIGHT)?))
     }
 
-    /// A flat background with the target, a pattern that does not repeat, at (`left`, `top`).
+    /// Draws the target, a pattern that does not repeat, at (`left`, `top`) on a flat background.
     const fn draw(left: usize, top: usize) -> [u8; FRAME] {
         let mut pixels = [60; FRAME];
         let mut i = 0;
@@ -89,7 +87,6 @@ mod firmware {
         pixels
     }
 
-    /// Nothing here panics, but a `no_std` program must have a handler.
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         error!("{}", defmt::Display2Format(info));

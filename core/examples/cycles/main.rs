@@ -1,4 +1,4 @@
-//! The table of cycles that firmware for boards prints (README.md), here in QEMU, which counts instructions instead.
+//! Prints the table of cycles (README.md) in QEMU, which counts instructions instead.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --features refiner --bin cycles
@@ -34,7 +34,7 @@ mod firmware {
         let Some(peripherals) = Peripherals::take() else { exit(1) };
         let mut timer = Timer::new(peripherals.SYST);
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // The 24-bit timer counts down. Inverted and in the upper bits, its differences are right also when it wraps.
+        // The 24-bit timer counts down. Inverted, in the upper bits, its differences are right even when it wraps.
         let done = table::rows(
             || !smr_ticks() << 8,
             |row| {

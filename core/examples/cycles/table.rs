@@ -1,17 +1,16 @@
-//! Measures a lock and the updates of each tracker on the recording `tiles` of host-sim, drawn here. The clock is the chip's own, so this
-//! file is the same on all chips.
+//! Measures a lock and updates of each tracker on host-sim's recording `tiles`, drawn here. All chips share this file.
 
 use crate::scene;
 use smr_core::{Frame, Paper, Rect, Robust, Target, paper, robust};
 
-/// The search window, and one of the sweep.
+/// Pixels of the search window and of a sweep window, in which a lost target is searched for.
 const PIXELS: usize = 56 * 1024;
 const UPDATES: usize = scene::FRAMES as usize - 1;
 
 const TOO_LARGE: &str = "a window is too large";
 const OUTSIDE: &str = "a window is outside of the frame";
 
-/// The measurements of one tracker, in counts of the clock.
+/// The measured times of one tracker, in ticks of the clock.
 pub struct Row {
     pub tracker: &'static str,
     pub lock: u32,
@@ -19,8 +18,8 @@ pub struct Row {
     pub most: u32,
 }
 
-/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap.
-/// Errors: a tracker refuses; the text says which step.
+/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. The error names the failed
+/// step.
 pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
     let (mut robust, mut refined) = (robust::Config::robust(), robust::Config::refined());
@@ -32,7 +31,7 @@ pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'
 #[inline(never)] // so that only one tracker is on the stack
 fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn() -> u32) -> Result<Row, &'static str> {
     let mut pixels = [0; PIXELS];
-    // Works through a reference: moving the target out of the result would put a second copy on the stack.
+    // Uses a reference, because moving the target out of the result would put a second copy on the stack.
     let (mut made, mut workspace) = (T::with(config), T::Workspace::default());
     let Ok(target) = &mut made else { return Err("a configuration cannot be used") };
     let start = Rect::new(scene::START.0.into(), scene::START.1.into(), scene::SIDE, scene::SIDE);
@@ -55,7 +54,7 @@ fn measure<T: Target>(tracker: &'static str, config: T::Config, clock: &impl Fn(
     Ok(Row { tracker, lock, median: counts[UPDATES / 2], most: counts[UPDATES - 1] })
 }
 
-/// A frame with only the pixels in `window` and `sweep` in memory.
+/// A frame of which only the pixels in `window` and `sweep` are in memory.
 fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS]) -> Result<Frame<'_>, &'static str> {
     let (first, rest) = pixels.split_at_mut_checked(area(window)).ok_or(TOO_LARGE)?;
     paint(number, window, first);
@@ -66,7 +65,7 @@ fn draw(number: u16, window: Rect, sweep: Option<Rect>, pixels: &mut [u8; PIXELS
     frame.and_window(second, sweep).map_err(|_| OUTSIDE)
 }
 
-/// Draws the pixels in `window`, which is inside the frame.
+/// Draws the part of the frame in `window`.
 fn paint(number: u16, window: Rect, pixels: &mut [u8]) {
     let [left, top] = [window.x, window.y].map(|place| u16::try_from(place).unwrap_or(0));
     for (row, y) in pixels.chunks_exact_mut(window.width.max(1).into()).zip(top..) {

@@ -1,11 +1,11 @@
-//! Compares every kernel of the chip's best backend with the plain loop, on pictures at the edge of the memory. Finally
-//! it reads beyond the memory, which must fault.
+//! Compares every kernel of the chip's best backend with the plain loop, on images at the edge of memory, where an
+//! access beyond the image faults. Finally checks that such an access does fault.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin kernels --features refiner
 //! ```
 //!
-//! It runs in QEMU only, because it depends on the memory maps of the emulated boards.
+//! Runs only in QEMU, because it depends on the memory maps of the emulated boards.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -25,7 +25,7 @@ mod firmware {
     use smr_core::similarity::Backend;
     use smr_core::unstable::check;
 
-    /// True when a fault is expected.
+    /// True while a fault is expected.
     static TRYING: AtomicBool = AtomicBool::new(false);
 
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
@@ -39,7 +39,7 @@ mod firmware {
         panic!("a byte was read from where no memory is: the checks would not notice if a kernel did");
     }
 
-    /// Ends the program. It is a success if the fault was expected.
+    /// Ends the program, with success if the fault was expected.
     fn fault(at: usize) -> ! {
         if TRYING.load(Ordering::SeqCst) {
             exit(0);

@@ -1,4 +1,4 @@
-//! The memory for the pictures, at the edges of the emulated boards' memory. An access beyond the edge faults.
+//! Memory for the test images, at the edges of the emulated board's memory, so that an access beyond an edge faults.
 
 #![allow(unsafe_code)] // memory by its address
 
@@ -7,16 +7,15 @@ use core::slice;
 use cortex_m::peripheral::MPU;
 use smr_core::unstable::check::{Areas, ROOM};
 
-/// Returns the areas; call it once. The first two end where memory ends, the third begins where memory begins.
+/// Returns the areas for images; call it once. Two end where memory ends, the third starts where memory starts.
 pub fn take() -> Areas<'static> {
     let [end, other_end, start] = edges();
-    // SAFETY: the board has writable memory there, and the linker script puts nothing there. (The code memory ends in
-    // this range, but the firmware is much shorter.)
+    // SAFETY: the board has writable memory there, and the linker script puts nothing there: the firmware is short.
     let room = |at: usize| unsafe { slice::from_raw_parts_mut(at as *mut u8, ROOM) };
     Areas { end: room(end - ROOM), other_end: room(other_end - ROOM), start: room(start) }
 }
 
-/// Addresses: two ends of the board's memory, and a start.
+/// Three addresses: two ends of the board's memory, and one start.
 #[cfg(target_arch = "arm")]
 fn edges() -> [usize; 3] {
     let peripherals = cortex_m::Peripherals::take().expect("they were not taken before");
@@ -28,12 +27,12 @@ fn edges() -> [usize; 3] {
         0xD22 => return [0x2008_0000, 0x0008_0000, 0x2100_0000], // M55: mps3-an547
         _ => panic!("this board's memory is not known"),
     };
-    // QEMU's MPS2, unlike its MPS3, reads zeroes where there is no memory.
+    // QEMU's MPS2 boards, unlike MPS3, read zeroes beyond the memory instead of faulting.
     forbid(&peripherals.MPU, [edges[0], edges[1], edges[2] - FORBIDDEN]);
     edges
 }
 
-/// QEMU's machine `virt` has one memory of 128 MB: only the first area of the test lies at its end.
+/// Edges of the only memory of QEMU's machine `virt`, 128 MB: only the first area lies at its end.
 #[cfg(target_arch = "riscv32")]
 fn edges() -> [usize; 3] {
     const END: usize = 0x8800_0000;
@@ -41,16 +40,16 @@ fn edges() -> [usize; 3] {
 }
 
 #[cfg(target_arch = "arm")]
-/// Bytes beyond an edge that the memory protection unit blocks.
+/// Bytes beyond an edge that the memory protection unit (MPU) blocks.
 const FORBIDDEN: usize = 4096;
 
 #[cfg(target_arch = "arm")]
-/// Blocks the memory from each of the addresses on with the memory protection unit of Armv7-M.
+/// Blocks `FORBIDDEN` bytes from each address on, with the MPU of Armv7-M.
 fn forbid(mpu: &MPU, addresses: [usize; 3]) {
     const ON_AND_ELSE_ALLOWED: u32 = 0b101;
-    /// Region size and access: 2^(11 + 1) bytes that may be neither read nor written.
+    /// Region size and access bits: 2^(11 + 1) bytes that may be neither read nor written.
     const NOT_EVEN_READ: u32 = 11 << 1 | 1;
-    // RASR, the fifth register of the unit. The crate gives it another name when it is compiled for Armv8-M.
+    // RASR, the MPU's fifth register. The crate names it differently for Armv8-M.
     let size_and_access = MPU::PTR.cast_mut().cast::<u32>().wrapping_add(4);
     for (region, address) in (0..).zip(addresses) {
         #[allow(clippy::cast_possible_truncation)] // usize is u32 here
@@ -75,7 +74,7 @@ pub fn read_beyond(memory: &[u8]) {
 }
 
 #[cfg(target_arch = "arm")]
-/// The part number of the Arm processor.
+/// The Arm processor's part number.
 fn processor() -> u32 {
     // SAFETY: every Armv7-M and Armv8-M processor has this register, and it can always be read.
     let id = unsafe { (*cortex_m::peripheral::CPUID::PTR).base.read() };

@@ -1,4 +1,4 @@
-//! Gives the memory map to the linker, whatever folder cargo is called from.
+//! Passes the folder of the memory map to the linker, because cargo may be called from any folder.
 
 fn main() {
     println!("cargo::rustc-link-search={}", std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default());

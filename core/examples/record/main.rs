@@ -1,13 +1,13 @@
-//! A flight recorder on the chip: follows a drawn target with both trackers, writes a record, and logs the cost.
+//! A flight recorder on the chip: follows a drawn target with both trackers, writes a flight record, and logs the cost.
 //!
 //! ```text
 //! cargo run --target thumbv7em-none-eabihf -p smr-examples --bin record
 //! cargo run --release -p host-sim -- replay record.smr
 //! ```
 //!
-//! The first command runs it in QEMU and writes `record.smr` to the working folder. The second runs that record again
-//! and compares every answer. The record of the paper's tracker is also in the log, which `host-sim replay` can read,
-//! too. On a board you would write to flash, an SD card, a serial line, or the log of the debug probe.
+//! The first command runs the firmware in QEMU and writes `record.smr` to the working folder. The second replays that
+//! record and compares every answer. The log also contains the paper's tracker's record, which `host-sim replay` can
+//! read. On a board, write to flash, an SD card, a serial line, or the debug probe's log.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -70,7 +70,7 @@ mod firmware {
         }
     }
 
-    /// Follows the target and records the flight with `write`.
+    /// Follows the target and writes its flight record with `write`.
     #[inline(never)] // so that only one tracker is on the stack
     fn follow<T: Recorded>(
         name: &str,
@@ -80,7 +80,7 @@ mod firmware {
         write: impl FnMut(&[u8]) -> Result<(), ()>,
     ) -> Result<(), &'static str> {
         let tick = CALIBRATION / timer.measure(|| spin(CALIBRATION)).1.max(1);
-        // Works through a reference: moving the tracker out of the result would put a second copy on the stack.
+        // Uses a reference, because moving the tracker out of the result would put a second copy on the stack.
         let mut made = Tracker::<T>::with(config);
         let Ok(tracker) = &mut made else { return Err("the configuration cannot be used") };
         let not_written = |()| "the record cannot be written";
@@ -112,8 +112,7 @@ mod firmware {
         Image::new(pixels, WIDTH, HEIGHT).map(Frame::whole).map_err(|_| "a frame has WIDTH * HEIGHT pixels")
     }
 
-    /// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden for
-    /// eight frames.
+    /// Draws faint tiles, and a target of strong ones that moves 2 pixels per frame and is hidden for eight frames.
     fn draw(pixels: &mut [u8; PIXELS], number: u16) {
         let hash = |x: u16, y: u16| (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761) >> 24;
         let (left, top) = (20 + 2 * (number % 24), 16 + number % 24);

@@ -1,4 +1,4 @@
-//! The firmware: reads the record entry by entry, runs it through its tracker, and writes the cost of each update.
+//! Reads a flight record entry by entry, replays it with its tracker, and writes the cost of each update.
 
 use crate::host_file::HostFile;
 use crate::measure::{Timer, depth, spin, stack};
@@ -9,27 +9,26 @@ use smr_core::{Answer, Paper, Robust, Tracker, UpdateError, paper, robust};
 
 const VERSION: u32 = 5;
 const CALIBRATION: u32 = 2_000_000;
-/// Numbers in a line of `said.smr`.
+/// The count of numbers in a line of `said.smr`.
 const LINE: usize = 16;
-/// The value of a missing number.
+/// The value that stands for a missing number.
 const NONE: u32 = u32::MAX;
-/// Bytes of an answer's entry.
+/// Bytes of an entry with an answer.
 const ANSWER: usize = AROUND + 30;
 
-/// For the vectors of the paper's tracker: small boxes and large windows.
+/// The paper's tracker for the test vectors: small boxes and large windows.
 #[cfg(feature = "small")]
 type Smr = Paper<128, 121>;
-/// For a box of up to 64x64 pixels, with a window of +-16 that does not grow.
+/// The paper's tracker for boxes of up to 64x64 pixels, with a window of +-16 that does not grow.
 #[cfg(not(feature = "small"))]
 type Smr = Paper<{ 64 * 64 }, 33>;
 
 /// A tracker that can be replayed. All its memory is on the stack, so the measured stack includes it.
 trait Replayed: Recorded {
-    /// Memory for the largest entry.
     type Buffer: AsMut<[u8]>;
     const BUFFER: Self::Buffer;
 
-    /// The settings that a record does not hold: with the feature `plain` the plain loops, else the fastest backend.
+    /// The settings that a record does not contain: the backend, plain loops with the feature `plain`, else the best.
     fn rest() -> Self::Config;
 }
 
@@ -47,7 +46,7 @@ impl Replayed for Smr {
 }
 
 impl Replayed for Robust {
-    /// Two windows of a target that has up to 48x48 pixels at the lock.
+    /// Two windows of a target of up to 48x48 pixels.
     type Buffer = [u8; 48 * 1024];
     const BUFFER: Self::Buffer = [0; 48 * 1024];
 
@@ -58,13 +57,13 @@ impl Replayed for Robust {
     }
 }
 
-/// The reason why the firmware stops. It is written as a number.
+/// The reason why a replay stops; its code is written to `said.smr`.
 enum End {
-    /// There is no entry where one is expected, or it is damaged.
+    /// An entry is missing or damaged.
     Damaged,
-    /// An entry is larger than the buffer.
+    /// An entry exceeds the buffer.
     TooLarge,
-    /// The record is of another tracker, or its configuration is refused.
+    /// The record is of another tracker, or the configuration is refused.
     Configuration,
     /// The lock window differs, or the lock fails.
     Lock,
@@ -94,7 +93,7 @@ impl From<Difference> for End {
 #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn main() -> ! {
     let timer = start();
-    // Without a record the firmware writes nothing and leaves no file.
+    // Without a record, no file is written.
     let record = HostFile::open(c"record.smr");
     let said = record.as_ref().and_then(|_| HostFile::create(c"said.smr"));
     let (Some(timer), Some(record), Some(said)) = (timer, record, said) else { exit(1) };
@@ -104,7 +103,7 @@ fn main() -> ! {
     exit(i32::from(end.is_err() || written.is_err()))
 }
 
-/// Prepares the processor. cortex-m-rt has painted the stack before.
+/// Prepares the processor. cortex-m-rt has already painted the stack.
 #[cfg(target_arch = "arm")]
 fn start() -> Option<Timer> {
     let peripherals = cortex_m::Peripherals::take()?;
@@ -122,18 +121,18 @@ struct Run {
     record: HostFile,
     said: HostFile,
     timer: Timer,
-    /// Position of the next entry in the record, in bytes.
+    /// Offset of the next entry in the record, in bytes.
     at: u64,
-    /// Work of a step; 0 for whole updates.
+    /// Units of work per step; 0 for whole updates.
     step: u32,
     /// Ticks of the last lock.
     lock: u32,
-    /// Bytes of stack that were in use when the last update was called.
+    /// Bytes of stack in use when the last update began.
     above: u32,
 }
 
 impl Run {
-    /// Replays the record with the tracker that its first entry names.
+    /// Replays the record with the tracker of its first entry.
     fn choose(&mut self) -> Result<(), End> {
         let mut letter = [0];
         self.record.read(HEAD as u64 + 2, &mut letter).ok_or(End::Damaged)?;
@@ -162,7 +161,7 @@ impl Run {
         Ok(())
     }
 
-    /// Replays the next entry, and the answer to a window. False at the end of the record.
+    /// Replays the next entry, and with a window also its answer. Returns false at the end of the record.
     fn entry<T: Replayed>(&mut self, tracker: &mut Tracker<T>, buffer: &mut [u8]) -> Result<bool, End> {
         let Some(entry) = self.read(buffer)? else { return Ok(false) };
         let found = first(entry).map_err(|_| End::Damaged)?;
@@ -176,7 +175,7 @@ impl Run {
         self.at += found.size as u64;
         self.play(tracker, &mut player, &found.entry)?;
         if player.window().is_some() {
-            // An update that was given up has no answer.
+            // A cancelled update has no answer.
             let mut answer = [0; ANSWER];
             let Ok(Some(answer)) = self.read(&mut answer) else { return Ok(true) };
             let Ok(found @ Found { entry: Entry::Answer(_), .. }) = first(answer) else { return Ok(true) };
@@ -186,7 +185,7 @@ impl Run {
         Ok(true)
     }
 
-    /// Executes an entry; measures locks and updates.
+    /// Replays an entry, and measures locks and updates.
     #[inline(never)] // as for `say`
     fn play<'a, T: Replayed>(
         &mut self,
@@ -222,7 +221,7 @@ impl Run {
         }
     }
 
-    /// The next entry; `None` at the end of the record.
+    /// Reads the next entry; `None` at the end of the record.
     #[inline(never)] // as above
     fn read<'b>(&mut self, buffer: &'b mut [u8]) -> Result<Option<&'b [u8]>, End> {
         let mut head = [0; HEAD];
@@ -235,7 +234,7 @@ impl Run {
         Ok(self.record.read(self.at, entry).map(|()| &*entry))
     }
 
-    /// Writes how it has ended.
+    /// Writes the result: the stack used, or the reason `why` the replay stopped.
     fn end(&mut self, why: Option<&End>) -> Result<(), End> {
         let Some(why) = why else {
             let (used, room) = stack();
@@ -276,12 +275,12 @@ fn different(at: u32, answer: &Answer) -> [u32; LINE] {
     [5, at, 6, left, top, width, height, state, confidence, ratio, runner_up_ratio, alpha, scale, found_again, 0, 0]
 }
 
-/// FNV-1a.
+/// The FNV-1a hash.
 fn fnv(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0x811C_9DC5, |hash, &byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// The compiler needs it; no call reaches it, so it is not linked. `.ci/firmware` checks that.
+/// The panic handler that a `no_std` program must have. `.ci/firmware` checks that no call reaches it.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     exit(101)

@@ -1,4 +1,4 @@
-//! A file on the debugger's host. The file type of the crate `semihosting` contains assertions; this one cannot panic.
+//! A file on the debugger's host. Unlike that of the crate `semihosting`, it has no assertions, so it cannot panic.
 
 #![allow(unsafe_code)] // semihosting calls take addresses
 
@@ -28,7 +28,7 @@ impl HostFile {
         unsafe { syscall_readonly(OperationNumber::SYS_OPEN, ParamRegR::block(&block)) }.raw_fd().map(Self)
     }
 
-    /// Reads `bytes` from position `start` on; `None` if the file is too short.
+    /// Reads `bytes` from offset `start` on; `None` if the file is too short.
     pub fn read(&mut self, start: u64, bytes: &mut [u8]) -> Option<()> {
         let place = [ParamRegR::raw_fd(self.0), ParamRegR::usize(usize::try_from(start).ok()?)];
         // SAFETY: SYS_SEEK takes a file and a position.
@@ -40,7 +40,6 @@ impl HostFile {
         (failed == 0 && missing == 0).then_some(())
     }
 
-    /// Appends `bytes`.
     pub fn write(&mut self, bytes: &[u8]) -> Option<()> {
         let block = [ParamRegR::raw_fd(self.0), ParamRegR::buf(bytes), ParamRegR::usize(bytes.len())];
         // SAFETY: SYS_WRITE takes a file, memory to read from, and its length.

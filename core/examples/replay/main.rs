@@ -1,16 +1,16 @@
-//! Replays a flight record that lies on the debugger's host, and writes the cost of each update. `tests/qemu` makes the record of a recording, runs this
-//! firmware in QEMU, and says what it has found.
+//! Replays a flight record from the debugger's host, and writes the cost of each update. `tests/qemu` makes the record,
+//! runs this firmware in QEMU, and reports the results.
 //!
-//! Only one entry of the record is in memory. The firmware has no log and no panic, so that it measures the tracker alone. It replays the record with whole
-//! updates and, if `step.smr` exists, once more in steps.
+//! Only one entry of the record is in memory. The firmware has no log and no panic, so that it measures the tracker
+//! alone. It replays the record with whole updates and, if `step.smr` exists, again in steps.
 //!
 //! # Files in the working folder of QEMU
 //!
-//! The firmware reads `record.smr`, which `smr_core::record` describes. A saved target in it must be the tracker's own,
-//! unless the tracker has none. If there is a file `step.smr`, its four bytes are the work of a step.
+//! The firmware reads `record.smr`, whose format `smr_core::record` describes. A saved target in it must be the
+//! tracker's own, unless the tracker has none. The four bytes of the optional file `step.smr` are the work of a step.
 //!
 //! The firmware writes `said.smr`: lines of 16 numbers of 32 bits, little-endian. The first number is the kind of the
-//! line. Numbers not listed are 0.
+//! line. Numbers that the table does not list are 0.
 //!
 //! | line          | numbers                                                                                        |
 //! |---------------|------------------------------------------------------------------------------------------------|

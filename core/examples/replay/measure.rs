@@ -1,4 +1,4 @@
-//! Measurements on the chip: the time of some work, and the used stack.
+//! Measurements on Cortex-M: the time of a computation, and the used stack.
 
 #![allow(unsafe_code)] // reads the stack by its address, and names a function
 
@@ -8,7 +8,7 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::STACK_PAINT_VALUE;
 
-/// The 24-bit timer of the core. With QEMU's `-icount` a tick is a fixed number of instructions.
+/// The core's 24-bit timer. With QEMU's `-icount`, a tick is a fixed number of instructions.
 pub struct Timer(#[allow(dead_code)] SYST);
 
 impl Timer {
@@ -20,8 +20,7 @@ impl Timer {
         Self(timer)
     }
 
-    /// Runs `work`; returns its result and its ticks. The timer wraps after 2^24 ticks (600 million instructions); no
-    /// work here takes that long.
+    /// Runs `work`, which must take less than 2^24 ticks (600 million instructions); returns its result and ticks.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = smr_ticks();
         compiler_fence(Ordering::SeqCst);
@@ -32,8 +31,7 @@ impl Timer {
     }
 }
 
-/// The timer's value, which counts down from 2^24. `smr-qemu --cycles` finds the calls of this function in QEMU's
-/// trace, by its name.
+/// The timer, which counts down from 2^24. `smr-qemu --cycles` finds calls by this function's name in QEMU's trace.
 // SAFETY: no other function has this name.
 #[unsafe(no_mangle)]
 #[inline(never)]
@@ -41,8 +39,7 @@ pub extern "C" fn smr_ticks() -> u32 {
     SYST::get_current()
 }
 
-/// Executes this many instructions, to calibrate the timer. (The instructions of `cortex_m::asm::delay` depend on its
-/// version.)
+/// Executes this many instructions, to calibrate the timer. (For `cortex_m::asm::delay` they depend on its version.)
 pub fn spin(instructions: u32) {
     // SAFETY: two instructions per round count down a register.
     unsafe {
@@ -50,8 +47,7 @@ pub fn spin(instructions: u32) {
     }
 }
 
-/// The bytes of stack used since the start, and the bytes of stack in all. cortex-m-rt has painted all of it at the
-/// start.
+/// The bytes of stack used since the start, when cortex-m-rt painted all of it, and the size of the stack.
 pub fn stack() -> (u32, u32) {
     unsafe extern "C" {
         static _stack_end: u32;
@@ -68,7 +64,7 @@ pub fn stack() -> (u32, u32) {
     (distance(at), distance(lowest))
 }
 
-/// The bytes of stack in use.
+/// The bytes of stack in use in the caller.
 #[inline(always)] // else they are those of this function
 pub fn depth() -> u32 {
     unsafe extern "C" {

@@ -1,4 +1,4 @@
-//! Measurements on RV32, like those of `measure.rs` on Cortex-M: the time of some work, and the used stack.
+//! Measurements on RV32, as in `measure.rs` on Cortex-M: the time of a computation, and the used stack.
 
 #![allow(unsafe_code)] // reads a counter, and the stack by its address
 
@@ -9,12 +9,12 @@ use core::sync::atomic::{Ordering, compiler_fence};
 const PAINT: u32 = 0xCCCC_CCCC;
 
 unsafe extern "C" {
-    // The ends of the stack, by the linker script of riscv-rt.
+    // The ends of the stack, from the linker script of riscv-rt.
     static mut __estack: u32;
     static _stack_start: u32;
 }
 
-/// The counter of instructions.
+/// The core's counter of executed instructions.
 pub struct Timer(());
 
 impl Timer {
@@ -22,8 +22,7 @@ impl Timer {
         Self(())
     }
 
-    /// Runs `work`; returns its result and its instructions. The lower half of the counter wraps after 2^32; no work
-    /// here takes that many.
+    /// Runs `work`, which must take less than 2^32 instructions; returns its result and instructions.
     pub fn measure<T>(&mut self, work: impl FnOnce() -> T) -> (T, u32) {
         let start = instructions();
         compiler_fence(Ordering::SeqCst);
@@ -49,7 +48,7 @@ pub fn spin(instructions: u32) {
     }
 }
 
-/// Fills the unused part of the stack, so that [`stack`] can see how much was used later.
+/// Fills the unused part of the stack, so that [`stack`] can later find the used part.
 pub fn paint_stack() {
     let lowest = addr_of_mut!(__estack);
     // SAFETY: from the stack's lowest word up to the stack pointer nothing is in use.
@@ -59,7 +58,7 @@ pub fn paint_stack() {
     }
 }
 
-/// The bytes of stack used since [`paint_stack`], including those that were in use then, and the bytes of stack in all.
+/// The bytes of stack used since [`paint_stack`], with those in use before it, and the size of the stack.
 pub fn stack() -> (u32, u32) {
     let (lowest, end) = (addr_of!(__estack), addr_of!(_stack_start));
     let mut at = lowest;
@@ -72,7 +71,7 @@ pub fn stack() -> (u32, u32) {
     (distance(at), distance(lowest))
 }
 
-/// The bytes of stack in use.
+/// The bytes of stack in use in the caller.
 #[inline(always)] // else they are those of this function
 pub fn depth() -> u32 {
     let now: u32;

@@ -1,23 +1,22 @@
-//! Converts results to Python: boxes, answers and values of JSON.
+//! Converts results to Python objects: boxes, answers and JSON values.
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use serde_json::Value;
 use smr_core::{Answer, FineRect, Rect};
 
-/// A class of the package.
+/// A class of the Python module `smr._answer`, cached in `cell`.
 fn class<'py>(py: Python<'py>, cell: &'static PyOnceLock<Py<PyAny>>, name: &str) -> PyResult<&'py Bound<'py, PyAny>> {
     let found = cell.get_or_try_init(py, || PyResult::Ok(py.import("smr._answer")?.getattr(name)?.unbind()))?;
     Ok(found.bind(py))
 }
 
-/// A `Box`.
+/// Converts to a Python `Box`.
 pub fn whole<'py>(py: Python<'py>, rect: Rect) -> PyResult<Bound<'py, PyAny>> {
     static BOX: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     class(py, &BOX, "Box")?.call1((rect.x, rect.y, rect.width, rect.height))
 }
 
-/// A `FineBox`.
 fn fine<'py>(py: Python<'py>, rect: FineRect) -> PyResult<Bound<'py, PyAny>> {
     static FINE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pixels = |number: i32| f64::from(number) / 256.0;
@@ -30,7 +29,7 @@ pub fn of_one(ratio: u16) -> f64 {
     f64::from(ratio) / f64::from(u16::MAX)
 }
 
-/// An `Answer` of Python. Its ratios are floats, at most 1.0.
+/// Converts to a Python `Answer`, whose ratios are floats of 0.0 to 1.0.
 pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAny>> {
     static ANSWER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     static STATES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
@@ -48,7 +47,6 @@ pub fn answer<'py>(py: Python<'py>, answer: &Answer) -> PyResult<Bound<'py, PyAn
     ))
 }
 
-/// A value of JSON.
 pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     py.import("json")?.call_method1("loads", (value.to_string(),))
 }

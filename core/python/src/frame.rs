@@ -1,5 +1,5 @@
-//! Takes a numpy array as a frame. Rows of gray pixels are read in place. In every other layout the pixels that the
-//! tracker reads are first converted to gray rows.
+//! Reads a numpy array as a frame. Gray pixels in rows are read in place; of other layouts the pixels that the tracker
+//! reads are first converted to gray rows.
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -7,26 +7,26 @@ use pyo3::prelude::*;
 use smr_core::{Frame, Image, Rect};
 use smr_recordings::messages;
 
-/// Borrows the array while its pixels are read.
+/// A borrow of a numpy array while its pixels are read.
 pub struct Borrowed<'py>(PyReadonlyArrayDyn<'py, u8>);
 
-/// The pixels of an array. Shape and strides are those of numpy; strides may be negative.
+/// The pixels of an array, with numpy's shape and strides (which may be negative).
 #[derive(Clone, Copy)]
 pub struct Pixels<'a> {
-    /// All bytes from the pixel with the lowest address to the one with the highest.
+    /// The bytes from the pixel with the lowest address to the one with the highest.
     bytes: &'a [u8],
-    /// The place of pixel (0, 0) in `bytes`.
+    /// Index of pixel (0, 0) in `bytes`.
     first: isize,
     row: isize,
     column: isize,
-    /// The bytes from blue to green, and from green to red; `None` if the pixels are gray.
+    /// Bytes from blue to green and from green to red; `None` if the pixels are gray.
     color: Option<isize>,
     width: u16,
     height: u16,
 }
 
 impl<'py> Borrowed<'py> {
-    /// Errors: the array is not `uint8`, or its shape is not that of a frame.
+    /// Fails if the array is not `uint8` or has not the shape of a frame.
     pub fn new(array: &Bound<'py, PyAny>) -> PyResult<Self> {
         const EXPECTED: &str = "expected a numpy array of uint8, gray (height, width) or BGR (height, width, 3)";
         let Ok(untyped) = array.cast::<PyUntypedArray>() else {
@@ -48,8 +48,8 @@ impl<'py> Borrowed<'py> {
         let ends = shape.iter().zip(strides).map(|(&count, &stride)| (count.cast_signed() - 1) * stride);
         let lowest: isize = ends.clone().map(|end| end.min(0)).sum();
         let highest: isize = ends.map(|end| end.max(0)).sum();
-        // SAFETY: The array has at least one element, and they lie from `lowest` to `highest` around the first one. The
-        // array is borrowed for as long as the slice lives.
+        // SAFETY: the array has an element, and all lie from `lowest` to `highest` around the first. It is borrowed
+        // while the slice lives.
         #[allow(unsafe_code)]
         let bytes =
             unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };
@@ -60,19 +60,17 @@ impl<'py> Borrowed<'py> {
 }
 
 impl<'a> Pixels<'a> {
-    /// The rectangle of the frame, at (0, 0).
     pub fn bounds(&self) -> Rect {
         Rect::new(0, 0, self.width, self.height)
     }
 
-    /// The frame with only one pixel in memory, whose value does not matter. It serves to check the arguments of a
-    /// call.
+    /// The frame with only one pixel in memory, of any value: enough to check the arguments of a call.
     pub fn corner(&self) -> PyResult<Frame<'static>> {
         let pixel = Image::new(&[0], 1, 1).map_err(refused)?;
         Frame::part(pixel, 0, 0, self.width, self.height).map_err(refused)
     }
 
-    /// The frame for a call that reads `windows`. `gray` holds the pixels that had to be converted.
+    /// The frame for a call that reads `windows`. `gray` receives pixels that must be converted.
     pub fn frame<'b>(&self, windows: [Option<Rect>; 2], gray: &'b mut Vec<u8>) -> PyResult<Frame<'b>>
     where
         'a: 'b,
@@ -83,7 +81,7 @@ impl<'a> Pixels<'a> {
             let image = Image::with_stride(self.bytes, self.width, self.height, stride);
             return Ok(Frame::whole(image.map_err(refused)?));
         }
-        // If the core will refuse the box or the frame, there are no windows. The core reads no pixel then.
+        // The core refuses an empty or outside window before it reads a pixel, so one pixel suffices then.
         let inside = |window: &Rect| self.bounds().contains(*window) && !window.is_empty();
         let [first, second] = windows.map(|window| window.filter(inside));
         let first = first.unwrap_or(Rect::new(0, 0, 1, 1));
@@ -95,13 +93,12 @@ impl<'a> Pixels<'a> {
         second.map_or(Ok(frame), |window| frame.and_window(&gray[end..], window)).map_err(refused)
     }
 
-    /// Appends the gray pixels of `window`.
     fn gather(&self, window: Rect, gray: &mut Vec<u8>) {
         for y in window.y..window.bottom() {
             let place = |x: i32| (self.first + y as isize * self.row + x as isize * self.column).cast_unsigned();
             match self.color {
                 None => gray.extend((window.x..window.right()).map(|x| self.bytes[place(x)])),
-                // Pixels without gaps, as in almost all pictures.
+                // Contiguous pixels, as in almost all images.
                 Some(1) if self.column == 3 => {
                     let pixels = self.bytes[place(window.x)..place(window.right() - 1) + 3].as_chunks().0;
                     gray.extend(pixels.iter().map(|&bgr| luma(bgr)));
@@ -115,7 +112,7 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// A Python exception with the error text of the core or of host-sim.
+/// A Python ValueError with the message of an error in Rust.
 pub fn refused(error: impl Into<anyhow::Error>) -> PyErr {
     PyValueError::new_err(messages::of(&error.into()))
 }

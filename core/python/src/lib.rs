@@ -1,4 +1,4 @@
-//! The extension module `smr._smr`: the trackers of smr-core as Python classes. Conversions only; the package `smr` is around it.
+//! The extension module `smr._smr`: converts between smr-core and Python. The Python package `smr` wraps it.
 
 mod answer;
 mod frame;
@@ -18,8 +18,8 @@ mod _smr {
     use pyo3::prelude::*;
     use smr_core::{paper, robust};
 
-    /// Loads numpy, lists the options, and adds the version of the workspace, which the wheel has, too.
-    /// Otherwise the first array would load numpy, and panic if Ctrl-C is pressed meanwhile.
+    /// Loads numpy now: when it is loaded by the first array, Ctrl-C in that moment causes a panic. Also documents the
+    /// options and sets the version.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;

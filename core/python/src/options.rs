@@ -1,4 +1,4 @@
-//! Converts keyword arguments to a configuration by the names of its settings.
+//! Converts keyword arguments to a configuration, by the names of its settings.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -7,8 +7,7 @@ use serde_json::{Map, Value, json};
 use smr_core::{ConfigError, Setting, Settings, Shape};
 use std::ffi::CString;
 
-/// `config` with the numbers in `given` put in.
-/// Errors: an unknown name, or a value of the wrong type or outside its range.
+/// Returns `config` with the options in `given`. Fails on an unknown name, a wrong type or a value outside its range.
 pub fn with<C: Settings>(mut config: C, given: Option<&Bound<'_, PyDict>>) -> PyResult<C> {
     for (name, value) in given.into_iter().flatten() {
         let name: String = name.extract()?;
@@ -34,7 +33,7 @@ fn numbers(shape: Shape, value: &Bound<'_, PyAny>) -> PyResult<Vec<u16>> {
     }
 }
 
-/// The type of a setting, and the range of its numbers.
+/// The expected type and range of a setting, for messages.
 fn expected(setting: &Setting) -> String {
     let shape = match setting.shape {
         Shape::Switch => return "True or False".to_owned(),
@@ -45,7 +44,7 @@ fn expected(setting: &Setting) -> String {
     format!("{shape} of {} to {}", setting.lowest, setting.highest)
 }
 
-/// Adds a list of all options to the text and the signature of a class. `first` is the preset without a name.
+/// Adds all options to the docstring and signature of a class. `first` is the name of the default preset.
 pub fn document<C: Settings>(class: &Bound<'_, PyAny>, first: &str) -> PyResult<()> {
     let mut text: String = class.getattr("__doc__")?.extract()?;
     text.push('\n');
@@ -59,13 +58,12 @@ pub fn document<C: Settings>(class: &Bound<'_, PyAny>, first: &str) -> PyResult<
     class.setattr("__signature__", py.import("inspect")?.call_method1("signature", (py.eval(&alike, None, None)?,))?)
 }
 
-/// `built`, or an error that says why the core refuses the configuration, with the options that were given.
+/// Returns `built`, or an exception with the reason why the core refuses the configuration and with the options.
 pub fn of_range<T>(built: Result<T, ConfigError>, given: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
     let given = || given.map_or_else(|| "{}".to_owned(), ToString::to_string);
     built.map_err(|error| PyValueError::new_err(format!("{error}: {}", given())))
 }
 
-/// All numbers of the configuration by their names.
 pub fn all<C: Settings>(config: &C) -> Map<String, Value> {
     let of = |setting: &Setting| {
         let values = config.get(setting.name()).unwrap_or_default();

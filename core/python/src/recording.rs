@@ -1,4 +1,4 @@
-//! The class `Recording`, which reads what host-sim reads, and the figures of host-sim.
+//! The class `Recording`, which reads every source that host-sim reads, and the figures of host-sim.
 
 use crate::answer::to_python;
 use crate::frame::refused;
@@ -29,7 +29,8 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A value with threads or a child process. A process that forked has a copy without them: it can neither use nor drop it.
+/// A value with threads or a child process. A forked process has a copy without them, which it can neither use nor
+/// drop.
 struct OfProcess<T>(u32, ManuallyDrop<T>);
 
 impl<T> OfProcess<T> {
@@ -37,7 +38,7 @@ impl<T> OfProcess<T> {
         Self(process::id(), ManuallyDrop::new(value))
     }
 
-    /// Errors: another process made it.
+    /// Fails in a process that did not create the value.
     fn get(&mut self) -> PyResult<&mut T> {
         let other =
             "another process began to read this recording: make a smr.Recording and iterate over it in this one";
@@ -60,9 +61,8 @@ impl<T> Drop for OfProcess<T> {
 /// A recording as host-sim reads it: a folder of pictures, a video, Y4M, a built-in one such as "street", a camera of
 /// Linux ("/dev/video0" or its number, 0), or an address ("rtsp://camera.local/stream").
 ///
-/// Iterating over it decodes its frames one at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3)
-/// with `color=True`. A camera or an address always gives its newest frame: those that came while the last one was in
-/// use are dropped. After a fork, begin to iterate anew.
+/// Iterating over it decodes one frame at a time: arrays of uint8, gray (height, width), or BGR (height, width, 3) with
+/// `color=True`. A camera or an address yields its newest frame and drops older ones. After a fork, iterate anew.
 ///
 /// Videos, cameras and addresses need ffmpeg (not OpenCV) on the PATH. Raises ValueError if the recording cannot be
 /// opened; iterating raises OSError at a damaged frame, or if a camera fails.
@@ -72,7 +72,7 @@ pub struct Recording {
     /// The name of the folder or file.
     #[pyo3(get)]
     name: String,
-    /// True for a camera or an address: its frames have no end, and come at their own time.
+    /// True for a camera or an address, whose frames have no end and arrive in real time.
     #[pyo3(get)]
     is_live: bool,
     start: Option<BoundingBox>,
@@ -80,12 +80,12 @@ pub struct Recording {
     color: bool,
     length: Option<usize>,
     source: Source,
-    /// A live source is opened once: the first iteration takes it.
+    /// The stream of a live source, which is opened only once: the first iteration takes it.
     live: Mutex<OfProcess<Option<Sequence>>>,
 }
 
 impl Recording {
-    /// The first `count` frames; none of a live source.
+    /// Decodes the first `count` frames; none of a live source.
     fn first(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Frame>> {
         let read = || open(&self.path)?.frames.take(count).collect::<anyhow::Result<_>>();
         if self.is_live { Ok(Vec::new()) } else { py.detach(read).map_err(refused) }
@@ -112,13 +112,13 @@ impl Recording {
         Ok(Self { path, name, is_live, start, truth, color, length, source, live })
     }
 
-    /// The width and the height of its frames in pixels; None for a camera or an address.
+    /// Width and height of the frames in pixels; None for a camera or an address.
     #[getter]
     fn size(&self, py: Python<'_>) -> PyResult<Option<(u16, u16)>> {
         Ok(self.first(py, 1)?.first().map(|first| (first.gray.width, first.gray.height)))
     }
 
-    /// The frames in a second, by the times of the first ones; None where they have no times, or come at their own.
+    /// Frames per second, by the times of the first frames; None for a live source or without times.
     #[getter]
     fn fps(&self, py: Python<'_>) -> PyResult<Option<f64>> {
         let times: Vec<f64> = self.first(py, 31)?.iter().filter_map(|frame| frame.seconds).collect();
@@ -138,14 +138,13 @@ impl Recording {
         format!("smr.Recording({:?}{})", self.path, if self.color { ", color=True" } else { "" })
     }
 
-    /// The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None.
+    /// The box to start from, from a file beside the recording: (x, y, width, height) in pixels, or None.
     #[getter]
     fn start(&self) -> Option<Four> {
         self.start.map(four)
     }
 
-    /// The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
-    /// truth.
+    /// The true box of each frame, (x, y, width, height) in pixels or None (hidden target). None without ground truth.
     #[getter]
     fn truth(&self) -> Option<Vec<Option<Four>>> {
         self.truth.as_ref().map(|truth| truth.iter().map(|shown| shown.map(four)).collect())
@@ -161,7 +160,7 @@ impl Recording {
         Ok(Decoded(Mutex::new(OfProcess::new(py.detach(opened).map_err(refused)?))))
     }
 
-    /// The figures of `host-sim eval` for any tracker's boxes, as a dict by their names.
+    /// Scores any tracker's boxes: the figures of `host-sim eval`, as a dict by their names.
     ///
     /// `boxes` has (x, y, width, height) in pixels for each frame, or None where the tracker has no answer. Raises
     /// ValueError without ground truth, or if the number of boxes differs from it.
@@ -181,7 +180,7 @@ impl Recording {
 #[pyclass(frozen)]
 struct Decoded(Mutex<OfProcess<Sequence>>);
 
-/// The next frame: its rows, columns and colors, and their bytes. `None` after the last one.
+/// Returns the next frame's rows, columns and colors, and its bytes; `None` after the last frame.
 fn next(sequence: &mut Sequence) -> anyhow::Result<Option<([usize; 3], Vec<u8>)>> {
     let Some(frame) = sequence.frames.next().transpose()? else {
         let ended = sequence.source.live().and_then(|live| live.ended());
@@ -210,7 +209,7 @@ impl Decoded {
     }
 }
 
-/// The box to start from that lies beside a file, (x, y, width, height) in pixels, or None. Its frames are not read.
+/// The box to start from, from a file beside `path`: (x, y, width, height) in pixels, or None. Reads no frame.
 ///
 /// Raises ValueError if a file with boxes cannot be read.
 #[pyfunction]
@@ -218,13 +217,13 @@ pub fn start_beside(path: PathBuf) -> PyResult<Option<Four>> {
     Ok(smr_recordings::start_beside(&path).map_err(refused)?.map(four))
 }
 
-/// The recordings in folders, as host-sim finds them: a path each. Raises ValueError if a folder has none.
+/// Finds the recordings in folders, as host-sim does: a list of paths. Raises ValueError if a folder has none.
 #[pyfunction]
 pub fn recordings(paths: Vec<PathBuf>) -> PyResult<Vec<PathBuf>> {
     smr_recordings::recordings(&paths).map_err(refused)
 }
 
-/// The tracker to measure: its configuration, and the name of its figures.
+/// The tracker's configuration for a measurement, under `name`.
 fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     let target = &*tracker.target()?;
     let (configs, mut options): (Configs, _) = each!(target, of => ((*of.config()).into(), options::all(of.config())));
@@ -232,8 +231,8 @@ fn variant(name: &str, tracker: &Tracker) -> PyResult<Variant> {
     Ok(Variant { name: name.to_owned(), options, ..Variant::new(target.kind(), &configs) })
 }
 
-/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as columns. `smr.evaluate`
-/// takes many recordings, and says what `starts` may be.
+/// Measures trackers on one recording: the table `measured` of `host-sim eval --robustness`, as a dict of columns. See
+/// `smr.evaluate`, which takes many recordings, for `starts`.
 #[pyfunction]
 pub fn measure<'py>(
     py: Python<'py>,

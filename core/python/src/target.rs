@@ -1,4 +1,4 @@
-//! Either tracker of smr-core behind one type, and the scratch memory that it needs.
+//! A target of either tracker of smr-core, and the scratch memory for updates.
 
 use crate::answer::to_python;
 use crate::frame::{Pixels, refused};
@@ -11,11 +11,10 @@ use smr_core::{Answer, ConfigError, Rect, Robust, Target as _, UpdateError, call
 use smr_evaluation::{MethodKind, Refused};
 use std::cell::RefCell;
 
-/// The paper's tracker with the same room as in host-sim.
+/// The paper's tracker with the capacity that host-sim gives it.
 type Paper = smr_evaluation::Paper;
 type PaperWorkspace = paper::Workspace<{ smr_evaluation::MOST_PIXELS }, { smr_evaluation::MOST_OFFSETS }>;
 
-/// A target, on the heap.
 pub enum Target {
     Paper(Box<Paper>),
     Robust(Box<Robust>),
@@ -26,11 +25,11 @@ pub enum Target {
 pub struct Scratch {
     paper: Option<Box<PaperWorkspace>>,
     robust: Option<Box<robust::Workspace>>,
-    /// The gray pixels of frames that had to be converted.
+    /// Gray pixels that were converted from another layout.
     gray: Vec<u8>,
 }
 
-/// Lends `count` scratches of this thread to `call`.
+/// Lends `count` scratch memories of this thread to `call`.
 pub fn with_scratch<T>(count: usize, call: impl FnOnce(&mut [Scratch]) -> T) -> T {
     thread_local! {
         static SCRATCH: RefCell<Vec<Scratch>> = RefCell::default();
@@ -48,7 +47,7 @@ fn not_updated(error: UpdateError) -> PyErr {
     }
 }
 
-/// Evaluates `$result` with the target as `$of`, whichever tracker it has.
+/// Evaluates `$result` with `$of` bound to the target, for either tracker.
 macro_rules! each {
     ($target:expr, $of:ident => $result:expr) => {
         match $target {
@@ -87,11 +86,11 @@ impl Target {
         locked.map(drop).map_err(|error| refused(Refused::or(error.into(), kind, target, bounds)))
     }
 
-    /// Checks whether `update` can be called with this frame. Changes nothing and reads no pixel.
+    /// Checks whether `update` would accept the frame. Changes nothing and reads no pixel.
     pub fn check(&self, pixels: &Pixels<'_>) -> PyResult<()> {
         let frame = pixels.corner()?;
         match each!(self, of => calls::check(&**of, &frame)) {
-            // The core checks this last, so everything else is right.
+            // The core checks the window last, so every other check has passed.
             Err(UpdateError::WindowNotInMemory) => Ok(()),
             checked => checked.map_err(not_updated),
         }
@@ -108,7 +107,7 @@ impl Target {
         answer.map_err(not_updated)
     }
 
-    /// The target as saved bytes; `None` if there is none.
+    /// Saves the target as bytes; `None` without a target.
     pub fn saved(&self) -> Option<Vec<u8>> {
         each!(self, of => {
             let mut bytes = vec![0; of.saved_size().ok()?];
@@ -117,7 +116,7 @@ impl Target {
         })
     }
 
-    /// The configuration as keyword arguments.
+    /// The configuration as keyword arguments of the Python class.
     pub fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let options = Value::Object(each!(self, of => options::all(of.config())));
         let options: Bound<'py, PyDict> = to_python(py, &options)?.cast_into()?;

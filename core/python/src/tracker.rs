@@ -13,34 +13,34 @@ use smr_recordings::BoundingBox;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Follows one target. `Paper` and `Robust` are its kinds.
+/// Follows one target. Its subclasses are `Paper` and `Robust`.
 ///
-/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), all of the same size. Any strides
-/// will do. OpenCV is not needed. The lock of Python is free while a call works; do not write to the frame then.
+/// Frames are numpy arrays of uint8, gray (height, width) or BGR (height, width, 3), of one size, with any strides.
+/// OpenCV is not needed. Calls release the lock of Python (GIL); do not write to the frame meanwhile.
 #[pyclass(frozen, subclass, module = "smr")]
 pub struct Tracker {
     target: Mutex<Target>,
-    /// The name of the preset that the options change.
+    /// The name of the preset on which the options are based.
     pub preset: &'static str,
-    /// The last answer; `None` before it.
+    /// The last answer; `None` after `init` and `restore`.
     answer: Mutex<Option<Answer>>,
 }
 
 /// The tracker of the paper: fast, for a target that keeps its size.
 ///
-/// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Each option changes one value of
-/// it. Numbers are whole; `options` shows those in use.
+/// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). An option, a whole number, changes
+/// one of its values; `options` shows all.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust", which is without the refiner. Each option changes one value of it. Numbers are
-/// whole; `options` shows those in use.
+/// `preset` is "refined" or "robust" (without the refiner). An option, a whole number, changes one of its values;
+/// `options` shows all.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
-/// Converts a box to that of the core. Its four numbers are rounded to whole pixels.
+/// Converts a box of four numbers to one of the core, in whole pixels.
 fn rect(value: &Bound<'_, PyAny>) -> PyResult<Rect> {
     bounding_box(value)?.pixels().map_err(|what| PyValueError::new_err(format!("the box {what}")))
 }
@@ -57,7 +57,7 @@ pub fn bounding_box(value: &Bound<'_, PyAny>) -> PyResult<BoundingBox> {
 }
 
 impl Tracker {
-    /// With the configuration of a preset, the first or the second one, and the options put in.
+    /// Creates a tracker with one of two presets (the first by default) and the options.
     fn new<C: Settings>(
         presets: [(&'static str, C); 2],
         name: Option<&Bound<'_, PyAny>>,
@@ -73,7 +73,7 @@ impl Tracker {
         Ok(New::from(Self { target, preset, answer: Mutex::default() }))
     }
 
-    /// Errors: another thread is using the tracker.
+    /// Fails if another thread is using the tracker.
     pub fn target(&self) -> PyResult<MutexGuard<'_, Target>> {
         let busy = "this tracker is in use by another thread: give each thread a tracker of its own";
         self.target.try_lock().map_err(|_| PyRuntimeError::new_err(busy))
@@ -93,10 +93,10 @@ impl Tracker {
 
 #[pymethods]
 impl Tracker {
-    /// Starts to follow what is in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
+    /// Starts to follow the target in `box`, (x, y, width, height) in pixels, which must lie inside the frame.
     ///
-    /// Forgets any target before. May be called at any time. Fractions are rounded to whole pixels. Raises ValueError if
-    /// the box does not lie inside, or its size does not suit the tracker.
+    /// Forgets any previous target. May be called at any time. Fractions are rounded to whole pixels. Raises ValueError
+    /// if the box is not inside, or its size does not suit the tracker.
     fn init(&self, frame: &Bound<'_, PyAny>, r#box: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, frame) = (frame.py(), Borrowed::new(frame)?);
         let (pixels, place, target) = (frame.pixels(), rect(r#box)?, &mut *self.target()?);
@@ -104,44 +104,43 @@ impl Tracker {
         py.detach(lock).inspect(|()| self.keep(None))
     }
 
-    /// Looks for the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
-    /// is lost: a box that is uncertain has True. `answer` says which, as `follow` does.
+    /// Finds the target in the next frame: `(ok, box)`, as OpenCV's trackers answer. `ok` is False only if the target
+    /// is lost; the attribute `answer` tells whether the box is uncertain.
     fn update<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<(bool, Bound<'py, PyAny>)> {
         let answer = self.next(frame)?;
         Ok((answer.state != State::Lost, answer::whole(py, answer.bbox)?))
     }
 
-    /// Looks for the target in the next frame: the whole `Answer`.
+    /// Finds the target in the next frame and returns the whole `Answer`.
     fn follow<'py>(&self, py: Python<'py>, frame: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         answer::answer(py, &self.next(frame)?)
     }
 
-    /// The `Answer` of the last `update` or `follow`; None before it, and after `init` and `restore`.
+    /// The `Answer` of the last `update` or `follow`; None before the first one after `init` or `restore`.
     #[getter]
     fn answer<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let last = *self.answer.lock().unwrap_or_else(PoisonError::into_inner);
         last.map(|last| answer::answer(py, &last)).transpose()
     }
 
-    /// Distinctness of the target from its surroundings at `init`: 0 (it may slip unnoticed) to 1. None without a
-    /// target.
+    /// Distinctness of the target from its surroundings at `init`: 0 (may slip unnoticed) to 1. None without a target.
     #[getter]
     fn quality(&self) -> PyResult<Option<f64>> {
         let quality = each!(&*self.target()?, of => of.quality());
         Ok(quality.map(|quality| answer::of_one(quality.value())))
     }
 
-    /// The part of the frame that the next update reads, in whole pixels, or None without a target.
+    /// The part of the frame that the next update reads, in whole pixels; None without a target.
     fn window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// A second part that the next update reads to search for a lost target, in whole pixels, or None.
+    /// The second part that the next update reads, to search for a lost target, in whole pixels; or None.
     fn sweep_window<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Says that the camera turned: what was at (x, y) is expected at (x + right, y + down) in the next frame. In
+    /// Reports a turn of the camera: what was at (x, y) is expected at (x + right, y + down) in the next frame. In
     /// pixels, rounded to 1/256.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
@@ -156,21 +155,21 @@ impl Tracker {
         Ok(())
     }
 
-    /// The target as bytes, which `restore` reads in Python, Rust, C and MicroPython on any machine, by a tracker with
-    /// the same preset and options.
+    /// Saves the target as bytes, for `restore` of a tracker with the same preset and options, in Python, Rust, C or
+    /// MicroPython on any machine.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. The tracker must have the options of the one that saved it; the error names the
+    /// Continues with a saved target. The options must equal those of the tracker that saved it; the error names the
     /// first one that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused).inspect(|()| self.keep(None))
     }
 
-    /// All options by their names, with the preset: `type(tracker)(**tracker.options)` makes one that is alike.
+    /// All options by name, and the preset: `type(tracker)(**tracker.options)` creates an equal tracker.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let options = self.target()?.keywords(py)?;
@@ -221,8 +220,8 @@ impl Robust {
     }
 }
 
-/// For `Group`: the answers of all trackers in the next frame, by at most `threads` threads. If one of them cannot follow, or
-/// is in use, none does.
+/// Updates all trackers of a `Group` with the next frame, on at most `threads` threads. If one cannot follow or is in
+/// use, none does.
 #[pyfunction]
 pub fn follow<'py>(
     trackers: Vec<Bound<'py, Tracker>>,
@@ -240,8 +239,8 @@ pub fn follow<'py>(
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 
-/// Updates each target, with a thread for each scratch. They end before this does: a process that forks has no thread that its
-/// child would lack.
+/// Updates each target, with a thread for each scratch memory. The threads end before this returns, so that a fork
+/// loses none.
 fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
     let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
     let queue = Mutex::new(targets.into_iter().zip(&mut answers));
@@ -254,7 +253,7 @@ fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pix
     let [own, others @ ..] = scratch else { return Ok(Vec::new()) };
     thread::scope(|scope| {
         for scratch in others {
-            // The targets of a thread that cannot be started are left to the others.
+            // If a thread cannot be started, the other threads update its targets.
             let _ = thread::Builder::new().spawn_scoped(scope, || work(scratch));
         }
         work(own);

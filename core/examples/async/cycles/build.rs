@@ -1,4 +1,4 @@
-//! Chooses the board by the target. Gives its memory map and the log's linker script to the linker.
+//! Chooses the board by the target, and passes its memory map and the log's linker script to the linker.
 
 fn main() {
     let is_rp2350 = std::env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv8m"));

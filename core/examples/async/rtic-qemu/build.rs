@@ -1,4 +1,4 @@
-//! Gives the linker script of cortex-m-rt to the linker. The memory map comes with the crate lm3s6965.
+//! Passes the linker script of cortex-m-rt to the linker. The crate lm3s6965 contains the memory map.
 
 fn main() {
     println!("cargo::rustc-link-arg-bins=--nmagic");

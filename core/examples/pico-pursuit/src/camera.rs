@@ -1,4 +1,4 @@
-//! The camera: a HM01B0 at 162x122 pixels. I2C configures it, and a PIO state machine reads its pixels bit by bit.
+//! The camera, an HM01B0 at 162x122 pixels: I2C configures it, and a PIO state machine reads its pixels bit by bit.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::InputPin;
@@ -9,14 +9,14 @@ use rp2040_hal::pio::{
     Buffers, PIO, PIOBuilder, PinDir, Rx, SM0, ShiftDirection, StateMachine, Stopped, UninitStateMachine,
 };
 
-/// Width of the picture: QVGA, halved in both directions by the sensor.
+/// Width in pixels: QVGA, halved in both directions by the sensor.
 pub const WIDTH: u16 = 162;
 pub const HEIGHT: u16 = 122;
 pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 
 const ADDRESS: u8 = 0x24;
 const D0_PIN: u8 = 6;
-/// Registers and their values, in the order in which they are written.
+/// Sensor registers and their values, in the order of writing.
 const SETTINGS: [(u16, u8); 12] = [
     (0x3059, 0x22), // one bit per clock
     (0x0383, 0x03), // every second column
@@ -32,10 +32,10 @@ const SETTINGS: [(u16, u8); 12] = [
     (0x0100, 0x01), // stream
 ];
 const RESET: (u16, u8) = (0x0103, 0x01);
-/// The longest wait for a frame: longer than any frame takes.
+/// The longest wait for a frame; a frame takes less.
 const PATIENCE_MICROSECONDS: u64 = 300_000;
 
-/// A streaming camera. VSYNC can be any pin; D0, PCLK and HREF are the pins in the PIO program.
+/// A streaming camera. VSYNC may be any pin; D0, PCLK and HREF are fixed in the PIO program.
 pub struct Camera<V> {
     vsync: V,
     timer: Timer,
@@ -45,7 +45,7 @@ pub struct Camera<V> {
 }
 
 impl<V: InputPin> Camera<V> {
-    /// Configures the sensor and starts the stream. `None` if the sensor does not answer.
+    /// Configures the sensor and starts the stream. `None` if the sensor does not respond.
     pub fn start(
         mut bus: impl I2c,
         vsync: V,
@@ -72,7 +72,7 @@ impl<V: InputPin> Camera<V> {
         Some(Self { vsync, timer, machine: Some(machine), received, pixels: [0; PIXELS] })
     }
 
-    /// Waits for the next frame and reads it. `None` if none comes.
+    /// Waits for the next frame and reads it. `None` if no frame arrives in time.
     pub fn frame(&mut self) -> Option<&[u8]> {
         let deadline = self.timer.get_counter().ticks() + PATIENCE_MICROSECONDS;
         let timer = self.timer;
@@ -90,14 +90,14 @@ impl<V: InputPin> Camera<V> {
         let mut machine = self.machine.take()?;
         machine.clear_fifos();
         let mut machine = machine.start();
-        // Drops the remaining bits of the last frame.
+        // Drops remaining bits of the previous frame.
         machine.restart();
         let complete = self.read(late);
         self.machine = Some(machine.stop());
         complete.then_some(&self.pixels)
     }
 
-    /// Reads four pixels per word, faster than they arrive. False if they stop arriving.
+    /// Reads words of four pixels, faster than they arrive. Returns false if they stop arriving.
     fn read(&mut self, late: impl Fn() -> bool) -> bool {
         for four in self.pixels.chunks_exact_mut(4) {
             let word = loop {

@@ -1,4 +1,4 @@
-//! A camera on a pan/tilt head that follows a target. See the README beside it for the wiring and the limits.
+//! A camera on a pan/tilt head that follows a target. The README beside it shows the wiring and the limits.
 
 #![no_std]
 #![no_main]
@@ -18,25 +18,23 @@ use smr_core::paper::{Config, Fraction, Radius};
 use smr_core::pursuit::{self, Axis, Pursuit, PursuitConfig, Servo};
 use smr_core::{Frame, Image, Paper, Rect, Target, Tracker};
 
-/// The second stage of the boot loader. (The attribute is `unsafe` because it can name any section; `memory.x` places
-/// this one.)
+/// The second stage of the boot loader, which `memory.x` places. (`link_section` is `unsafe`: it can name any section.)
 #[unsafe(link_section = ".boot2")]
 #[unsafe(no_mangle)]
 #[used]
 pub static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_GENERIC_03H;
 
 const CRYSTAL_HERTZ: u32 = 12_000_000;
-/// Divides the clock of the PWM: 125 MHz / 40 counts to 62500 in 20 milliseconds.
+/// Divider of the PWM clock: 125 MHz / 40 counts to 62500 in 20 milliseconds.
 const PWM_DIVIDER: u8 = 40;
 const PWM_TOP: u16 = 62_499;
 
-/// Depends on the lens. To measure it, look at an object of width w at distance d: if it covers n pixels, the focal
-/// length is n * d / w.
+/// Focal length of your lens: n * d / w, if an object of width w at distance d covers n pixels.
 const FOCAL_LENGTH_PIXELS: f32 = 160.0;
-/// Width and height of the target in pixels. The target must be in the middle of the frame when the button is pressed.
+/// Width and height of the target in pixels. When the button is pressed, the target must be in the middle of the frame.
 const TARGET_PIXELS: u16 = 24;
 
-/// The limits of an axis: 60 degrees to each side, from 900 to 2100 microseconds. Measure those of your servos.
+/// Limits of an axis: 60 degrees to each side, for pulses of 900 to 2100 microseconds. Measure your own servos.
 const AXIS: Axis = Axis {
     min_radians: -1.05,
     max_radians: 1.05,
@@ -49,13 +47,12 @@ const AXIS: Axis = Axis {
 const SERVO: Servo =
     Servo { pulse_at_min_microseconds: 900, pulse_at_max_microseconds: 2100, period_microseconds: 20_000 };
 
-/// The target's type. On a chip with enough memory and speed use the robust tracker, `smr_core::Robust`: then only the
-/// configuration changes besides.
+/// The paper's tracker. With enough memory and speed use `smr_core::Robust`; only the configuration changes as well.
 type SmallTarget = Paper<{ TARGET_PIXELS as usize * TARGET_PIXELS as usize }, 33>;
 
 #[rp2040_hal::entry]
 fn main() -> ! {
-    // `run` returns only if a part is missing. The LED is off then.
+    // `run` returns only if a peripheral is missing; then the LED stays off.
     let _ = run();
     loop {
         core::hint::spin_loop();
@@ -100,7 +97,6 @@ fn run() -> Option<Infallible> {
     let mut pursuit = Pursuit::new(config, pan, tilt, pins.gpio25.into_push_pull_output()).ok()?;
     pursuit.wait(0.0).ok()?;
 
-    // The camera.
     let sda: Pin<_, FunctionI2C, PullUp> = pins.gpio4.reconfigure();
     let scl: Pin<_, FunctionI2C, PullUp> = pins.gpio5.reconfigure();
     let bus = I2C::i2c0(chip.I2C0, sda, scl, 100.kHz(), &mut chip.RESETS, clocks.system_clock.freq());
@@ -127,8 +123,7 @@ fn run() -> Option<Infallible> {
     }
 }
 
-/// The frame for an update. While the button is pressed, locks on the middle of the frame instead. `None` without a
-/// target.
+/// Returns the frame to update with; `None` without a target. While the button is pressed, locks on the middle instead.
 fn frame_to_search<'a, T: Target>(tracker: &mut Tracker<T>, pixels: &'a [u8], pressed: bool) -> Option<Frame<'a>> {
     let frame = Frame::whole(Image::new(pixels, WIDTH, HEIGHT).ok()?);
     if pressed {
@@ -143,8 +138,7 @@ fn tracker_config() -> Config {
     let mut config = Config::camera();
     config.window = Radius { x: 10, y: 10 };
     config.window_limit = Radius { x: 16, y: 16 };
-    // A low ratio of peak and runner-up is refused, so that the head does not follow an object that passes in front of
-    // the target.
+    // Rejects a peak that is hardly above the runner-up, so that the head does not follow an object before the target.
     config.gate_tracking = Fraction::new(5, 4);
     config
 }

@@ -1,7 +1,6 @@
-//! Measures the cycles of both trackers on a RP2350 at its usual clock of 150 MHz, or on a STM32H743 at 400 MHz. Built, but not yet run on
-//! a board.
+//! Measures the cycles of both trackers on an RP2350 at 150 MHz or an STM32H743 at 400 MHz. Not yet run on a board.
 //!
-//! The code runs from flash through the cache of 16 KB; target, workspace and pixels lie in RAM without waits (STM32H743: the DTCM).
+//! Code runs from flash through a cache of 16 KB. All data lies in RAM without wait states (STM32H743: the DTCM).
 
 #![no_std]
 #![no_main]
@@ -37,7 +36,7 @@ fn start(_: &mut Peripherals) -> (&'static str, u32) {
     ("RP2350", embassy_rp::clocks::clk_sys_freq())
 }
 
-/// Sets the core clock from the internal oscillator of 64 MHz, and turns on the caches. Returns the chip's name and the clock in hertz.
+/// Sets the core clock from the internal 64 MHz oscillator, and enables the caches. Returns the chip's name and hertz.
 #[cfg(not(rp2350))]
 fn start(core: &mut Peripherals) -> (&'static str, u32) {
     use embassy_stm32::rcc::{
@@ -67,7 +66,7 @@ fn start(core: &mut Peripherals) -> (&'static str, u32) {
     ("STM32H743", 400_000_000)
 }
 
-/// Measures with the cycle counter of the core (DWT) and prints in the form of `core/examples/cycles/README.md`.
+/// Measures with the core's cycle counter (DWT), and prints in the format of `core/examples/cycles/README.md`.
 fn print(mut core: Peripherals, chip: &str, hertz: u32) {
     core.DCB.enable_trace();
     DWT::unlock();

@@ -1,9 +1,7 @@
-//! The robust tracker on a RP2350 with a camera of 320x240 pixels at the PIO, with Embassy. Built, but not yet run on a
-//! board.
+//! The robust tracker with Embassy on an RP2350 with a 320x240 camera at the PIO. Not yet run on a board.
 //!
-//! The frame is never in memory as a whole. There are two buffers of one line. The DMA fills one while the read-out
-//! converts the window's part of the other to gray. The update comes after the window's last line and has the processor
-//! for itself. Frames that pass in the meantime are left out.
+//! The whole frame is never in memory. The DMA fills one of two line buffers while the read-out converts the window's
+//! part of the other to gray. The update comes after the window's last line. Frames during an update are skipped.
 //!
 //! | pin | connects to |
 //! |---|---|
@@ -12,8 +10,7 @@
 //! | GP22 | button; its other side to GND |
 //! | GP25 | lock indicator: the Pico 2's own LED |
 //!
-//! Set your sensor's registers first (I2C, see its data sheet): 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between
-//! frames.
+//! Set your sensor's registers by I2C: 320x240, YUYV, PCLK at most 12 MHz, VSYNC high between frames.
 
 #![no_std]
 #![no_main]
@@ -35,15 +32,15 @@ const WIDTH: u16 = 320;
 const HEIGHT: u16 = 240;
 const FORMAT: Format = Format::Yuyv;
 const LINE_BYTES: usize = FORMAT.line_bytes(WIDTH);
-/// For two windows.
+/// Gray pixels of two windows, each at most a whole frame.
 const PIXELS: usize = 2 * WIDTH as usize * HEIGHT as usize;
 
-/// The place of the target when the button is pressed: 64x64 pixels in the middle.
+/// The box to lock on when the button is pressed: 64x64 pixels in the middle.
 const START: Rect = Rect::new(128, 88, 64, 64);
 
 type Line = [u8; LINE_BYTES];
 
-// No constructor runs, and nothing is copied through the stack. `main` takes these and keeps them.
+// Statics without a constructor at run time, so nothing is copied through the stack. `main` takes them once.
 static TARGET: ConstStaticCell<Robust> = ConstStaticCell::new(Robust::new());
 static WORKSPACE: ConstStaticCell<Workspace> = ConstStaticCell::new(Workspace::new());
 static GRAY: ConstStaticCell<[u8; PIXELS]> = ConstStaticCell::new([0; PIXELS]);
@@ -77,7 +74,7 @@ async fn main(_spawner: Spawner) {
     let mut config = pio::Config::default();
     config.use_program(&pio.common.load_program(&program.program), &[]);
     config.set_in_pins(&data.each_ref());
-    // Each byte is pushed at once, as the low byte of a word. The DMA takes that byte only.
+    // The PIO pushes each byte at once, as the low byte of a word. The DMA reads only that byte.
     config.shift_in = ShiftConfig { auto_fill: true, threshold: 8, direction: ShiftDirection::Left };
     config.fifo_join = FifoJoin::RxOnly;
     pio.sm0.set_config(&config);
@@ -116,7 +113,6 @@ async fn main(_spawner: Spawner) {
     }
 }
 
-/// A camera that streams.
 struct Camera {
     machine: StateMachine<'static, PIO0, 0>,
     dma: dma::Channel<'static>,
@@ -125,13 +121,12 @@ struct Camera {
 }
 
 impl Camera {
-    /// Waits for the next frame and pushes its lines, up to the last one of the windows. If the read-out refuses a
-    /// line, the frame stays incomplete.
+    /// Waits for the next frame and pushes its lines, up to the windows' last line or the first line that is refused.
     async fn read(&mut self, readout: &mut Readout, pixels: &mut [u8]) {
         let [mut filling, mut full] = self.lines.each_mut();
         self.machine.set_enable(false);
         self.vsync.wait_for_falling_edge().await;
-        // Drops the rest of the last frame.
+        // Drops remaining bytes of the previous frame.
         self.machine.clear_fifos();
         self.machine.restart();
         self.machine.set_enable(true);
@@ -139,8 +134,7 @@ impl Camera {
             if readout.is_complete() {
                 break;
             }
-            // The DMA borrows `filling` until both are done. `full` holds line y - 1, whose pixels go to the window in
-            // the meantime.
+            // The DMA fills `filling` with line y, while the read-out takes line y - 1 from `full`.
             let fill = async {
                 if y < HEIGHT {
                     self.machine.rx().dma_pull(&mut self.dma, &mut filling[..], false).await;

@@ -1,5 +1,4 @@
-//! Draws the answer of a tracker on any display of embedded-graphics: the box, in a color for the state, and the name
-//! of the state.
+//! Draws a tracker's answer on a display of embedded-graphics: the box and the state's name, in the state's color.
 //!
 //! ```
 //! use embedded_graphics::mock_display::MockDisplay;
@@ -13,7 +12,7 @@
 //! let mut display = MockDisplay::new(); // yours: any `DrawTarget`
 //! display.set_allow_overdraw(true);
 //!
-//! // In a program: `draw(&mut display, answer.bbox, answer.state, COLORS)`, on top of the camera's picture.
+//! In a program, after the camera's picture: `draw(&mut display, answer.bbox, answer.state, COLORS)`
 //! draw(&mut display, Rect::new(2, 14, 20, 16), State::Tracking, COLORS)?;
 //! assert_eq!(display.get_pixel(Point::new(2, 14)), Some(Rgb888::GREEN));
 //! # Ok::<(), core::convert::Infallible>(())
@@ -32,14 +31,14 @@ use smr_core::{Rect, State};
 /// Space between the box and the name, in pixels.
 const GAP: i32 = 2;
 
-/// A color for each state. A target that is leaving the frame is drawn in the color of `tracking`.
+/// A color for each state. A target that is leaving the frame has the color of `tracking`.
 #[derive(Clone, Copy, Debug)]
 pub struct Colors<C> {
-    /// The target is in the box.
+    /// Color while the target is in the box.
     pub tracking: C,
-    /// The box may hold something else.
+    /// Color while the box may contain something else.
     pub uncertain: C,
-    /// The target is not visible.
+    /// Color while the target is not visible.
     pub lost: C,
 }
 
@@ -53,11 +52,10 @@ impl<C: Copy> Colors<C> {
     }
 }
 
-/// Draws the box and the name of the state: above it, or below it if there is no room above. Pixels outside the display
-/// are left out; a box that is wholly outside has no name either.
+/// Draws the box and, above or else below it, the name of the state. Clips at the display's edges.
 ///
 /// # Errors
-/// The errors of the display.
+/// Errors of the display.
 pub fn draw<D: DrawTarget>(
     display: &mut D,
     bbox: Rect,

@@ -1,15 +1,14 @@
-//! A drawn target in place of a camera, line by line as a sensor sends it.
+//! A simulated camera: draws a target line by line, as a sensor sends it.
 
 pub const WIDTH: u16 = 96;
 pub const HEIGHT: u16 = 72;
 pub const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 pub const FRAMES: u16 = 30;
 
-/// The place of the target in frame 0.
+/// The target's box in frame 0.
 pub const START: smr_core::Rect = smr_core::Rect::new(20, 16, 16, 16);
 
-/// A background of weak tiles and the target of strong ones. It moves by 2 pixels in each frame and is hidden in twelve
-/// frames.
+/// Draws a line: faint tiles, and a target of strong ones that moves 2 pixels per frame and is hidden in twelve frames.
 pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
     let (left, top) = (20 + 2 * (frame % 24), 16 + frame % 24);
     let hidden = (10..22).contains(&frame);
@@ -21,7 +20,7 @@ pub fn line(frame: u16, y: u16) -> [u8; WIDTH as usize] {
     pixels
 }
 
-/// A gray level for each tile that looks random.
+/// A pseudo-random gray level for each tile.
 fn hash(x: u16, y: u16) -> u8 {
     let [.., high] = (u32::from(x) * 73 + u32::from(y) * 179 + 7).wrapping_mul(2_654_435_761).to_le_bytes();
     high

@@ -1,8 +1,7 @@
-//! The paper's tracker with RTIC: an interrupt takes each line of the camera at once, and a task of low priority
-//! updates. Runs in QEMU.
+//! The paper's tracker with RTIC in QEMU: an interrupt takes each camera line at once, a low-priority task updates.
 //!
-//! There is one buffer for pixels. The task hands it to the interrupt in an [`Order`] for the next window. The
-//! interrupt fills it line by line and hands it back. So the tracker never waits for a lock, and no pixel is copied.
+//! The task hands the only pixel buffer to the interrupt in an [`Order`] for the next window. The interrupt fills it
+//! line by line and hands it back. So the tracker never waits for a lock, and no pixel is copied.
 
 #![no_std]
 #![no_main]
@@ -13,12 +12,11 @@ use camera::{HEIGHT, PIXELS, WIDTH};
 use smr_core::paper;
 use smr_core::readout::{Format, Readout};
 
-/// A target with room for a template of 256 pixels and a window of +-12.
+/// A target with at most 256 template pixels and a search window of +-12 (25 offsets per axis).
 type Target = smr_core::Paper<256, 25>;
 type Workspace = paper::Workspace<256, 25>;
 
-/// The window that the tracker reads of the next frame, and the buffer for it. It belongs to the task, then to the
-/// interrupt.
+/// A request for the next window: its read-out and the pixel buffer. The task makes it, the interrupt fills it.
 pub struct Order {
     readout: Readout,
     pixels: &'static mut [u8; PIXELS],
@@ -42,7 +40,7 @@ mod app {
     use smr_core::readout::ReadoutError;
     use smr_core::{Answer, Frame, Image, Rect, Target as _};
 
-    /// Cycles of the core from line to line. An update takes as long as several lines.
+    /// Core cycles from one line to the next. An update takes as long as several lines.
     const LINE_CYCLES: u32 = 2000;
 
     type Answers = [Option<Answer>; FRAMES as usize];
@@ -53,16 +51,16 @@ mod app {
 
     #[shared]
     struct Shared {
-        /// An order of the task, while the interrupt fills it.
+        /// The task's order while the interrupt fills it.
         order: Option<Order>,
     }
 
     #[local]
     struct Local {
-        // Used by the interrupt:
+        // Fields of the interrupt:
         frame: u16,
         y: u16,
-        // Used by the task:
+        // Fields of the task:
         target: &'static mut Target,
         workspace: &'static mut Workspace,
         whole: Answers,
@@ -83,7 +81,7 @@ mod app {
         let Some(whole) = whole_frames(target, workspace, pixels) else {
             fail("cannot follow the target in whole frames")
         };
-        // The first order is the window of the lock.
+        // The first order is for the window of the lock.
         let order = Order::new(target.lock_window(Rect::new(0, 0, WIDTH, HEIGHT), START), pixels);
         start(&mut timer, LINE_CYCLES);
         timer.enable_interrupt();
@@ -91,7 +89,7 @@ mod app {
         (Shared { order }, Local { frame, y, target, workspace, whole, updates, differ, instructions_a_cycle })
     }
 
-    /// Takes a line of the camera: here on a timer, on a board when the DMA has completed a line.
+    /// Takes a line of the camera: here at a timer tick, on a board when the DMA completes a line.
     #[task(binds = SysTick, priority = 2, shared = [order], local = [frame, y])]
     fn line(mut context: line::Context) {
         let late = (LINE_CYCLES - SYST::get_current()) % LINE_CYCLES; // counts down to the interrupt at 0
@@ -103,7 +101,7 @@ mod app {
         let filled = context.shared.order.lock(|order| {
             let Order { readout, pixels } = order.as_mut()?;
             match readout.push_line(*y, &camera::line(*frame, *y), &mut pixels[..]) {
-                // An order that comes after its first line waits for the next frame.
+                // If an order comes after its first line, it waits for the next frame.
                 Ok(()) | Err(ReadoutError::LineMissing(_)) => {}
                 Err(_) => fail("the read-out refuses a line"),
             }
@@ -118,7 +116,7 @@ mod app {
         *frame += u16::from(*y == 0);
     }
 
-    /// Updates with a complete window. The pixels belong to this task until it orders the next window.
+    /// Updates the tracker with a complete window. The task owns the pixels until it orders the next window.
     #[task(priority = 1, shared = [order], local = [target, workspace, whole, updates, differ, instructions_a_cycle])]
     async fn update(mut context: update::Context, number: u16, Order { readout, pixels }: Order) {
         let update::LocalResources { target, workspace, whole, updates, differ, instructions_a_cycle, .. } =
@@ -133,7 +131,7 @@ mod app {
         });
         IS_UPDATING.store(false, Ordering::Relaxed);
         let Some(answer) = answer else { fail("cannot lock on the box or search the frame") };
-        // If an update takes too long, a frame is left out. Then the answers differ.
+        // If an update takes too long, a frame is skipped and the answers differ.
         *differ += u32::from(whole.get(usize::from(number)) != Some(&answer));
         *updates += u32::from(number > 0);
         if number + 1 >= FRAMES {
@@ -149,7 +147,7 @@ mod app {
         context.shared.order.lock(|next| *next = Some(order));
     }
 
-    /// The answers for whole frames, without interrupts. Those of `update` must equal them.
+    /// The expected answers: the tracker's in whole frames, without interrupts.
     fn whole_frames(target: &mut Target, workspace: &mut Workspace, pixels: &mut [u8; PIXELS]) -> Option<Answers> {
         let mut answers = [None; FRAMES as usize];
         for (number, answer) in (0..).zip(&mut answers) {
@@ -166,7 +164,7 @@ mod app {
         Some(answers)
     }
 
-    /// Measures the instructions of a cycle of the timer. In QEMU with `-icount` this number is fixed.
+    /// Measures the instructions per cycle of the timer, which is constant in QEMU with `-icount`.
     fn instructions_a_cycle(timer: &mut SYST) -> u32 {
         const INSTRUCTIONS: u32 = 2_000_000;
         start(timer, 1 << 24);
