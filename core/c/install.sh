@@ -2,13 +2,13 @@
 # Installs the C library: core/c/install.sh [--refiner] PREFIX [TARGET]
 #
 # Builds libsmr.a and installs it under PREFIX with the header, a package for CMake (find_package(smr)) and one for pkg-config.
-# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine. If the compiler in use has not
-# the target, .ci/target-cargo finds another one or says what to install.
-# --refiner builds it with the refiner, so that smr_init takes what smr_config_refined fills. Both packages say which one it is: `refiner` of
-# pkg-config (pkg-config --variable=refiner smr) and smr_REFINER of CMake, yes or no.
+# TARGET is a target of Rust, such as thumbv7em-none-eabihf; without it, the library is built for this machine. If the compiler in use
+# lacks the target, .ci/target-cargo finds another compiler or reports what to install.
+# --refiner builds the library with the refiner, so that smr_init accepts the configuration of smr_config_refined. Both packages tell
+# whether the library has the refiner, yes or no: pkg-config --variable=refiner smr, and smr_REFINER of CMake.
 #
 # Environment:
-#   SMR_PIXELS, SMR_SPAN   the capacity. Both packages define them, so that programs are compiled with the same numbers.
+#   SMR_PIXELS, SMR_SPAN   the largest box and window. Both packages define them, so that programs are compiled with equal values.
 #   SMR_LIBRARY            a libsmr.a to install instead of building one
 set -euo pipefail
 
@@ -28,13 +28,13 @@ here=$(cd "$(dirname "$0")" && pwd)
 [ -z "${SMR_LIBRARY:-}" ] || SMR_LIBRARY=$(realpath "$SMR_LIBRARY")
 cd "$here/../.."
 
-# The path is from cargo's messages, because the folder depends on the compiler and the environment.
+# Cargo's messages give the library's path, because its folder depends on the compiler and the environment.
 library=${SMR_LIBRARY:-}
 if [ -z "$library" ]; then
   build=(cargo build)
   if [ -n "$target" ]; then
     build+=(--target "$target")
-    # Not the compiler in use, but another one may have the target.
+    # If the compiler in use lacks the target, another installed one may have it.
     [ -d "$(rustc --print target-libdir --target "$target" 2>/dev/null)" ] || build=(.ci/target-cargo "$target" build)
   fi
   build+=(-p smr-c --profile firmware --locked --message-format json-render-diagnostics)
@@ -48,7 +48,7 @@ version=$(number MAJOR).$(number MINOR).$(number PATCH)
 definitions=()
 [ -z "${SMR_PIXELS:-}" ] || definitions+=("SMR_PIXELS=$SMR_PIXELS")
 [ -z "${SMR_SPAN:-}" ] || definitions+=("SMR_SPAN=$SMR_SPAN")
-# On a host the archive contains Rust's standard library. --gc-sections drops the unused part of it.
+# On a host the archive contains Rust's standard library, of which --gc-sections drops the unused part.
 libraries=
 case $target in
   *-none-* | *-none) ;;

@@ -1,6 +1,6 @@
 /*
- * Start-up code for an Arm MPS2 or MPS3 board: the vector table, then it enables the floating-point unit and calls the start of the
- * C library (newlib with semihosting, rdimon.specs).
+ * Start-up code for an Arm MPS2 or MPS3 board: contains the vector table, enables the floating-point unit and starts the C library
+ * (newlib with semihosting, rdimon.specs).
  */
 
 #include <stddef.h>
@@ -36,7 +36,7 @@ void reset(void)
     _start();
 }
 
-/* The heap of the C library, which needs one to open files. It begins at the end of the data. Semihosting reports a wrong heap on the MPS3. */
+/* Grows the heap, which the C library needs to open files, from the end of the data. (On the MPS3 semihosting reports a wrong heap.) */
 void *_sbrk(ptrdiff_t more)
 {
     static unsigned char *top = end;

@@ -1,13 +1,13 @@
 /*
  * A complete program: follows a target through generated frames and prints its box. The target moves, is hidden for a while, and
- * comes back elsewhere.
+ * reappears elsewhere.
  *
  *     track                with the paper's tracker
  *     track robust         with the robust tracker; only the configuration differs
  *     track METHOD FILE    writes a flight record to FILE, which `host-sim replay FILE` runs again
  *
- * A program needs memory, a configuration, lock and update. Nothing is allocated. The program simulates a camera that reads out
- * only what the tracker needs: smr_windows.
+ * The steps: memory, a configuration, a lock, updates. Nothing is allocated. The program simulates a camera that reads out only the
+ * windows that the tracker needs (smr_windows).
  */
 
 #include <inttypes.h>
@@ -24,7 +24,7 @@
 #define HIDDEN_FROM 16
 #define HIDDEN_TO 26
 
-/* A program with only one of the trackers would have only its smr_paper_target or smr_robust_target here, and link only its code. */
+/* Memory for either tracker. A program with one tracker has only an smr_paper_target or an smr_robust_target. */
 static union {
     smr_paper_target paper;
     smr_robust_target robust;
@@ -36,7 +36,7 @@ static union {
 
 static uint8_t sensor[FRAME_HEIGHT][FRAME_WIDTH];
 
-/* A texture that does not repeat. The same seed gives the same texture. */
+/* The gray level at (x, y) of a texture that does not repeat; the same seed gives the same texture. */
 static uint8_t noise(uint32_t seed, int x, int y)
 {
     uint32_t n = seed + (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
@@ -44,7 +44,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
     return (uint8_t)((n ^ (n >> 16)) & 255u);
 }
 
-/* A dim, flickering background, and the bright target with its corner at (left, top) if it is in view. */
+/* Draws a dim, flickering background and, if it is in view, the bright target with its corner at (left, top). */
 static void expose(uint32_t number, int in_view, int left, int top)
 {
     int x, y;
@@ -57,7 +57,7 @@ static void expose(uint32_t number, int in_view, int left, int top)
     }
 }
 
-/* Reads `window` out of the sensor. The part is empty if the window is. */
+/* Reads `window` out of the sensor. An empty window gives an empty part. */
 static smr_part read_out(const smr_rect *window)
 {
     smr_part part;
@@ -158,9 +158,9 @@ int main(int argc, char **argv)
                name_of(answer.state), percent(answer.ratio), (unsigned)windows[0].width, (unsigned)windows[0].height,
                windows[1].width > 0 ? " and more" : "");
         near = abs((int)answer.bbox.x - left) <= 2 && abs((int)answer.bbox.y - top) <= 2;
-        /* The tracker must find the target while it is in view, and must not be tracking at the end of the time when it is hidden. When
-         * the target comes back outside the window, the robust tracker searches one other place in each frame. It may take three frames,
-         * and must not be tracking in them. */
+        /* The tracker must find the target while it is in view, and must not be tracking in the last frame in which it is hidden. If the
+         * target reappears outside the window, the robust tracker searches one more window per frame: it may take three frames, in
+         * which it must not be tracking. */
         sought = number >= HIDDEN_TO && number < HIDDEN_TO + 3 && windows[1].width > 0 && answer.state != SMR_TRACKING;
         wrong += (in_view && !near && !sought) || (number == HIDDEN_TO - 1 && answer.state == SMR_TRACKING);
     }

@@ -1,6 +1,6 @@
 /*
- * The library reads no byte before or after the given pixels. The pixels begin or end at a page without access, so that one byte too
- * many ends the program. (Sanitizers see only the reads of the C code, not those of the library.) POSIX only.
+ * Checks that the library reads no byte before or after the given pixels. They begin or end at a page without access, so that
+ * reading one byte too many ends the program. (Sanitizers do not see the library's reads.) POSIX only.
  */
 
 #define _DEFAULT_SOURCE
@@ -17,7 +17,7 @@
 #define HEIGHT 48
 #define STRIDE 70
 
-/* Usable pages between two pages without access; one of these for each part of a frame. */
+/* Pages of memory for one part of a frame, between two pages without access. */
 typedef struct pages {
     uint8_t *start, *end;
 } pages;
@@ -46,7 +46,7 @@ static pages map_pages(size_t size)
     return made;
 }
 
-/* The part of frame `number` in `window`, at the start or the end of the pages. The part is empty if the window is. */
+/* The part of frame `number` in `window`, at the start or the end of `pages`; empty if the window is empty. */
 static smr_part part_of(unsigned number, const pages *pages, const smr_rect *window, int at_the_end)
 {
     smr_part part;
@@ -83,7 +83,7 @@ static smr_frame frame_of(unsigned number, const smr_rect windows[2], int at_the
     return frame;
 }
 
-/* Returns the number of frames with two windows. */
+/* Follows a target through 11 frames. Returns the number of frames with two windows. */
 static unsigned track(const smr_config *config, const smr_rect *target, int at_the_end)
 {
     static union {

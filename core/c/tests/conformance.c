@@ -1,11 +1,11 @@
 /*
- * The library's answers are those of a flight record (tests/vectors), number by number.
+ * Checks that the library's answers equal those of a flight record (tests/vectors), number by number.
  *
  *     conformance FILE
  *
- * Every frame goes to two trackers that share a workspace. The first gets a whole frame, in which what the record lacks is black, and is
- * recorded: that must give the same bytes. The second gets only the parts that it needs and updates in steps; it is saved and restored
- * after each frame. At the end of each flight is the target as it is saved. Nothing is allocated.
+ * Two trackers with a common workspace get every frame. The first gets a whole frame, black where the record has no pixels, and its
+ * own flight record must have the same bytes. The second gets only the parts that it reads and updates in steps; after each frame it
+ * is saved and restored. Each flight ends with the saved target. Nothing is allocated.
  */
 
 #include <stddef.h>
@@ -45,7 +45,7 @@ static void ok(smr_status status)
     must(status == SMR_OK, smr_status_name(status));
 }
 
-/* What the first tracker writes must be what is in the file. */
+/* The first tracker's recorder: compares the bytes with those in the file. */
 static int same(void *context, const uint8_t *bytes, size_t count)
 {
     (void)context;
@@ -82,7 +82,7 @@ static smr_frame whole_frame(const smr_frame *parts)
     return frame;
 }
 
-/* In steps that are shorter than any update. */
+/* Updates in steps that are shorter than any update of the robust tracker. */
 static void update_in_steps(smr_tracker *tracker, const smr_frame *frame, int is_robust, smr_answer *answer)
 {
     smr_status status;

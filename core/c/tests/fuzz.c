@@ -1,7 +1,7 @@
 /*
- * Random calls of the library: NULL or misaligned pointers, memory that is too small, calls in the wrong order, any numbers. No call may
- * crash, reach beyond the given memory, or return an unknown status. Run it under sanitizers: every object has exactly the size that
- * the library is told.
+ * Calls the library at random: with NULL or misaligned pointers, too little memory, in the wrong order, with any numbers. No call may
+ * crash, access memory beyond the given size, or return an unknown status. Run it under sanitizers: every object has exactly the
+ * stated size.
  *
  * fuzz [EXECUTIONS [SEED]]: the same seed gives the same calls.
  */
@@ -41,7 +41,7 @@ static void stop(const char *what, uint32_t start)
     abort();
 }
 
-/* Memory of exactly this size, with random content. */
+/* Allocates memory of exactly `size` bytes, with random content. */
 static void *memory(size_t size)
 {
     unsigned char *made = (unsigned char *)malloc(size ? size : 1);
@@ -75,7 +75,7 @@ static smr_rect box(uint16_t width, uint16_t height)
     return made;
 }
 
-/* One part of a frame, in memory of its own. */
+/* Allocates one part of a frame, in memory of its own. */
 static void part(smr_part *made, smr_rect wanted)
 {
     size_t gap = below(4);
@@ -93,7 +93,7 @@ static void part(smr_part *made, smr_rect wanted)
     made->pixels = (const uint8_t *)memory(made->size);
 }
 
-/* Changes the description of a frame. It never describes more memory than there is. */
+/* Makes a frame's description wrong, but never with more memory than there is. */
 static void spoil(smr_frame *frame)
 {
     smr_part *spoiled = &frame->parts[below(2)];
@@ -145,7 +145,7 @@ static void configure(smr_config *config)
     config->paper.window_limit.y = (uint16_t)(config->paper.window.y + below(9));
     config->plain_loop = (uint8_t)below(2);
     if (below(4) == 0) {
-        /* Changes a random byte, but not in the pointer. */
+        /* Changes a random byte of the settings, but not the pointer `method`. */
         unsigned char *numbers = (unsigned char *)config;
         size_t at = offsetof(smr_config, paper) + below((uint32_t)(sizeof *config - offsetof(smr_config, paper)));
         numbers[at] = (unsigned char)any();
@@ -264,7 +264,7 @@ int main(int count, char **words)
     for (at = 0; at < executions; at++) {
         one((uint32_t)(start + at));
     }
-    /* If almost all calls failed, this would test little. */
+    /* Fails if too few calls succeeded for a useful test. */
     if (executions >= 1000 && (locked < executions / 4 || updated < executions)) {
         fprintf(stderr, "fuzz.c: of %lu calls only %lu locked and %lu updated\n", calls, locked, updated);
         return 1;

@@ -1,6 +1,6 @@
 /*
- * Lines come in an interrupt while the main loop asks for the frame: no line is lost, and the frame that is given is whole. A timer's
- * signal is the interrupt. Needs POSIX.
+ * Checks that no line is lost and every frame is complete if lines arrive in an interrupt while the main loop polls for the frame. The
+ * signal of a timer stands for the interrupt. POSIX only.
  */
 
 #define _XOPEN_SOURCE 700
@@ -86,7 +86,7 @@ int main(void)
                     (int)refused_line, (int)frame_number, smr_status_name((smr_status)refused));
             return 1;
         }
-        /* Lines below the window come while it is read. */
+        /* Lines below the window still arrive while the frame is checked. */
         for (y = 0; y < BOTTOM - TOP; y++) {
             const uint8_t *row = frame.parts[0].pixels + y * WIDTH;
             if (row[0] != level(frame_number, TOP + y) || memcmp(row, row + 1, WIDTH - 1) != 0) {

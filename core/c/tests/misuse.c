@@ -1,5 +1,5 @@
 /*
- * Every wrong call that the library can detect returns its own status and changes nothing. Tested with both trackers.
+ * Checks, with both trackers, that every wrong call that the library can detect returns its own status and changes nothing.
  */
 
 #include <stdio.h>
@@ -51,7 +51,7 @@ static void hold(const char *what, unsigned line, int holds)
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
 
-/* A pointer one byte further, so misaligned for anything but bytes. */
+/* The next address, which is misaligned for every type but bytes. */
 static void *askew(void *memory)
 {
     return (unsigned char *)memory + 1;
@@ -79,7 +79,7 @@ static smr_frame good_frame(void)
     return frame;
 }
 
-/* The part of the frame in a rectangle. */
+/* The frame with only the pixels in `window` in memory. */
 static smr_frame part_of_frame(const smr_rect *window)
 {
     smr_frame frame = good_frame();
@@ -217,7 +217,7 @@ static void configurations(void)
     REFUSED(config.paper.window_limit.y = 4, SMR_ERROR_LIMIT_BELOW_WINDOW);
 }
 
-/* Every setting by its name: it takes its values, and no others. */
+/* Sets every setting by its name: values in its range are accepted, others are refused. */
 static void settings(void)
 {
     static smr_config several[2];
@@ -298,14 +298,14 @@ static void storages(void)
     HOLD(is_zero(targets, sizeof targets) && is_zero(workspaces, sizeof workspaces));
     HOLD(trackers[0] == NULL);
 
-    /* Nothing is written after the end of the given memory. */
+    /* smr_init writes nothing after the stated end of the memory. */
     EXPECT(smr_init(targets, size, workspaces, work, several, tracker), SMR_OK);
     HOLD(trackers[0] != NULL && trackers[1] == NULL);
     HOLD(is_zero(targets[0].bytes + size, sizeof targets - size));
     HOLD(is_zero(workspaces[0].bytes + work, sizeof workspaces - work));
 }
 
-/* Calls on memory that is not a tracker, or on a tracker whose workspace was overwritten. */
+/* Locks and updates fail on memory without a tracker, and on a tracker whose workspace was overwritten. */
 static void no_updates(smr_tracker *tracker, smr_status wanted)
 {
     smr_frame frame = good_frame();
@@ -360,7 +360,7 @@ static void shared_workspaces(void)
     smr_frame frame = good_frame();
     smr_rect elsewhere = rect(12, 10, 8, 8);
     smr_answer answer;
-    /* A step of one is no step of the other: each follows its own box. */
+    /* Steps of the two trackers do not mix: each tracker follows its own box. */
     EXPECT(smr_lock(two, &frame, &elsewhere), SMR_OK);
     EXPECT(smr_update_step(one, &frame, 50, &answer), SMR_UNDER_WAY);
     EXPECT(smr_update_step(two, &frame, 50, &answer), SMR_UNDER_WAY);
@@ -376,7 +376,7 @@ static void shared_workspaces(void)
     no_updates(one, SMR_ERROR_NOT_INITIALISED);
 }
 
-/* A target that the other tracker has saved. */
+/* A tracker refuses a target that the other kind of tracker has saved. */
 static void other_methods(void)
 {
     static target other;
@@ -477,11 +477,11 @@ static void frames(void)
     }
     REFUSED_PART(frame.width = WIDTH - 1, SMR_ERROR_OUTSIDE_FRAME);
     REFUSED_PART(frame.height = 0, SMR_ERROR_OUTSIDE_FRAME);
-    /* A second part without pixels is ignored, whatever its other fields. */
+    /* A second part whose `pixels` are NULL is ignored, whatever its other fields. */
     frame = good_frame();
     frame.parts[1].x = UINT16_MAX;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
-    /* The window may be in either of the two parts. */
+    /* The window may lie in either of the two parts. */
     frame.parts[1] = frame.parts[0];
     frame.parts[0].width = frame.parts[0].height = 1;
     EXPECT(smr_update(tracker, &frame, &answer), SMR_OK);
@@ -506,7 +506,7 @@ static void boxes(void)
     REFUSED_BOX(0, 0, 1, 1, SMR_OK);
 }
 
-/* Only the paper's tracker refuses a box or a window because it is too large. */
+/* Only the paper's tracker refuses too large a box or window. */
 static void capacities(void)
 {
     static uint8_t wide[SMR_PIXELS + 1 > 2 * SMR_SPAN + 4 ? SMR_PIXELS + 1 : 2 * SMR_SPAN + 4];
@@ -528,7 +528,7 @@ static void capacities(void)
     EXPECT(smr_lock(tracker_in(&storage, &config), &frame, &box), SMR_OK);
 }
 
-/* The windows are exactly what the tracker reads: one column or row less is refused. */
+/* Both windows are the least that the tracker reads: one column or row less is refused. */
 static void windows(void)
 {
     smr_tracker *tracker = good_tracker();
@@ -757,7 +757,7 @@ static void power(void)
     EXPECT(smr_restore(tracker, newer, size), SMR_OK);
 }
 
-/* smr_template copies, if the memory is large enough, and writes no more. */
+/* smr_template copies the template if the memory is large enough, and writes nothing beyond it. */
 static void templates(void)
 {
     const uint16_t side = robust ? 16 : 8; /* robust: a grid of half the target's width and height */

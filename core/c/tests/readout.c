@@ -1,6 +1,6 @@
 /*
- * The read-out: every format gives the gray levels that the header states, and every wrong call its own status. A tracker that is fed
- * through it, window by window, answers as one that sees whole gray frames.
+ * Checks the read-out: every format gives the gray levels that the header states, and every wrong call its own status. A tracker that
+ * gets only windows from the read-out answers like one that gets whole gray frames.
  */
 
 #include <stdio.h>
@@ -24,11 +24,11 @@ static void hold(const char *what, unsigned line, int holds)
 }
 #define HOLD(condition) hold(#condition, __LINE__, (condition))
 
-/* What a camera sends; twice as high for the mosaic. */
+/* The bytes that a camera sends; a mosaic (SMR_BAYER8) has twice as many lines. */
 static uint8_t sent[2 * HEIGHT * STRIDE];
 static uint8_t gray[WIDTH * HEIGHT], read_pixels[2 * WIDTH * HEIGHT];
 
-/* A texture that moves two columns and a row a frame. */
+/* A texture that moves by two columns and one row per frame. */
 static uint8_t level(int frame, int x, int y)
 {
     int u = x - 2 * frame, v = y - frame;
@@ -44,7 +44,7 @@ static unsigned luma(unsigned rgb)
     return (19595 * red + 38470 * green + 7471 * blue + 32768) >> 16;
 }
 
-/* Fills `sent` as a camera of this format sees the frame, and `gray` with what is meant. */
+/* Fills `sent` with a frame in a camera's format, and `gray` with its gray levels. */
 static void expose(int format, int frame)
 {
     int x, y;
@@ -84,7 +84,7 @@ static smr_frame whole(void)
     return frame;
 }
 
-/* The frame with these windows, line by line; the second one may be empty. */
+/* Reads the windows of a frame out of `sent`, line by line. The second window may be empty. */
 static smr_frame read_out(int format, const smr_rect windows[2])
 {
     smr_readout readout;
@@ -102,7 +102,7 @@ static smr_frame read_out(int format, const smr_rect windows[2])
     return frame;
 }
 
-/* Two windows lie in one memory, one after the other, and each is a part of the frame. */
+/* Both windows lie in one memory, one after the other, and each is a part of the frame. */
 static void two_windows(int format)
 {
     static const smr_rect windows[2] = {{7, 5, 20, 10}, {40, 9, 11, 8}};
@@ -122,7 +122,7 @@ static void two_windows(int format)
     }
 }
 
-/* A tracker of whole gray frames, and one that is fed by the read-out. */
+/* A tracker of whole gray frames and one that gets windows from the read-out give equal answers. */
 static void follow(int format)
 {
     static smr_robust_target storages[2];

@@ -1,5 +1,4 @@
-//! Reads a numpy array as a frame. Gray pixels in rows are read in place; of other layouts the pixels that the tracker
-//! reads are first converted to gray rows.
+//! Reads a numpy array as a frame: gray rows in place; of other layouts it first converts the pixels to be read.
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -48,8 +47,8 @@ impl<'py> Borrowed<'py> {
         let ends = shape.iter().zip(strides).map(|(&count, &stride)| (count.cast_signed() - 1) * stride);
         let lowest: isize = ends.clone().map(|end| end.min(0)).sum();
         let highest: isize = ends.map(|end| end.max(0)).sum();
-        // SAFETY: the array has an element, and all lie from `lowest` to `highest` around the first. It is borrowed
-        // while the slice lives.
+        // SAFETY: all elements (at least one) lie from `lowest` to `highest` around the first; the slice borrows the
+        // array.
         #[allow(unsafe_code)]
         let bytes =
             unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };

@@ -18,8 +18,7 @@ mod _smr {
     use pyo3::prelude::*;
     use smr_core::{paper, robust};
 
-    /// Loads numpy now: when it is loaded by the first array, Ctrl-C in that moment causes a panic. Also documents the
-    /// options and sets the version.
+    /// Documents the options, and loads numpy now: a Ctrl-C while the first array loads it would cause a panic.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;

@@ -29,8 +29,7 @@ fn four(of: BoundingBox) -> Four {
     (of.x, of.y, of.width, of.height)
 }
 
-/// A value with threads or a child process. A forked process has a copy without them, which it can neither use nor
-/// drop.
+/// A value with threads or a child process, which a forked process has not: there it is neither used nor dropped.
 struct OfProcess<T>(u32, ManuallyDrop<T>);
 
 impl<T> OfProcess<T> {

@@ -28,15 +28,13 @@ pub struct Tracker {
 
 /// The tracker of the paper: fast, for a target that keeps its size.
 ///
-/// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). An option, a whole number, changes
-/// one of its values; `options` shows all.
+/// `preset` is "camera" (bounded time and memory) or "paper" (the authors' program). Options change its values.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Paper;
 
 /// The robust tracker: follows changes of size, light and view, and searches the whole frame for a lost target.
 ///
-/// `preset` is "refined" or "robust" (without the refiner). An option, a whole number, changes one of its values;
-/// `options` shows all.
+/// `preset` is "refined" or "robust" (without the refiner). Options change its values; `options` shows all.
 #[pyclass(frozen, extends = Tracker, module = "smr")]
 pub struct Robust;
 
@@ -140,8 +138,8 @@ impl Tracker {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Reports a turn of the camera: what was at (x, y) is expected at (x + right, y + down) in the next frame. In
-    /// pixels, rounded to 1/256.
+    /// Reports a turn of the camera by pixels: what was at (x, y) is expected at (x + right, y + down) in the next
+    /// frame.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -155,16 +153,15 @@ impl Tracker {
         Ok(())
     }
 
-    /// Saves the target as bytes, for `restore` of a tracker with the same preset and options, in Python, Rust, C or
-    /// MicroPython on any machine.
+    /// Saves the target as bytes, for `restore` with equal preset and options, in Python, Rust, C or MicroPython.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.target()?.saved();
         let saved = saved.ok_or_else(|| PyRuntimeError::new_err("there is no target yet: call init first"))?;
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. The options must equal those of the tracker that saved it; the error names the
-    /// first one that differs.
+    /// Continues with a saved target. Its tracker's options must equal this one's; the error names the first that
+    /// differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused).inspect(|()| self.keep(None))
     }
@@ -220,8 +217,7 @@ impl Robust {
     }
 }
 
-/// Updates all trackers of a `Group` with the next frame, on at most `threads` threads. If one cannot follow or is in
-/// use, none does.
+/// Updates all trackers of a `Group` on at most `threads` threads; none of them if one cannot follow or is in use.
 #[pyfunction]
 pub fn follow<'py>(
     trackers: Vec<Bound<'py, Tracker>>,
@@ -239,8 +235,7 @@ pub fn follow<'py>(
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 
-/// Updates each target, with a thread for each scratch memory. The threads end before this returns, so that a fork
-/// loses none.
+/// Updates targets with a thread for each scratch memory. The threads end before this returns, so a fork loses none.
 fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
     let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
     let queue = Mutex::new(targets.into_iter().zip(&mut answers));

@@ -1,4 +1,4 @@
-"""Chooses the libsmr.a for a board. PlatformIO runs this before it builds a program with the library."""
+"""Chooses the libsmr.a for a board. PlatformIO runs this script before it builds a program with the library."""
 
 import os
 

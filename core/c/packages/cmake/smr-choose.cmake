@@ -1,6 +1,6 @@
-# Chooses the libsmr.a for the compiler's target: asks the compiler, with the project's flags, which processor and calling convention it compiles for.
+# Chooses the libsmr.a for the compiler's target, by the macros that the compiler predefines with the project's flags.
 #
-# -DSMR_ARCHIVE=NAME chooses by hand: NAME is a folder of lib, without -refiner. -Dsmr_REFINER=no takes the library without the refiner.
+# -DSMR_ARCHIVE=NAME chooses by hand: NAME is a folder of lib, without -refiner. -Dsmr_REFINER=no chooses the library without the refiner.
 if(NOT DEFINED smr_REFINER)
   set(smr_REFINER yes)
 endif()
@@ -24,7 +24,7 @@ if(NOT smr_name)
     OUTPUT_VARIABLE smr_macros ERROR_VARIABLE smr_said)
 
   if(smr_macros MATCHES "__ARM_ARCH_PROFILE (77|'M')")
-    # Each serves every float ABI: no call has a float.
+    # Each archive is for every float ABI, because no call has a float.
     if(smr_macros MATCHES "__ARM_FEATURE_MVE 3")
       set(smr_name cortex-m55)
     elseif(smr_macros MATCHES "__ARM_FEATURE_DSP 1")

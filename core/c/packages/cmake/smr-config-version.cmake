@@ -1,4 +1,4 @@
-# Says whether this version of smr is what find_package asks for. The version is that of the header.
+# Checks whether this version of smr, read from the header, meets the request of find_package.
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/../../../include/smr.h" smr_numbers REGEX "^#define SMR_VERSION_[A-Z]+ [0-9]+")
 string(REGEX REPLACE ".*MAJOR ([0-9]+).*MINOR ([0-9]+).*PATCH ([0-9]+).*" "\\1.\\2.\\3" PACKAGE_VERSION "${smr_numbers}")
 string(REGEX MATCH "^[0-9]+[.][0-9]+" smr_minor "${PACKAGE_VERSION}")

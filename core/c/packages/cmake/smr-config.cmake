@@ -1,6 +1,7 @@
-# find_package(smr): gives the target smr::smr, and smr_REFINER, yes or no.
+# find_package(smr): defines the target smr::smr, and smr_REFINER (yes or no).
 #
-# An installation by core/c/install.sh holds one libsmr.a and says which. The archive for all processors chooses one.
+# An installation by core/c/install.sh has one libsmr.a, named in smr-installed.cmake. In the archive for all processors,
+# smr-choose.cmake chooses one.
 get_filename_component(smr_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 include("${CMAKE_CURRENT_LIST_DIR}/smr-installed.cmake" OPTIONAL RESULT_VARIABLE smr_installed)
 if(NOT smr_installed)

@@ -1,4 +1,4 @@
-/* Makes the first calls of every program, so that a package is linked without a C library: for each processor that it knows. */
+/* Calls the functions that every program needs. Linking it without a C library tests a package for each of its processors. */
 #include "smr.h"
 
 static smr_robust_target storage;

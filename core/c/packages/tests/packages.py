@@ -1,4 +1,4 @@
-"""Tests library.properties, choose_archive.py (as PlatformIO) and Kconfig as they were assembled: packages.py FOLDER."""
+"""Tests library.properties, choose_archive.py (as PlatformIO runs it) and Kconfig of the assembled packages: packages.py FOLDER."""
 
 import contextlib
 import io
@@ -12,7 +12,7 @@ out = sys.argv[1]
 
 
 class Environment(dict):
-    """PlatformIO as choose_archive.py asks it."""
+    """PlatformIO's build environment, as far as choose_archive.py uses it."""
 
     added = None
 
@@ -30,7 +30,7 @@ class Environment(dict):
 
 
 def chosen(flags, board):
-    """The folder that choose_archive.py adds for a board, below src."""
+    """The folder below src from which choose_archive.py takes the archive for a board."""
     env = Environment(CCFLAGS=flags, board=board)
     runpy.run_path("choose_archive.py", init_globals={"Import": lambda name: None, "env": env})
     (folder,) = env.added["LIBPATH"]
@@ -39,7 +39,7 @@ def chosen(flags, board):
 
 
 def kconfig():
-    """Kconfig must have no warning, and CONFIG_SMR must be there for a Cortex-M, and not for 64 bits of Arm, nor 32 of a desktop."""
+    """Checks that Kconfig has no warning, and offers CONFIG_SMR on a Cortex-M, but not on 64-bit Arm or a 32-bit desktop."""
     try:
         import kconfiglib
     except ImportError:
@@ -58,7 +58,7 @@ def kconfig():
 
 os.chdir(f"{out}/SMRTracker")
 properties = dict(line.split("=", 1) for line in pathlib.Path("library.properties").read_text().splitlines())
-# The rules of arduino-lint for its index of libraries.
+# The rules of arduino-lint for Arduino's index of libraries.
 needed = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url", "architectures", "includes"}
 assert all(properties.get(key, "").strip() for key in needed), needed - properties.keys()
 assert re.fullmatch(r"[A-Za-z][\w .-]{,62}", properties["name"]) and re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])

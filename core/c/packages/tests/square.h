@@ -1,7 +1,7 @@
-/* What the stand-in cameras see: a bright square on a dim pattern. It goes two pixels to the right in each picture of 320x240. */
+/* The scene of the simulated cameras: a bright square on a dim pattern, in 320x240 pixels. It moves right by two pixels per picture. */
 #pragma once
 
-/* The level of a pixel, 0 to 31, in the picture with this number. */
+/* The gray level of a pixel, 0 to 31, in picture `number`. */
 static inline int square_level(int x, int y, int number)
 {
   int u = x - 136 - number * 2, v = y - 96;

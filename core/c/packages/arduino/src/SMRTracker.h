@@ -6,8 +6,8 @@
  *     smr::Answer answer = tracker.update(pixels);           // for each later frame
  *     if (answer.visible()) aim(answer.centerX(), answer.centerY());
  *
- * Every call gives an smr_status (smr_status_name() gives its name). Nothing is allocated, nothing is thrown. What the class does not
- * have, smr.h has: pass tracker.handle() to it.
+ * Every call returns an smr_status, and smr_status_name() its name. Nothing is allocated, nothing is thrown. For calls of smr.h that
+ * the class lacks, pass tracker.handle().
  */
 #ifndef SMR_TRACKER_H
 #define SMR_TRACKER_H
@@ -24,14 +24,14 @@ namespace smr {
 
 typedef smr_rect Box;
 
-/** A box by its left and top edge, width and height, in pixels. */
+/** Returns a box of the given left and top edge, width and height, in pixels. */
 inline Box box(int32_t x, int32_t y, uint16_t width, uint16_t height)
 {
     Box made = {x, y, width, height};
     return made;
 }
 
-/** The name of a state, to print it. */
+/** The lower-case name of a state, to print it. */
 inline const char *name(smr_state state)
 {
     switch (state) {
@@ -43,27 +43,27 @@ inline const char *name(smr_state state)
     return "unknown";
 }
 
-/** What update() answers: all of smr_answer, and how the call ended. */
+/** The result of update(): the fields of smr_answer, and the status of the call. */
 struct Answer : smr_answer {
-    /** SMR_OK, or why there is no answer. */
+    /** SMR_OK, or the reason why there is no answer. */
     smr_status status;
 
-    /** Whether there is an answer and the target is not lost. */
+    /** True if there is an answer and the target is not lost. */
     bool visible() const { return status == SMR_OK && state != SMR_LOST; }
     /** The middle of the box, in pixels. */
     int32_t centerX() const { return bbox.x + bbox.width / 2; }
     int32_t centerY() const { return bbox.y + bbox.height / 2; }
 };
 
-/** One target, its memory and its configuration. Use Paper, Robust or Refined. */
+/** A tracker of one target, with its memory and configuration. Use its types Paper, Robust or Refined. */
 template <typename Target, typename Workspace, smr_status (*preset)(smr_config *)>
 class Tracker {
 public:
-    /** The preset's numbers. Change them before the first lock. */
+    /** The configuration, filled by the preset. Change it before the first lock. */
     smr_config config;
 
     Tracker() : tracker_(nullptr), width_(0), height_(0) { preset(&config); }
-    // The library knows a tracker by its address.
+    // A tracker cannot be copied, because the library identifies it by its address.
     Tracker(const Tracker &) = delete;
     Tracker &operator=(const Tracker &) = delete;
 
@@ -74,7 +74,7 @@ public:
         return lock(frame, box);
     }
 
-    /** The same for a frame of which only parts are in memory: see smr_lock_window(). */
+    /** Learns the target in `box` of a frame of which only parts are in memory: see smr_lock_window(). */
     smr_status lock(const smr_frame &frame, const Box &box)
     {
         smr_status status = begin();
@@ -86,10 +86,10 @@ public:
         return status;
     }
 
-    /** Finds the target in the next frame, which has the size of the one at the lock. */
+    /** Finds the target in the next frame, which must have the size of the locked one. */
     Answer update(const uint8_t *pixels) { return update(whole(pixels, width_, height_)); }
 
-    /** The same for a frame of which only parts are in memory: see smr_windows(). */
+    /** Finds the target in a frame of which only parts are in memory: see smr_windows(). */
     Answer update(const smr_frame &frame)
     {
         Answer answer = Answer();
@@ -98,14 +98,14 @@ public:
         return answer;
     }
 
-    /** Initialises the tracker; lock() does so too. Call it first if you need handle() before the first lock. */
+    /** Initialises the tracker, as lock() also does. Call it only if you need handle() before the first lock. */
     smr_status begin()
     {
         return tracker_ != nullptr ? SMR_OK
                                    : smr_init(&target_, sizeof target_, &workspace_, sizeof workspace_, &config, &tracker_);
     }
 
-    /** For the calls of smr.h; NULL before begin() or lock(). */
+    /** The tracker for calls of smr.h; NULL before begin() or lock(). */
     smr_tracker *handle() { return tracker_; }
 
 private:
@@ -127,11 +127,11 @@ private:
     uint16_t width_, height_;
 };
 
-/** The paper's tracker with the preset for cameras: 13 KB of RAM. */
+/** The paper's tracker with the camera preset: 13 KB of RAM. */
 typedef Tracker<smr_paper_target, smr_paper_workspace, smr_config_camera> Paper;
 /** The robust tracker: 53 KB of RAM. It follows changes of light, size and view, and searches for a lost target. */
 typedef Tracker<smr_robust_target, smr_robust_workspace, smr_config_robust> Robust;
-/** The robust tracker with the refiner, which keeps the box to the target. */
+/** The robust tracker with the refiner, a small network that fits the box to the target. */
 typedef Tracker<smr_robust_target, smr_robust_workspace, smr_config_refined> Refined;
 
 } // namespace smr

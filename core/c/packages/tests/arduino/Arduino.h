@@ -1,4 +1,4 @@
-/* Stands in for the Arduino core in .ci/release boards: what the sketches call, and a main that runs a sketch for LOOPS rounds. */
+/* Stands in for the Arduino core in .ci/release boards: the functions that the sketches call, and a main that calls loop() LOOPS times. */
 #pragma once
 #include <stdint.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@ struct Stream {
   void print(int number) { printf("%d", number); }
   void println(const char *text) { printf("%s\n", text); }
   void println(int number) { printf("%d\n", number); }
-  // One character has come.
+  // One character is waiting at first.
   int available() { return waiting; }
   int read() { return waiting-- ? 'x' : -1; }
   int waiting = 1;

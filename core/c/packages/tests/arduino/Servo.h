@@ -1,4 +1,4 @@
-/* Stands in for the Servo library: refuses an angle that a servo does not have. */
+/* Stands in for the Servo library: aborts at an angle outside 0 to 180 degrees. */
 #pragma once
 #include <stdlib.h>
 struct Servo {

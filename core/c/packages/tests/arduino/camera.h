@@ -1,4 +1,4 @@
-/* Stands in for the Camera library of the mbed core: its names and types, and the square in RGB565. */
+/* Stands in for the Camera library of the mbed core: its camera sees the square of square.h in RGB565. */
 #pragma once
 #include <Arduino.h>
 #include "square.h"
@@ -23,7 +23,7 @@ public:
   {
     for (int y = 0; y < 240; y++) {
       for (int x = 0; x < 320; x++) {
-        // Red, green and blue with the same five bits are a gray pixel.
+        // A gray pixel: red, green and blue have the same five bits.
         int level = square_level(x, y, taken);
         int pixel = level << 11 | level << 6 | level;
         buffer.getBuffer()[(y * 320 + x) * 2] = static_cast<uint8_t>(pixel >> 8);

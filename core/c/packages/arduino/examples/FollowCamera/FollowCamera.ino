@@ -1,8 +1,8 @@
 /*
- * Follows what is in the middle of the camera's picture. Send any character from the serial monitor (115200 baud) to lock on it.
+ * Follows the object in the middle of the camera's picture. To lock on it, send any character from the serial monitor (115200 baud).
  *
- * Boards, with the Camera library of their core: Nicla Vision (GC2145), Portenta H7 with the Vision Shield (HM0360 or HM01B0), GIGA R1
- * with an OV7670. It needs 290 KB of RAM; half of it is the camera's picture in color.
+ * Boards whose core has the Camera library: Nicla Vision (GC2145), Portenta H7 with the Vision Shield (HM0360 or HM01B0), GIGA R1 with
+ * an OV7670. The sketch needs 290 KB of RAM, half of it for the camera's color picture.
  */
 #include <camera.h>
 #include <SMRTracker.h>
@@ -29,7 +29,7 @@ static FrameBuffer buffer;
 static smr::Robust tracker;
 static bool locked = false;
 
-// The gray pixels of the picture in the buffer.
+// Returns the gray pixels of the picture in the buffer; nullptr if they cannot be converted.
 static const uint8_t *gray()
 {
 #if COLOR

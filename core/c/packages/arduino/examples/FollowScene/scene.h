@@ -1,6 +1,6 @@
 /*
- * A scene to follow without a camera: a bright square goes to and fro over a dim background, and hides for a moment in every round. C and
- * C++. draw() fills `pixels` with the picture of `frame`.
+ * A scene in place of a camera, for C and C++: a bright square moves to and fro over a dim background, and hides for a moment in every
+ * round. draw() fills `pixels` with the picture of frame number `frame`.
  */
 #ifndef SCENE_H
 #define SCENE_H
@@ -11,7 +11,7 @@ enum { WIDTH = 96, HEIGHT = 72, SIDE = 16, ROUND = 60 };
 static uint8_t pixels[WIDTH * HEIGHT];
 static int frame = 0;
 
-/* A texture that does not repeat. */
+/* The gray level at (x, y) of a texture that does not repeat. */
 static uint8_t noise(uint32_t seed, int x, int y)
 {
   uint32_t n = seed + (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
@@ -19,7 +19,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
   return (uint8_t)(n ^ (n >> 16));
 }
 
-/* Where the square is: right for half a round, then left again. */
+/* Position of the square: it moves right for half a round, then left. */
 static int left(void) { return 10 + (frame % ROUND < ROUND / 2 ? frame % ROUND : ROUND - frame % ROUND) * 2; }
 static int top(void) { return 20 + left() / 4; }
 static int in_view(void) { return frame % ROUND < 40 || frame % ROUND >= 48; }

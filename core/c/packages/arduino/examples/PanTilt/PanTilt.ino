@@ -1,8 +1,8 @@
 /*
  * Keeps a target in the middle of the picture with two servos: pan on pin 9, tilt on pin 10.
  *
- * look() draws what a camera on the head would see, so the servos follow a square on a wall that is not there. Put your camera's gray
- * pixels in its place (see FollowCamera), and set PIXELS_PER_DEGREE to your lens. It needs 75 KB of RAM.
+ * look() simulates the camera on the head: the servos follow a square on a drawn wall. Replace it by your camera's gray pixels (see
+ * FollowCamera), and set PIXELS_PER_DEGREE for your lens. The sketch needs 75 KB of RAM.
  */
 #include <SMRTracker.h>
 #include <Servo.h>
@@ -14,7 +14,7 @@ static smr::Robust tracker;
 static Servo pan, tilt;
 static int panAngle = 90, tiltAngle = 90, frame = 0;
 
-// A texture that does not repeat.
+// The gray level at (x, y) of a texture that does not repeat.
 static uint8_t noise(uint32_t seed, int x, int y)
 {
   uint32_t n = seed + (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
@@ -22,7 +22,7 @@ static uint8_t noise(uint32_t seed, int x, int y)
   return (uint8_t)(n ^ (n >> 16));
 }
 
-// The picture: a wall, and a square that goes right and down. Degrees from the middle of the wall are pixels here.
+// Draws the picture for the servos' angles: a wall, and a square that moves right and down.
 static void look()
 {
   int wallX = (panAngle - 90) * PIXELS_PER_DEGREE + 1000, wallY = (tiltAngle - 90) * PIXELS_PER_DEGREE + 1000;
@@ -36,7 +36,7 @@ static void look()
   }
 }
 
-// The new angle of a servo: half of the way to the target, so that it does not swing.
+// The new angle of a servo: it turns half of the way to the target, so that it does not oscillate.
 static int turned(int angle, int offset)
 {
   angle += offset / (2 * PIXELS_PER_DEGREE);

@@ -1,5 +1,5 @@
-/* Stands in for Zephyr's video interface: a camera that sends the square as YUYV, and stops after LOOPS pictures. Queued buffers must be as the
- * interface wants them, and a buffer that the program still reads is not written. */
+/* Stands in for Zephyr's video interface: a camera that sends the square of square.h as YUYV, and stops after LOOPS pictures. Checks the
+ * type of queued buffers, and writes only to those. */
 #pragma once
 #include <errno.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /*
- * Follows a target without a camera: scene.h draws a scene, the tracker follows the bright square in it, and the monitor shows where.
+ * Follows a target without a camera: scene.h draws a scene, the tracker follows the bright square in it, and the monitor shows its box.
  *
- * It needs 20 KB of RAM. With a camera, put its gray pixels in the place of `pixels` (for one that sends color: smr_readout_begin), and use
+ * The program needs 20 KB of RAM. With a camera, replace `pixels` by its gray pixels (from color: smr_readout_begin), and use
  * smr_robust_target, smr_robust_workspace and smr_config_robust: 53 KB, and the tracker follows changes of light, size and view.
  */
 #include <inttypes.h>

@@ -1,8 +1,8 @@
 /*
- * Follows what is in the middle of the camera's first picture, and prints where it is. For the video interface of Zephyr 4.2.
+ * Follows the object in the middle of the camera's first picture, and prints its box. Uses the video interface of Zephyr 4.2.
  *
- * The camera must send 320x240 pixels as YUYV. It needs 440 KB of RAM: two pictures of the camera, one of gray pixels, and 53 KB for the
- * tracker.
+ * The camera must send 320x240 pixels as YUYV. The program needs 440 KB of RAM: two pictures of the camera, one of gray pixels, and
+ * 53 KB for the tracker.
  */
 #include <smr.h>
 #include <zephyr/device.h>
@@ -17,7 +17,7 @@ static smr_robust_target storage;
 static smr_robust_workspace workspace;
 static uint8_t gray[WIDTH * HEIGHT];
 
-/* Copies the gray pixels of the whole picture. */
+/* Copies the gray levels (Y) of the whole picture to `gray`. */
 static smr_status to_gray(const uint8_t *yuyv, size_t stride)
 {
 	const smr_rect all[2] = {{0, 0, WIDTH, HEIGHT}};
@@ -27,7 +27,7 @@ static smr_status to_gray(const uint8_t *yuyv, size_t stride)
 	return status == SMR_OK ? smr_readout_lines(&readout, yuyv, stride * HEIGHT, stride) : status;
 }
 
-/* Locks on the middle of the first picture, then follows. */
+/* Locks on the middle of the first picture; updates the tracker with any later one. */
 static smr_status follow(smr_tracker *tracker, bool first)
 {
 	static const char *const names[] = {"tracking", "leaving", "uncertain", "lost"};
