@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds the module smr as one file, which MicroPython loads without a new firmware: core/micropython/native.sh [--refiner] ARCH MICROPYTHON FILE
+# Builds the module smr as a native module, a file that MicroPython loads without a new firmware: core/micropython/native.sh [--refiner] ARCH MICROPYTHON FILE
 #
-# ARCH is the processor as MicroPython names it: armv6m, armv7emsp, rv32imc or x64 (Linux). MICROPYTHON is the folder of MicroPython's source, and
-# FILE is what to write. --refiner builds it with the refiner.
+# ARCH is MicroPython's name of the processor: armv6m, armv7emsp, rv32imc or x64 (Linux). MICROPYTHON is the folder of MicroPython's source, FILE
+# the output. --refiner builds the module with the refiner.
 #
-# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and for other processors what
-# .ci/target-cargo needs.
+# Needs gcc and binutils for the processor, a Python with pyelftools (PYTHON [default: python3]), and except for x64 the tools of
+# .ci/target-cargo.
 set -euo pipefail
 
 usage() { echo "usage: core/micropython/native.sh [--refiner] armv6m|armv7emsp|rv32imc|x64 MICROPYTHON FILE" >&2; exit 2; }
@@ -34,13 +34,13 @@ cd "$(dirname "$0")/../.."
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# The code runs wherever it is loaded. A folder for each processor, because flags of rustc would rebuild what another one has built.
+# The code is position-independent. Each processor has its own build folder, because other flags of rustc would cause a rebuild.
 built=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 library=$(CARGO_TARGET_DIR=$built/micropython/$arch CARGO_PROFILE_FIRMWARE_DEBUG=false RUSTFLAGS="-Crelocation-model=pic" \
   "${cargo[@]}" rustc -p smr-c --crate-type staticlib --profile firmware --locked --quiet "${features[@]}" \
   --message-format json-render-diagnostics | sed -n 's/.*"filenames":\[[^]]*"\([^"]*libsmr\.a\)".*/\1/p' | tail -n 1)
 
-# As in py/dynruntime.mk. Sections and jump tables of their own would put the start of the module elsewhere, and need libgcc.
+# Options as in py/dynruntime.mk. Separate sections would move the start of the module, and jump tables would need libgcc.
 compile=("$gcc" "${flags[@]}" "${headers[@]}" -I"$work" -I"$micropython" -Icore/c/include -std=gnu99 -Os -Wall -Wextra -Wno-unused-parameter -Werror
   -fpic -fno-common -fno-stack-protector -fno-jump-tables -U_FORTIFY_SOURCE -DNDEBUG -DNO_QSTR -DMICROPY_ENABLE_DYNRUNTIME
   -DMICROPY_FLOAT_IMPL=MICROPY_FLOAT_IMPL_NONE '-DMP_CONFIGFILE="names.h"')
@@ -50,7 +50,7 @@ printf '#include <stdint.h>\ntypedef uintptr_t mp_off_t;\n' >"$work/names.h"
 "${mpy_ld[@]}" --preprocess -o "$work/names.h" "$work/smr.i"
 "${compile[@]}" -c core/micropython/smr/smr.c -o "$work/smr.o"
 "$gcc" "${flags[@]}" -r -nostdlib -Wl,--gc-sections,-e,mpy_init,-z,noexecstack "$work/smr.o" "$library" -o "$work/module.o"
-# mpy_ld.py has no place for a variable of Rust: on a host there is one, which processor this is. It goes to the code, which can be written there.
+# mpy_ld.py cannot place Rust's variable for the detected processor, which exists only on a host. It is put into the code, which is writable there.
 variables=$(readelf -SW "$work/module.o" | sed -n 's/.* \(\.bss\.[^ ]*\) .*/--set-section-flags \1=alloc,load,data,contents --rename-section \1=.rodata.variable/p')
 # shellcheck disable=SC2086 # one argument for each word
 "${gcc%gcc}objcopy" --strip-unneeded -R .eh_frame -R '.ARM.ex*' -R '.rel.ARM.ex*' -R '.init_array*' $variables "$work/module.o"

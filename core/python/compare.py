@@ -18,7 +18,7 @@ import time
 import cv2
 import smr
 
-# The files that OpenCV's networks are read from: patterns in the folder of `--models`, by the parameter that takes the path.
+# For each network of OpenCV: its path parameters, and the patterns of their files in the folder of `--models`.
 NETWORKS = {
     "Vit": {"net": "*vit*.onnx"},
     "Nano": {"backbone": "*nano*backbone*.onnx", "neckhead": "*nano*head*.onnx"},
@@ -26,7 +26,7 @@ NETWORKS = {
 
 
 class OfSmr:
-    """A tracker of smr. Its box has fractions of a pixel, and a lost target has none, as in `host-sim eval`."""
+    """A tracker of smr with OpenCV's interface. It returns the box in fractions of a pixel; None if lost, as in `host-sim eval`."""
 
     def __init__(self, tracker):
         self.tracker, self.init = tracker, tracker.init
@@ -37,7 +37,7 @@ class OfSmr:
 
 
 class OfOpenCV:
-    """A tracker of OpenCV."""
+    """A tracker of OpenCV. It returns the box, or None if it has failed."""
 
     def __init__(self, tracker):
         self.tracker, self.init = tracker, tracker.init
@@ -46,13 +46,13 @@ class OfOpenCV:
         try:
             ok, box = self.tracker.update(frame)
         except cv2.error:
-            # Some throw when their box leaves the frame.
+            # Some of OpenCV's trackers throw when their box leaves the frame.
             return None
         return box if ok else None
 
 
 def networks(folder):
-    """Makers of Vit and Nano by name, and why others are skipped."""
+    """Constructors of Vit and Nano by name, and the reasons why a network is skipped."""
     makers, skipped = {}, []
     for name, patterns in NETWORKS.items():
         found = {parameter: glob.glob(os.path.join(folder or "", pattern)) for parameter, pattern in patterns.items()}
@@ -74,10 +74,10 @@ def networks(folder):
 
 
 def trackers(models):
-    """Makers of trackers by name, and why others are skipped."""
+    """Constructors of trackers by name, and the reasons why a tracker is skipped."""
     makers = {
         "smr.Robust": lambda: OfSmr(smr.Robust()),
-        # The network of the refiner may have learned from these very recordings.
+        # Also without the refiner, because its network may be trained on these recordings.
         "smr.Robust(robust)": lambda: OfSmr(smr.Robust("robust")),
         "smr.Paper": lambda: OfSmr(smr.Paper()),
     }
@@ -89,9 +89,9 @@ def trackers(models):
 
 
 def run(tracker, frames, start):
-    """A box or None for each frame, and the mean milliseconds of an update. All None if the tracker refuses the start.
+    """A box or None for each frame (always None if the tracker refuses the start), and the mean milliseconds of an update.
 
-    Processor time of all threads: other programs do not change it much, and a second thread would not make it less.
+    Milliseconds of processor time, summed over threads: other programs hardly change it, and more threads do not reduce it.
     """
     shown = (lambda gray: gray) if isinstance(tracker, OfSmr) else (lambda gray: cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR))
     try:
@@ -113,8 +113,8 @@ def measure(path, makers):
     if recording.truth is None or recording.start is None:
         raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
-    # In whole pixels, as OpenCV takes it and smr rounds it. The score sets it equal to the first box of the ground truth, and moves and scales
-    # all others alike: it must be the box that the tracker got.
+    # In whole pixels, as OpenCV requires and smr rounds. The score aligns the first box to the ground truth and all others with it, so the first
+    # one must be the box that the tracker got.
     start = tuple(math.floor(side + 0.5) for side in recording.start)
     for name, make in makers.items():
         boxes, milliseconds = run(make(), frames, start)
@@ -124,12 +124,12 @@ def measure(path, makers):
 
 
 def mean(values):
-    """The mean and its standard error, which one value does not have."""
+    """The mean and its standard error; None for the error of a single value."""
     return statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
 
 
 def means(rows):
-    """One row for each tracker over its recordings. `behind`: how much smr.Robust's recall is above it, on the same recordings."""
+    """Averages each tracker over its recordings. `behind`: the recall of smr.Robust on the same recordings, minus the tracker's."""
     robust = {row["sequence"]: row["recall"] for row in rows if row["tracker"] == "smr.Robust"}
     table = []
     for name in dict.fromkeys(row["tracker"] for row in rows):
@@ -156,7 +156,7 @@ def markdown(table, skipped):
     lines = ["| tracker | accuracy | behind smr.Robust | F | ms a frame | recordings |", "|---|---|---|---|---|---|"]
     for row in table:
         behind = "" if row["tracker"] == "smr.Robust" else with_error(row, "behind")
-        # Three significant digits: the trackers are a factor of 100 apart.
+        # Three significant digits, because the times differ by a factor of 100.
         speed = "" if row["milliseconds"] is None else f"{row['milliseconds']:#.3g}".rstrip(".")
         figures = [with_error(row, "recall"), behind, with_error(row, "f"), speed, str(row["sequences"])]
         lines.append(f"| {row['tracker']} | {' | '.join(figures)} |")
@@ -167,7 +167,7 @@ def markdown(table, skipped):
 
 
 def every(text):
-    """`MIL=2` as ("MIL", 2)."""
+    """Parses `MIL=2` to ("MIL", 2)."""
     name, _, step = text.partition("=")
     if not step.isdecimal() or int(step) < 1:
         raise argparse.ArgumentTypeError(f"expected TRACKER=N with N of 1 or more, found {text}")

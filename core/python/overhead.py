@@ -1,7 +1,7 @@
 """Compares the time of a call with that of the update in Rust: python overhead.py
 
-The frames are 640x480 and gray. The tracker does little, so that its own time does not hide the rest. Each time is the least of 15 repetitions,
-in turn.
+The frames are 640x480 and gray. The tracker has a tiny window, so that its own time does not hide that of the call. Each time is the least of
+15 alternating repetitions.
 """
 
 import pathlib
@@ -15,7 +15,7 @@ FRAMES, BOX = 400, (300, 200, 8, 8)
 
 
 def write(folder, frame):
-    """A recording in the layout of OTB, in which nothing moves."""
+    """Writes a recording in the layout of OTB, in which nothing moves."""
     for number in range(1, FRAMES + 1):
         (folder / f"{number:04}.pgm").write_bytes(b"P5 640 480 255\n" + frame.tobytes())
     line = ",".join(str(number + offset) for number, offset in zip(BOX, (1, 1, 0, 0)))

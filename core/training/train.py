@@ -2,7 +2,7 @@
 
     python core/training/train.py ../shared/sequences/{tld,more,many} --half all --out weights.bin
 
-Writes the weights, and beside them a recipe (`weights.json`); prints the errors of boxes before and after.
+Writes the weights, and beside them a recipe (`weights.json`); prints the errors of boxes before and after correction.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from refiner_training.tracked import HostSim
 
 TARGET = Path(__file__).resolve().parents[2] / "target"
 OTHER = {"a": "b", "b": "a"}
-# Drawn for the report, from another seed than those trained on.
+# Numbers of samples for the report, with another seed than the training samples.
 REPORT_PAIRS, REPORT_CUTOUTS = 4000, 2000
 
 
@@ -69,7 +69,7 @@ def main():
 
 
 def run(chosen, found):
-    """Recordings to weights. Returns the report."""
+    """Trains on recordings, and writes the weights and the recipe. Returns the report."""
     if not chosen.out.resolve().parent.is_dir():
         raise BadInput(f"no folder {chosen.out.parent}")
     host_sim = HostSim(chosen.host_sim)
@@ -91,7 +91,7 @@ def settings(chosen):
 
 
 def prepared(found, host_sim, chosen):
-    """Frames and the tracker's boxes of all recordings, in the cache: sources of clips, and the files of the boxes."""
+    """Fills the cache with frames and tracker's boxes. Returns the sources of clips, and the files of the boxes."""
     with ThreadPoolExecutor(chosen.processes) as pool, Progress("recordings", len(found)) as progress:
 
         def both(recording):
@@ -105,7 +105,7 @@ def prepared(found, host_sim, chosen):
 
 
 def halves(found, sources, half):
-    """The sources to train on and those to judge on."""
+    """Splits the sources: to train on, and to judge on."""
     by_half = {name: [source for recording, source in zip(found, sources) if recording.half == name] for name in "ab"}
     by_half["all"] = sources
     train_on, judge_on = by_half[half], by_half[OTHER.get(half, "all")]
@@ -115,8 +115,8 @@ def halves(found, sources, half):
 
 
 def trained(chosen, sources, folder):
-    """The integers of the weights."""
-    # JAX takes a second to load: not for the processes that draw samples, nor for bad input.
+    """Draws samples and trains on them; returns the integers of the weights."""
+    # Imported here, because JAX takes a second to load, which sample processes and bad input do not need.
     from refiner_training import fit, network
 
     drawn = samples.draw(sources, chosen.pairs, chosen.cutouts, chosen.seed, folder, chosen.processes)
@@ -124,7 +124,7 @@ def trained(chosen, sources, folder):
 
 
 def judged(chosen, sources, parameters, folder):
-    """The report: on what, and the errors for each kind of sample."""
+    """The report: the samples that it is on, and the errors by kind of sample."""
     drawn = samples.draw(sources, REPORT_PAIRS, REPORT_CUTOUTS, chosen.seed + 1_000_000, folder, chosen.processes)
     if chosen.half == "all":
         on = "held-out samples of the recordings trained on: unseen recordings do worse (see --half a)"

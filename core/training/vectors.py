@@ -1,8 +1,8 @@
-"""Writes inputs and outputs of the network for some weights: what the tracker's code is checked against.
+"""Writes test vectors for the tracker's code: inputs and outputs of the network with the given weights.
 
     python core/training/vectors.py weights.bin vectors.json
 
-Twenty pairs of crops, 32x32 gray levels in rows, made from random numbers; and for each pair the six outputs, in 1/4096.
+Twenty random pairs of crops (32x32 gray levels, row by row), and the six outputs for each pair, in units of 1/4096.
 """
 
 import argparse
@@ -34,7 +34,8 @@ def main():
 
 
 def drawn(rng):
-    """Pairs of crops: blobs of many sizes and contrasts, the second with the first in it; and at the end flat, black and white, and noise."""
+    """Draws pairs of crops: blobs of many sizes and contrasts, the second crop with the first one in it. The last pairs are special: flat, black
+    and white, noise."""
     pairs = np.array([blobs_twice(rng) for _ in range(PAIRS)])
     pairs[-1] = 77
     pairs[-2] = 255 * rng.integers(0, 2, pairs[-2].shape)

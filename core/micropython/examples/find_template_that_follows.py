@@ -1,7 +1,7 @@
-# find_template, but it follows: OpenMV's find_template finds the picture /template.pgm once, and then smr follows it as it moves, turns and
-# changes its size. When smr has lost it, find_template looks for it again. Without the picture, what is in the centre is followed.
+# Finds the picture /template.pgm once by OpenMV's find_template, then follows it by smr as it moves, turns and changes size. When smr has lost
+# it, find_template searches again. Without the picture, the script follows the object in the centre.
 #
-# It was tested with stand-ins for the camera's modules, and has not run on a camera yet.
+# Tested with stand-ins for the camera's modules, but not yet on a camera.
 import image
 import sensor
 import smr

@@ -17,7 +17,7 @@ endif
 SRC_USERMOD_C += $(USERMOD_DIR)/smr.c
 CFLAGS_USERMOD += -I$(SMR_INCLUDE)
 
-# Some ports link LIBS and set it after this file; others put LDFLAGS before the objects, where an archive needs -u to be read.
+# Some ports link LIBS, and set it after this file. Others put LDFLAGS before the objects, where the linker reads an archive only with -u.
 LIBS_USERMOD += $(SMR_LIB)
 LDFLAGS_USERMOD += -u smr_init $(SMR_LIB)
 ifeq ($(notdir $(CURDIR)),unix)

@@ -1,10 +1,9 @@
-// The parts of MicroPython that smr.c needs in a native module (smr.mpy), where py/dynruntime.h is all there is. A few functions of the runtime are missing
-// there, and get their names here.
+// Functions of MicroPython that smr.c needs but py/dynruntime.h lacks, which is the only interface of a native module (smr.mpy).
 
 #include <stdarg.h>
 #include "py/dynruntime.h"
 
-// Names and types are known only when the module is loaded, so tables are built by the function that reads them.
+// Storage class of tables. Names and types are known only when the module is loaded, so each function builds its table at run time.
 #define TABLE const
 
 bool mp_obj_equal(mp_obj_t one, mp_obj_t other) {
@@ -15,7 +14,7 @@ void *m_malloc0(size_t size) {
     return memset(m_malloc(size), 0, size);
 }
 
-// Functions that Rust calls on a host. GCC would make a call of each loop.
+// Functions that Rust calls on a host. Without the attribute, GCC would replace the loop by a call of strlen itself.
 __attribute__((optimize("no-tree-loop-distribute-patterns"))) size_t strlen(const char *text) {
     size_t length = 0;
     while (text[length] != 0) {
@@ -40,7 +39,7 @@ mp_obj_t mp_obj_new_bytes_from_vstr(vstr_t *vstr) {
     return bytes;
 }
 
-// A text of limited length.
+// A buffer for the text of an error, which is cut after 128 bytes.
 typedef struct {
     size_t length;
     char text[128];
@@ -63,7 +62,7 @@ void mp_raise_msg_varg(const mp_obj_type_t *type, mp_rom_error_text_t format, ..
     nlr_raise(mp_obj_new_exception_arg1(type, mp_obj_new_str(message.text, message.length)));
 }
 
-// The class of answers. Like every variable of a native module it must not be static.
+// The named tuple class of answers. Variables of a native module must not be static.
 mp_obj_t smr_answer_class;
 
 mp_obj_t mp_obj_new_attrtuple(const qstr *names, size_t count, const mp_obj_t *items) {

@@ -1,10 +1,10 @@
-// The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. It holds conversions only; README.md describes
-// it for users, smr.h says what each call does.
+// The module `smr` of MicroPython: the trackers of libsmr.a as two classes, Paper and Robust. It only converts; README.md documents it for
+// users, smr.h documents the calls.
 //
-// Memory is on MicroPython's heap. What a tracker remembers is in its Python object, because the garbage collector moves nothing. The scratch
-// memory of each kind of tracker, and the gray pixels of a camera in color, are allocated once and shared; a root pointer keeps them.
+// Memory is on MicroPython's heap. A tracker lives in its Python object, which the garbage collector never moves. All trackers of a kind share
+// a workspace, and all share the gray pixels converted from a color camera; a root pointer keeps both from the garbage collector.
 //
-// This source makes a part of the firmware, or a native module, which is a file.
+// This source compiles to a part of the firmware or to a native module, which is a file.
 
 #ifdef MICROPY_ENABLE_DYNRUNTIME
 #include "native.h"
@@ -20,7 +20,7 @@
 #error "the module smr needs MICROPY_MODULE_BUILTIN_INIT: after a soft reset it must forget its memory"
 #endif
 
-// The largest number that every board holds without a heap object.
+// The largest integer that is not a heap object on any board.
 #define LARGEST 0x3fffffff
 
 typedef struct {
@@ -31,7 +31,7 @@ typedef struct {
     uint8_t storage[] __attribute__((aligned(SMR_ALIGNMENT)));
 } tracker_t;
 
-// The memory that all trackers share.
+// Memory that all trackers share.
 typedef struct {
     void *workspaces[2]; // of Paper and of Robust
     uint8_t *pixels; // gray pixels of the windows
@@ -56,7 +56,7 @@ extern const mp_obj_type_t smr_type_paper, smr_type_robust;
 
 #include "words.h"
 
-// Raises an exception unless the status is SMR_OK. `line`: of the frame, if the status is about one.
+// Raises an exception unless the status is SMR_OK. `line` is the line of the frame that the status is about, if any.
 static void check_line(smr_status status, uint16_t line) {
     if (status == SMR_OK) {
         return;
@@ -65,7 +65,7 @@ static void check_line(smr_status status, uint16_t line) {
     if (text == NULL) {
         mp_raise_msg_varg(&mp_type_RuntimeError, MP_ERROR_TEXT("%s"), smr_status_name(status));
     }
-    // Only this text and that of `restore` are formatted: the buffer in which MicroPython 1.29 formats is a byte too short for the longest text of the firmware.
+    // Only this text and that of `restore` are formatted, because MicroPython 1.29's format buffer is a byte too short for the longest text.
     if (status == SMR_ERROR_LINE_TOO_SHORT) {
         mp_raise_msg_varg(&mp_type_ValueError, text, (int)line);
     }
@@ -76,7 +76,7 @@ static void check_line(smr_status status, uint16_t line) {
 
 // Arguments
 
-// A whole number, the argument `name`.
+// Converts the argument `name` to an integer of `least` to `most`, or raises an exception.
 static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char *name) {
     // An int that is an object is larger than LARGEST.
     const bool is_large = mp_obj_is_exact_type(value, &mp_type_int);
@@ -90,7 +90,7 @@ static mp_int_t number(mp_obj_t value, mp_int_t least, mp_int_t most, const char
     return number;
 }
 
-// The items of a tuple, a list or what else can be iterated over.
+// The `count` items of a tuple, a list or another iterable; raises an exception for another length.
 static mp_obj_t *items_of(mp_obj_t value, size_t count, const char *name) {
     if (!MP_OBJ_TYPE_HAS_SLOT(mp_obj_get_type(value), iter)) {
         mp_raise_msg_varg(&mp_type_TypeError, MP_ERROR_TEXT("%s must be a tuple of %d numbers"), name, (int)count);
@@ -128,7 +128,7 @@ static mp_obj_t rect(mp_int_t x, mp_int_t y, mp_int_t width, mp_int_t height) {
 
 // Frames
 
-// A buffer as Python gives it.
+// A picture from Python: a buffer of pixels with its format, size and stride.
 typedef struct {
     mp_obj_t buffer;
     int32_t format;
@@ -157,7 +157,7 @@ static size_t area(const smr_rect *window) {
     return (size_t)window->width * window->height;
 }
 
-// Memory for gray pixels, until the next call.
+// Shared memory for gray pixels, valid until the next call.
 static uint8_t *pixels(size_t size) {
     if (SHARED->size < size) {
         m_del(uint8_t, SHARED->pixels, SHARED->size);
@@ -169,12 +169,12 @@ static uint8_t *pixels(size_t size) {
     return SHARED->pixels;
 }
 
-// The frame for a call. A gray picture is read where it is; of another one the pixels of the windows are converted.
+// The frame for a call. Gray pictures are read in place; of other formats the pixels in the windows are converted to gray.
 static smr_frame frame_of(const picture_t *picture, const smr_rect windows[2]) {
     const bool is_gray = picture->format == SMR_GRAY8;
     const size_t size = area(&windows[0]) + area(&windows[1]);
     uint8_t *gray = is_gray ? NULL : pixels(size);
-    // After the allocation: a finaliser could change the buffer.
+    // Gets the buffer after the allocation, because a finaliser could change it.
     const mp_buffer_info_t bytes = bytes_of(picture->buffer, MP_QSTR_buffer);
     if (is_gray) {
         return (smr_frame) { picture->width, picture->height, { { bytes.buf, bytes.len, picture->stride, picture->width, picture->height, 0, 0 } } };
@@ -197,7 +197,7 @@ static bool is_same(const char *one, const char *other) {
     return *one == *other;
 }
 
-// Sets an option: a setting of the configuration by its name, or plain_loop.
+// Sets the option `keyword`: a setting of the configuration, or plain_loop.
 static void set_option(smr_config *config, const mp_obj_type_t *type, mp_obj_t keyword, mp_obj_t value) {
     const char *name = mp_obj_str_get_str(keyword);
     if (keyword == MP_OBJ_NEW_QSTR(MP_QSTR_plain_loop)) {
@@ -229,7 +229,7 @@ static void set_preset(smr_config *config, bool is_paper, mp_obj_t value) {
     check(status);
 }
 
-// The configuration of the keyword arguments: the preset first, whatever their order. `preset` may be MP_OBJ_NULL.
+// The configuration of the keyword arguments, which applies the preset before the options. `preset` may be MP_OBJ_NULL.
 static smr_config config_of(const mp_obj_type_t *type, mp_obj_t preset, size_t count, const mp_obj_t *keywords) {
     const bool is_paper = type == PAPER;
     smr_config config;
@@ -332,7 +332,7 @@ static mp_obj_t answer_of(const smr_answer *answer) {
     return mp_obj_new_attrtuple(names, MP_ARRAY_SIZE(items), items);
 }
 
-// update(buffer, format=GRAY8, stride=0, work=0) -> answer; None while work is left
+// update(buffer, format=GRAY8, stride=0, work=0) -> answer; None while work remains
 static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) {
     enum { BUFFER, FORMAT, STRIDE, WORK };
     TABLE mp_arg_t allowed[] = {
@@ -359,7 +359,7 @@ static mp_obj_t update(size_t n_args, const mp_obj_t *args, mp_map_t *keywords) 
 }
 static MP_DEFINE_CONST_FUN_OBJ_KW(update_obj, 1, update);
 
-// moved(right, down), in 1/256 pixel
+// moved(right, down), in units of 1/256 pixel
 static mp_obj_t moved(mp_obj_t self_in, mp_obj_t right, mp_obj_t down) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
     check(smr_moved(self->tracker, number(right, -LARGEST, LARGEST, "right"), number(down, -LARGEST, LARGEST, "down")));
@@ -379,7 +379,7 @@ static mp_obj_t save(mp_obj_t self_in) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_1(save_obj, save);
 
-// restore(saved, width=0, height=0): the size of the coming buffers; 0: as before
+// restore(saved, width=0, height=0): the size of later frames in pixels; 0 keeps the previous size
 static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
     tracker_t *self = MP_OBJ_TO_PTR(args[0]);
     const uint16_t width = n_args > 2 ? number(args[2], 0, UINT16_MAX, "width") : 0;
@@ -401,7 +401,7 @@ static mp_obj_t restore(size_t n_args, const mp_obj_t *args) {
 }
 static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(restore_obj, 2, 4, restore);
 
-// None if there is no target yet, or the window is empty.
+// The window with index `which` as a tuple; None without a target or if it is empty.
 static mp_obj_t window_of(mp_obj_t self_in, int which) {
     tracker_t *self = MP_OBJ_TO_PTR(self_in);
     smr_rect windows[2] = { { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
@@ -417,7 +417,7 @@ static mp_obj_t window_of(mp_obj_t self_in, int which) {
 WINDOW(window, 0)
 WINDOW(sweep_window, 1)
 
-// The names in the classes and in the module.
+// Lists of the methods and constants, by macros, because the firmware and the native module define them differently.
 #define METHODS(METHOD) METHOD(lock) METHOD(update) METHOD(moved) METHOD(save) METHOD(restore) METHOD(window) METHOD(sweep_window)
 #define NUMBERS(NUMBER) \
     NUMBER(GRAY8) NUMBER(YUYV) NUMBER(UYVY) NUMBER(RGB565_BE) NUMBER(RGB565_LE) NUMBER(BAYER8) NUMBER(GRAY10) NUMBER(POOR_QUALITY)
@@ -437,7 +437,7 @@ static void add_type(mp_obj_full_type_t *type, qstr name, mp_obj_t methods) {
     mp_store_global(name, MP_OBJ_FROM_PTR(type));
 }
 
-// Every import of a module that is not in sys.modules loads the file anew, with its own variables.
+// Entry point of the native module. An import without an entry in sys.modules loads the file again, with new variables.
 mp_obj_t mpy_init(mp_obj_fun_bc_t *self, size_t n_args, size_t n_kw, mp_obj_t *args) {
     MP_DYNRUNTIME_INIT_ENTRY
     const mp_obj_t methods = mp_obj_new_dict(0);
@@ -466,8 +466,8 @@ MP_DEFINE_CONST_OBJ_TYPE(smr_type_robust, MP_QSTR_Robust, MP_TYPE_FLAG_NONE, mak
 
 extern const mp_obj_module_t smr_module;
 
-// Every import of a module that is not in sys.modules calls this. A soft reset empties sys.modules, and with it the heap that the root pointer
-// is about. After `del sys.modules['smr']` the old trackers keep their own workspace.
+// Called by every import without an entry in sys.modules. A soft reset clears sys.modules and the heap, so the shared memory must be new. After
+// `del sys.modules['smr']` the old trackers keep their own workspace.
 static mp_obj_t init(void) {
     MP_STATE_VM(smr_shared) = m_new0(shared_t, 1);
     mp_obj_dict_store(MP_OBJ_FROM_PTR(&MP_STATE_VM(mp_loaded_modules_dict)), MP_OBJ_NEW_QSTR(MP_QSTR_smr), MP_OBJ_FROM_PTR(&smr_module));

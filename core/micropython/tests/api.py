@@ -1,4 +1,4 @@
-# Tests of the module smr, on any board: calls, errors, buffers, pixel formats, saved targets, memory. Prints the number of checks.
+# Tests the module smr on any board: calls, errors, buffers, pixel formats, saved targets and memory. Prints the number of checks.
 import array
 import gc
 import smr
@@ -27,7 +27,7 @@ def raises(kind, words, call):
 
 
 def picture(right=0, width=WIDTH, height=HEIGHT):
-    # A pattern without repetition, which moves to the right.
+    # A pattern that does not repeat, moved to the right by `right` pixels.
     cells = ((y // 3, (x - right) // 3) for y in range(height) for x in range(width))
     return bytearray((down * 47 + across * 83 + down * across * 29) % 251 for down, across in cells)
 
@@ -107,7 +107,7 @@ raises(ValueError, "padding must be 0 to 65535", lambda: smr.Paper(padding=-1))
 raises(TypeError, "Paper has no option reach", lambda: smr.Paper(reach=5))
 raises(ValueError, "preset must be 'robust' or 'refined'", lambda: smr.Robust(preset="camera"))
 smr.Robust(preset="robust", reach=5), smr.Robust("robust", reach=5)
-# This module is built without the refiner.
+# The tested module is built without the refiner.
 for make in smr.Robust, lambda preset: smr.Robust(preset=preset):
     raises(ValueError, "the refiner is on, and this build is without it (feature refiner)", lambda: make("refined"))
 same([smr.Paper("paper").lock(still, WIDTH, HEIGHT, BOX)], [smr.Paper(preset="paper").lock(still, WIDTH, HEIGHT, BOX)], "preset by its place")
@@ -133,7 +133,7 @@ for kind in KINDS:
     raises(ValueError, "the stride is smaller than the width", lambda: lock(still, 40, 60, BOX, format=smr.UYVY, stride=79))
     raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: lock(still[:-1], WIDTH, HEIGHT, BOX))
     raises(ValueError, "the slice is shorter than (height - 1) * stride + width bytes", lambda: lock(b"", WIDTH, HEIGHT, BOX))
-    # Line 29 ends within the buffer, line 30 does not.
+    # In this format the buffer ends after line 29, so line 30 is too short.
     raises(ValueError, "line 30 has fewer bytes than its format needs", lambda: lock(still, WIDTH, HEIGHT, BOX, format=smr.RGB565_BE))
     formats = "the format is none of smr's: GRAY8, YUYV, UYVY, RGB565_BE, RGB565_LE, BAYER8, GRAY10"
     for format in 7, -1:
@@ -184,7 +184,7 @@ for kind in KINDS:
         pass
 
 
-# Pixel formats: each gives the answers of the gray frames that it stands for. The other bytes are noise.
+# Pixel formats: frames in each format give the answers of the same frames in gray. Bytes that are not gray are noise.
 def interleaved(frame, first):
     wide = bytearray(at * 77 % 256 for at in range(2 * len(frame)))
     for at, gray in enumerate(frame):
@@ -268,7 +268,7 @@ for kind, other in ((smr.Paper, smr.Robust), (smr.Robust, smr.Paper)):
     again.restore(saved, WIDTH + 1, HEIGHT)
     raises(ValueError, "the frame has another size than the one that was locked on", lambda: again.update(picture(0, WIDTH + 1)))
 
-# Many trackers of both kinds share their workspaces: each answers as one alone.
+# Many trackers of both kinds share their workspaces, and each answers as if it were alone.
 alone = [follow(kind()) for kind in KINDS]
 many = [kind() for _ in range(4) for kind in KINDS]
 answers = [[tracker.lock(still, WIDTH, HEIGHT, BOX)] for tracker in many]
@@ -279,8 +279,8 @@ for frame in FRAMES:
 same(answers, 4 * alone, "trackers beside each other")
 del many, answers, list
 
-# The second tracker of a kind takes only its own memory.
-# That of the robust one has room for the refiner, which this module is built without.
+# The second tracker of a kind allocates no workspace, only its own memory (of the robust one 1048 bytes are for the refiner, which this module
+# lacks).
 for kind, most in zip(KINDS, (4500, 11700 + 1048)):
     gc.collect()
     before = gc.mem_alloc()
@@ -294,7 +294,7 @@ for kind, most in zip(KINDS, (4500, 11700 + 1048)):
 del tracker, second
 
 
-# A class of the user's own.
+# A subclass by the user.
 class Counting(smr.Robust):
     updates = 0
 
@@ -307,7 +307,7 @@ tracker = Counting(size=False)
 same(follow(tracker), follow(smr.Robust(size=False)), "a class of the user's own")
 same(tracker.updates, len(FRAMES), "a class of the user's own")
 
-# Any numbers: an answer or one of the three exceptions, and after it the tracker still works.
+# Random arguments give an answer or one of the documented exceptions, after which the tracker still works.
 seed = 1
 
 
@@ -349,7 +349,7 @@ same(min(accepted) > 20 and refused > 100, True, "%r calls accepted, %d refused"
 same(follow(trackers[0]), alone[0], "after all these calls")
 del trackers, tracker, buffer
 
-# Garbage collection between any two calls, and at every allocation.
+# Answers do not change if garbage is collected between any two calls, or at every allocation.
 for kind, expected in zip(KINDS, alone):
     same(follow(kind(), collect=True), expected, "garbage collected between two calls")
     color = [interleaved(frame, 1) for frame in FRAMES]
@@ -360,7 +360,7 @@ for kind, expected in zip(KINDS, alone):
     gc.threshold(threshold)
     del color
 
-# The module imported anew: a new workspace; the old trackers keep theirs.
+# A new import of the module has new workspaces; old trackers keep theirs.
 import sys
 
 old = [kind() for kind in KINDS]
@@ -375,8 +375,8 @@ same([[tracker.update(frame) for frame in FRAMES] for tracker in old], [answers[
 same([follow(kind()) for kind in (smr.Paper, smr.Robust)], alone, "the module imported anew")
 del old, filled
 
-# A thousand trackers take no memory in the end. The collector is conservative: a word that is left on the stack can keep one of them, and the
-# robust one has 12.4 KB. A leak of 16 bytes a tracker would be more.
+# A thousand trackers leak no memory. The conservative collector may keep one of them (12.4 KB) for a stale word on the stack; a leak of 16 bytes
+# per tracker would be more.
 for kind in KINDS:
     for count in range(1000):
         tracker = kind()

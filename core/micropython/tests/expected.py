@@ -1,5 +1,5 @@
-# Prints what track.py must print, from the lines of `host-sim track --json` in files: expected.py NAME FILE ...
-# host-sim prints fractions, rounded to six digits. That is enough for all the numbers behind them.
+# Prints the expected output of track.py, from files with lines of `host-sim track --json`: expected.py NAME FILE ...
+# host-sim prints fractions of six digits, which is enough to restore the tracker's integers.
 import json
 import sys
 

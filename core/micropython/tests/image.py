@@ -1,4 +1,4 @@
-# OpenMV's module for pictures, for the example: there is a template if the environment has SMR_TEMPLATE.
+# Stands in for OpenMV's module `image` in the example: the template exists if the environment has SMR_TEMPLATE.
 import os
 
 SEARCH_EX = None

@@ -1,4 +1,4 @@
-# A file system with one file, smr.mpy, for a board without one. .ci/micropython writes the line before: MODULE, the bytes of the file.
+# Mounts a file system with one file, smr.mpy, on a board that has none. .ci/micropython writes the line before: MODULE, the file's bytes.
 import io
 import os
 import sys

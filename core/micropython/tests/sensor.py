@@ -1,4 +1,5 @@
-# A camera for the first script of the README and the example: shows a still picture and ends the script after some frames.
+# Stands in for OpenMV's module `sensor` in the README's first script and in the example: shows a still picture, and ends the script after some
+# frames.
 GRAYSCALE = QVGA = None
 left = 5
 found = []
@@ -12,7 +13,7 @@ class Image(bytearray):
         return 240
 
     def find_template(self, template, threshold, step, search):
-        # Not in the first frame, which does not count.
+        # Finds nothing in the first frame, which therefore does not count.
         global left
         left += not found
         found.append(template)

@@ -1,5 +1,5 @@
-/* What the C library does with a target that Python saved: restore FRAME SAVED NEW. Restores SAVED with the preset robust and prints the name of
- * the status and of the setting that differs; then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
+/* Restores a target that Python saved with the C library: restore FRAME SAVED NEW. Restores SAVED with the preset robust, and prints the names
+ * of the status and of the setting that differs. Then locks on FRAME, 160x120 gray pixels, and writes the saved target to NEW. */
 #include <stdio.h>
 #include "smr.h"
 

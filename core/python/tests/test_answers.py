@@ -1,4 +1,4 @@
-"""Every answer is the one of host-sim."""
+"""Checks that every answer equals that of host-sim."""
 
 import copy
 import os
@@ -12,7 +12,7 @@ import pytest
 import smr
 from conftest import followed, recorded
 
-# The trackers and what host-sim calls them.
+# The trackers, and the options of host-sim for each.
 TRACKERS = {
     "robust": (smr.Robust, []),
     "robust with options": (lambda: smr.Robust(reach=5, patience=200, sweep=0), ["--set=reach=5", "--set=patience=200", "--set=sweep=0"]),
@@ -84,7 +84,7 @@ def test_update_is_follow_in_short(make, synthetic):
 
 
 def layouts(gray):
-    """Returns the picture in other layouts of memory."""
+    """The picture in other layouts of memory."""
     height, width = gray.shape
     wide = np.zeros((height + 5, width + 9), np.uint8)
     wide[3:-2, 4:-5] = gray
@@ -117,7 +117,7 @@ def test_layouts_change_nothing(make, synthetic):
 
 
 def test_lost_targets_are_swept_for_in_color(synthetic):
-    # A lost target has a second window, which is converted, too.
+    # A lost target has a second window, whose pixels must be converted as well.
     frames, box = synthetic
     gray, color = smr.Robust(), smr.Robust()
     gray.init(frames[0], box)

@@ -1,4 +1,4 @@
-"""Bad calls are exceptions that say what was expected, and change nothing. And 100,000 good ones leave nothing behind."""
+"""Checks that bad calls raise exceptions that say what was expected, and change nothing, and that 100,000 good calls leak no memory."""
 
 import copy
 import gc
@@ -131,7 +131,7 @@ def test_a_tracker_is_for_one_thread_at_a_time():
         thread.start()
     for thread in threads:
         thread.join()
-    # While one thread works, the lock of Python is free, and the others are refused.
+    # While one thread updates the tracker without the GIL, calls of other threads are refused.
     assert refused and set(refused) == {
         "this tracker is in use by another thread: give each thread a tracker of its own"
     }
@@ -139,7 +139,7 @@ def test_a_tracker_is_for_one_thread_at_a_time():
 
 
 def test_a_thousand_bad_calls():
-    """Values of any kind in any place: exceptions of the documented kinds, and the tracker goes on."""
+    """Any value as any argument raises only documented exceptions, after which the tracker works."""
     pick = random.Random(27).choice
     values = [
         None, True, 0, -1, 2**40, 1.5, float("nan"), float("inf"), "", "x", b"", b"SMRR", (), (1,), (1, 2, 3, 4), (20, 10, 24, 20),
@@ -220,7 +220,7 @@ def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
             thread.join()
     assert refused and all("in use by another thread" in words for words in refused)
     assert [len({member.save() for member in members[kind::2]}) for kind in (0, 1)] == [1, 1]
-    # Also if one of them is followed by itself meanwhile.
+    # Also if another thread follows with one of the trackers meanwhile.
     single = threading.Thread(target=lambda: [members[1].follow(frame) for frame in frames[25:75]])
     single.start()
     while single.is_alive():
@@ -230,7 +230,7 @@ def test_from_several_threads_all_members_of_a_group_follow_or_none(synthetic):
 
 
 def test_a_process_that_forks(synthetic):
-    """An object made before a fork works after it, or says why not."""
+    """An object from before a fork works after it, or raises an error with the reason."""
     if not hasattr(os, "fork"):
         pytest.skip("no fork")
     frames, box = synthetic
@@ -259,7 +259,7 @@ def test_a_process_that_forks(synthetic):
 
 
 def test_an_array_is_kept_while_it_is_read():
-    """The only reference to the frame goes while another thread works on it."""
+    """The last reference to a frame is dropped while another thread reads it."""
     tracker = smr.Robust()
     frames = [np.random.default_rng(5).integers(0, 256, (1200, 1600), np.uint8)]
     tracker.init(frames[0], (300, 300, 700, 600))
@@ -304,5 +304,5 @@ def test_memory_does_not_grow(make):
     follow(1000)
     before = resident()
     follow(25_000)
-    # More than 100,000 frames with both trackers. An object of 32 bytes that stays in each would be 1.6 MB here.
+    # More than 100,000 frames with both trackers: a leak of 32 bytes per frame would be 1.6 MB here.
     assert resident() - before < 500_000

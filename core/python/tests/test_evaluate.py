@@ -12,7 +12,7 @@ import smr
 from conftest import followed
 
 RECORDINGS = ["synthetic", "border", "noise"]
-# The only figure that differs from run to run.
+# The time is the only figure that differs from run to run.
 TIME = "microseconds_per_frame"
 
 
@@ -39,7 +39,7 @@ def test_scores_are_those_of_host_sim(host_sim, synthetic):
     answers = followed(smr.Robust(), list(recording), recording.start)
     score = recording.score([recording.start, *(None if answer.state == smr.State.LOST else answer.fine_box for answer in answers)])
     (expected,) = json.loads(host_sim("eval", "--method=robust", "synthetic", "--json"))["measured"]
-    # Without confidence there are no figures of VOT.
+    # VOT's figures require a confidence, which these answers lack.
     compared = {name: value for name, value in score.items() if not name.startswith("vot")}
     assert len(compared) == 12 and compared == {name: expected[name] for name in compared}
     assert score["frames"] == len(recording.truth) == 240
@@ -62,7 +62,7 @@ def test_recordings_are_found_and_named(tmp_path, host_sim):
 @pytest.mark.parametrize("start", ["fork", "spawn"])
 def test_processes(start):
     expected = figures(smr.evaluate(RECORDINGS))
-    # After this process has used its threads.
+    # Starts processes after this one has used its threads.
     context = multiprocessing.get_context(start)
     with warnings.catch_warnings(), concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as executor:
         warnings.simplefilter("ignore", DeprecationWarning)

@@ -85,7 +85,7 @@ def test_r_selects_again_and_q_ends(capsys):
     printed = capsys.readouterr().out.splitlines()
     assert len(printed) == len(window.shown) == 9
     assert window.boxes == []
-    # The target is the one that was drawn in frame 3, also after a selection that was given up.
+    # The target is the box drawn in frame 3, even after a later selection was cancelled.
     assert window.shown[3:] == followed(smr.Robust(), frames[2:9], (10, 10, 20, 20))
 
 
@@ -129,7 +129,7 @@ def test_a_video_file_is_followed_in_color(tmp_path):
     assert (recording.size, recording.fps, len(recording)) == ((160, 120), pytest.approx(25, abs=0.1), 20)
     ran = run("smr", path, "--box", "36,24,24,28", "--json")
     assert (ran.returncode, ran.stderr) == (0, "")
-    # A program as a user of OpenCV writes it.
+    # A program like those that users of OpenCV write.
     capture = cv2.VideoCapture(path)
     answers = followed(smr.Robust(), [capture.read()[1] for _ in frames], (36, 24, 24, 28))
     assert [line["fine"] for line in lines(ran.stdout)[1:]] == [answer.fine_box._asdict() for answer in answers]

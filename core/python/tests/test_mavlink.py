@@ -96,7 +96,7 @@ def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
     other.heard(STATUS)
     for frame, truth, answer in zip(FRAMES[1:], RECORDING.truth[1:], followed(smr.Robust(), FRAMES[:80], RECORDING.start)):
         camera.show(frame)
-        # Both stations hear of each frame, also the one that has asked for nothing.
+        # Both ground stations get each status, even the one that has requested nothing.
         (status,), (same,) = one.heard(STATUS), other.heard(STATUS)
         assert status.get_msgbuf() == same.get_msgbuf() and (status.get_srcSystem(), status.get_srcComponent()) == OWN
         assert status.tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
@@ -115,7 +115,7 @@ def test_a_box_is_followed_lost_and_asked_for_again(world, capsys):
     assert one.heard(STATUS)[-1].tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ACTIVE
     for _ in range(20):
         camera.show(FRAMES[0] * 0)
-    # The other station asks for it again, by a point in it, and stops.
+    # The other ground station selects the target again, by a point, and stops tracking.
     camera.show(FRAMES[0])
     x, y, width, height = RECORDING.start
     other.heard(STATUS)
@@ -152,7 +152,7 @@ def test_it_says_what_it_can(world):
     assert (heartbeat.type, heartbeat.autopilot) == (mavlink.MAV_TYPE_CAMERA, mavlink.MAV_AUTOPILOT_INVALID)
     camera.begun -= 2**32 / 1000  # The time wraps.
     assert one.ask(REQUEST, 259) == ACCEPTED and one.after[0].time_boot_ms < 60_000
-    # Before the first frame it asks to try again.
+    # Before the first frame the camera rejects commands temporarily.
     camera.frame = None
     for command in [(TRACK, *parts(RECORDING.start)), (POINT, 0.5, 0.5), (REQUEST, 259)]:
         assert one.ask(*command) == mavlink.MAV_RESULT_TEMPORARILY_REJECTED
@@ -173,7 +173,7 @@ def test_nonsense_is_refused_and_changes_nothing(world):
             (TRACK, 0.9, 0.9, 1.1, 1.1), (TRACK, 0.5, 0.5, 0.50001, 0.50001), (POINT, 1.5, 0.5), (POINT, NAN, 0.5), (POINT, 0.5, 0.5, -1),
             (INTERVAL, 275, NAN), (INTERVAL, 275, -2),
         ],
-        # There is no --stream-uri for 269.
+        # Message 269 (VIDEO_STREAM_INFORMATION) requires --stream-uri.
         UNSUPPORTED: [
             (INTERVAL, 30, 1000), (REQUEST, 30), (REQUEST, NAN), (REQUEST, 269), (REQUEST, 244, NAN), (GET, -1),
             (mavlink.MAV_CMD_IMAGE_START_CAPTURE,), (65535,),
@@ -248,7 +248,7 @@ def test_what_is_asked_of_all_is_asked_of_the_camera(world):
         assert one.ask(TRACK, *parts(RECORDING.start), to=to) == ACCEPTED
         assert one.ask(REQUEST, 259, to=to) == ACCEPTED and one.after[0].get_type() == "CAMERA_INFORMATION"
         assert one.ask(TRACK, 0.2, 0.1, 0.1, 0.2, to=to) == DENIED
-        # Another component may know this one.
+        # To a command for all components that it does not know, the camera is silent: another one may know it.
         assert one.ask(mavlink.MAV_CMD_IMAGE_START_CAPTURE, to=to) is None
         assert one.ask(STOP, to=to) == ACCEPTED
 
@@ -265,7 +265,7 @@ def test_each_receiver_has_its_own_interval(world):
     for frame in FRAMES[1:10]:
         camera.show(frame)
     assert [len(one.heard(STATUS)) for one in (never, some, silent)] == [0, 1, 9]
-    # On a connection that all share, it is sent if one of them waits for it.
+    # On a shared connection, the status is sent if it is due for any receiver.
     camera.receivers = {(None, number, 190): program.Receiver() for number in (1, 2)}
     for interval, count in [(math.inf, 0), (0, 3)]:
         camera.receivers[None, 1, 190].interval, camera.receivers[None, 2, 190].interval = interval, math.inf
@@ -313,7 +313,7 @@ def test_without_frames_it_answers_and_has_no_place(world, capsys):
         heard(lambda message: message.get_type() == "HEARTBEAT")
     one.link.mav.command_long_send(*OWN, REQUEST, 0, 259, 0, 0, 0, 0, 0, 0)
     heard(lambda message: message.get_type() == "CAMERA_INFORMATION")
-    # A target that is asked for in the old frame has no place, either.
+    # A target that is selected in the old frame has no position, either.
     one.link.mav.command_long_send(*OWN, TRACK, 0, *parts(RECORDING.start), 0, 0, 0)
     heard(lambda message: message.get_type() == "COMMAND_ACK" and message.command == TRACK)
     assert heard(lambda message: message.get_type() == STATUS).tracking_status == mavlink.CAMERA_TRACKING_STATUS_FLAGS_ERROR

@@ -48,14 +48,14 @@ def test_examples_run(monkeypatch, tmp_path, synthetic):
         video.write(color)
     video.release()
     monkeypatch.chdir(tmp_path)
-    # A box as a person drags it.
+    # Stands for a box that a person draws.
     monkeypatch.setattr(cv2, "selectROI", lambda frame: tuple(map(int, box)), raising=False)
     names = {}
     assert len(BLOCKS) == 4
     for block in BLOCKS:
         exec(block, names)
         if names["frame"] is None:
-            # The video has ended. The next example goes on with its last frame.
+            # After the video's end the next example continues with its last frame.
             assert names["ok"] and smr.Recording("synthetic").truth[39][0] == pytest.approx(names["box"].x, abs=3)
             names["frame"] = colors[-1]
     assert names["table"]["tracker"] == ["robust", "paper"] and names["table"]["f"][0] > 0.9
@@ -66,7 +66,7 @@ def test_a_type_checker_finds_no_error(checker, tmp_path):
     for name in (checker[0], "cv2"):
         pytest.importorskip(name, reason=f"no {name}")
     program = [sys.executable, "-m", *checker]
-    # The module pyright fetches its program once.
+    # At its first run, the module pyright downloads its program.
     if subprocess.run([*program, "--version"], capture_output=True, timeout=300).returncode != 0:
         pytest.skip(f"{checker[0]} cannot be fetched")
     file = tmp_path / "example.py"

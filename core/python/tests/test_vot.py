@@ -168,7 +168,7 @@ def test_a_client_that_has_gone_is_one_line():
 def test_the_vot_toolkit_runs_it(tmp_path):
     pytest.importorskip("vot", reason="skipped: the VOT toolkit itself: no vot-toolkit")
     (tmp_path / "trackers.ini").write_text(f"[smr]\nlabel = smr\nprotocol = trax\ncommand = {' '.join(OWN)}\n")
-    # The toolkit would ask for a newer version of itself: nobody listens there.
+    # Redirects the toolkit's check for a newer version to an address without a server.
     environment = {**os.environ, "https_proxy": "http://127.0.0.1:9"}
     command = [sys.executable, "-m", "vot", "test", "smr"]
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)

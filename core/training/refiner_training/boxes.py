@@ -1,4 +1,4 @@
-"""Boxes: an array of centre x, centre y, width, height. And their files: `x1,y1,x2,y2` a line, NaN where there is none."""
+"""Boxes as arrays (centre x, centre y, width, height), and their files: lines of `x1,y1,x2,y2`, NaN without a box."""
 
 import math
 
@@ -10,7 +10,7 @@ def from_corners(x1, y1, x2, y2):
 
 
 def read(path):
-    """A box or None for each line."""
+    """Reads a file: a box or None for each line."""
     return [parsed(line) for line in path.read_text().splitlines() if line.strip()]
 
 
@@ -25,7 +25,7 @@ def parsed(line):
 
 
 def side(box):
-    """The side of the square of the same area."""
+    """The side of a square with the area of the box."""
     return math.sqrt(box[2] * box[3])
 
 
@@ -38,18 +38,18 @@ def intersection_over_union(a, b):
 
 
 def correction(box, truth):
-    """The correction from `box` to `truth`, which the network learns: dx, dy in widths and heights of the box, log width, log height."""
+    """The correction from `box` to `truth`, which the network learns: dx in box widths, dy in box heights, log width ratio, log height ratio."""
     dx, dy = (truth[:2] - box[:2]) / box[2:]
     return np.array([dx, dy, math.log(truth[2] / box[2]), math.log(truth[3] / box[3])], np.float32)
 
 
 def corrected(box, change):
-    """`box` after a correction."""
+    """Applies a correction to `box`."""
     return np.concatenate([box[:2] + change[:2] * box[2:], box[2:] * np.exp(change[2:4])])
 
 
 def aligned(answers, start):
-    """A tracker's boxes, moved and scaled so that the first is `start`: it may have started in whole pixels."""
+    """Moves and scales a tracker's boxes so that the first one is `start`, which the tracker may have rounded."""
     first = next(answer for answer in answers if answer is not None)
     move, scale = start[:2] - first[:2], start[2:] / first[2:]
     return [None if answer is None else np.concatenate([answer[:2] + move, answer[2:] * scale]) for answer in answers]

@@ -1,4 +1,4 @@
-"""A recording at hand: its reduced frames, and in their pixels the true boxes and the tracker's."""
+"""A recording for training: its reduced frames, and the true boxes and the tracker's boxes in reduced pixels."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,13 +8,13 @@ import numpy as np
 
 from . import boxes
 
-# A target with fewer pixels in the recording says nothing about size.
+# The least side of a target in pixels of the recording: smaller ones do not show their size.
 SMALLEST_SIDE = 3
 
 
 @dataclass(frozen=True)
 class Source:
-    """The files of a clip. Small, so that it can be sent to other processes."""
+    """The files of a clip, for other processes, because a clip itself is large."""
 
     truth: Path
     frames: Path
@@ -33,7 +33,7 @@ class Clip:
 
     @cached_property
     def visible(self):
-        """The frames that have a true box."""
+        """Indices of the frames with a true box."""
         return [index for index, box in enumerate(self.truth) if box is not None]
 
 
@@ -46,12 +46,12 @@ def scaled(box, factor):
 
 
 def answers(path, start, count):
-    """The tracker's answers, one for each frame."""
+    """The tracker's boxes, one for each frame."""
     lines = boxes.read(path)[:count]
     lines += [None] * (count - len(lines))
     return boxes.aligned(lines, start) if any(line is not None for line in lines) else lines
 
 
 def read(sources):
-    """The clips that training can use: those whose target is seen twice."""
+    """Opens the clips that training can use: those with at least two visible frames."""
     return [clip for clip in map(Clip, sources) if len(clip.visible) > 1]

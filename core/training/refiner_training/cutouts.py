@@ -1,6 +1,6 @@
-"""Samples that are made: a piece of a frame, cut out with a shape and pasted on another background, with known growth, aspect, turn, light and noise.
+"""Synthetic samples: a piece of a frame is cut out by a mask and pasted on another background, with known size, aspect, turn, light and noise.
 
-Recordings hold few kinds of targets. Here every textured piece of any frame is one, and its true box is exact.
+Recordings have few kinds of targets. Here every textured piece of a frame is a target, whose true box is exact.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ FIRST_PASTED_SHARE = 0.3
 OTHER_RECORDING_SHARE = 0.5
 TRIES = 10
 UNIT = np.array([0.0, 0.0, 1.0, 1.0])
-# Pixels of a shape's mask, which has the surroundings of a crop.
+# Pixels per side of a mask, which covers the box and the surroundings like a crop.
 MASK_SIDE = 64
 
 
@@ -33,7 +33,7 @@ class Piece:
 
 
 def drawn(rng, clips):
-    """First crop, present crop, correction."""
+    """Draws a sample: first crop, present crop, correction."""
     clip, piece = textured_piece(rng, clips)
     box = offsets.drawn(rng, UNIT)
     first = crops.crop(piece.frame, piece.box).astype(np.float32)
@@ -58,7 +58,7 @@ def textured_piece(rng, clips):
 
 
 def box_inside(rng, frame_shape):
-    """A box that lies in the frame, or None if it is too large."""
+    """Draws a box in the frame; None if it is too large for the frame."""
     side = np.exp(rng.uniform(*np.log(SIDES)))
     aspect = np.exp(rng.normal(0, ASPECT))
     sides = np.array([side * aspect, side / aspect])
@@ -69,13 +69,13 @@ def box_inside(rng, frame_shape):
 
 
 def textured(crop):
-    # The box itself, without its surroundings.
+    # Only the box, without its surroundings.
     margin = round(crops.SIDE * (1 - 1 / crops.CONTEXT) / 2)
     return crop[margin:-margin, margin:-margin].std() > LEAST_CONTRAST
 
 
 def shape(rng):
-    """The mask of an ellipse, a rectangle or a polygon that just fits into the box."""
+    """Draws the mask of an ellipse, a rectangle or a polygon that touches all sides of the box."""
     mask = np.zeros((MASK_SIDE, MASK_SIDE), np.uint8)
     middle, reach = MASK_SIDE // 2, MASK_SIDE / crops.CONTEXT / 2
     kind = rng.integers(3)
@@ -89,7 +89,7 @@ def shape(rng):
 
 
 def polygon(rng):
-    """Five to nine corners around the centre, from -1 to 1 in both directions."""
+    """Draws five to nine corners around the centre, which span -1 to 1 in x and y."""
     count = rng.integers(5, 10)
     angles = np.sort(rng.uniform(0, 2 * np.pi, count))
     corners = rng.uniform(0.6, 1.3, count)[:, None] * np.stack([np.cos(angles), np.sin(angles)], 1)
@@ -98,14 +98,14 @@ def polygon(rng):
 
 
 def background(rng, clip, piece):
-    """A crop of any place, for a box of the piece's size."""
+    """The crop of a box of the piece's size at a random place."""
     frame = clip.frames[rng.integers(len(clip.frames))]
     place = rng.random(2) * frame.shape[::-1]
     return crops.crop(frame, np.concatenate([place, piece.box[2:]])).astype(np.float32)
 
 
 def pasted(piece, box, turn, behind):
-    """The crop of `box` (the piece's true box being UNIT) that sees the piece, turned, before a background."""
+    """The crop of `box`, relative to the piece's true box UNIT, with the turned piece before the background `behind`."""
     to_unit = turned(crops.to_frame(box), turn)
     content = crops.read(piece.frame, unit_to(to_unit, piece.box[2:], piece.box[:2] - 0.5)).astype(np.float32)
     scale = MASK_SIDE / crops.CONTEXT
@@ -115,14 +115,14 @@ def pasted(piece, box, turn, behind):
 
 
 def turned(matrix, angle):
-    """From pixels of the crop to the turned piece, whose centre is 0 and whose sides are 1."""
+    """The map from crop pixels to the turned piece, whose centre is 0 and whose sides are 1."""
     matrix = np.column_stack([matrix[:, :2], matrix[:, 2] + 0.5])
     sine, cosine = np.sin(angle), np.cos(angle)
     return np.array([[cosine, -sine], [sine, cosine]]) @ matrix
 
 
 def unit_to(matrix, scale, centre):
-    """`matrix`, then from the unit box to one of these sides around this centre."""
+    """Appends to `matrix` the map from the unit box to a box with sides `scale` around `centre`."""
     matrix = matrix * scale[:, None]
     return np.column_stack([matrix[:, :2], matrix[:, 2] + centre])
 

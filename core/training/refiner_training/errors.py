@@ -1,5 +1,5 @@
-"""Errors of the input, in one line for people."""
+"""Errors in the input, with a message of one line."""
 
 
 class BadInput(Exception):
-    """The program prints it and ends with exit code 2."""
+    """An error that the program prints before it ends with exit code 2."""

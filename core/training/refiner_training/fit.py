@@ -1,4 +1,4 @@
-"""Training: Adam on a robust loss, the learning rate on a cosine, the last three quarters of the steps with rounded numbers."""
+"""Training: Adam on a robust loss with a cosine learning rate. The last three quarters of the steps use rounded parameters."""
 
 import jax
 import jax.numpy as jnp
@@ -13,14 +13,14 @@ DECAY = 2e-3  # of weights, times the learning rate
 MOMENTUM, SQUARES = 0.9, 0.999
 LARGEST_GRADIENT = 5.0
 UNROUNDED_SHARE = 0.25
-# Below this error the loss is quadratic.
+# The error below which the loss is quadratic, above it linear.
 SMOOTH = 0.03
-# Bounds of the learned log spreads, and where the network's zero lies.
+# Bounds of the learned log spreads, and the log spread at an output of 0.
 LEAST_SPREAD, MOST_SPREAD, SPREAD_AT_ZERO = -5.0, 1.0, -1.5
 
 
 def loss(parameters, inputs, corrections, rounded):
-    """The negative log likelihood of the errors, were they spread as the network says: one spread for the place, one for the size."""
+    """The negative log likelihood of the errors for the spreads that the network predicts: one for the place, one for the size."""
     outputs = network.forward(parameters, inputs, rounded)
     errors = smooth(jnp.abs(outputs[:, :4] - corrections))
     spreads = jnp.clip(outputs[:, 4:6] + SPREAD_AT_ZERO, LEAST_SPREAD, MOST_SPREAD)
@@ -42,7 +42,7 @@ def clipped(gradients):
 
 
 def advanced(state, inputs, corrections, step, steps, rounded):
-    """The state after a step of Adam: parameters, means of the gradients and of their squares."""
+    """Returns the state after a step of Adam (parameters, means of the gradients, means of their squares), and the loss."""
     parameters, means, squares = state
     value, gradients = jax.value_and_grad(loss)(parameters, inputs, corrections, rounded)
     gradients = clipped(gradients)
@@ -58,7 +58,7 @@ def advanced(state, inputs, corrections, step, steps, rounded):
 
 
 def batch(samples, rng, step):
-    """Samples drawn at random, in every second step mirrored, in two of four turned upside down."""
+    """Draws a batch of samples, mirrored left to right in every second step, and upside down in two of four steps."""
     chosen = np.sort(rng.integers(0, len(samples), BATCH))
     inputs, corrections = samples.inputs[chosen], samples.corrections[chosen]
     if step & 1:
@@ -69,7 +69,7 @@ def batch(samples, rng, step):
 
 
 def fit(samples, steps, seed):
-    """The trained parameters."""
+    """Trains the network and returns its parameters."""
     parameters = network.initial(seed)
     zeros = jax.tree.map(jnp.zeros_like, parameters)
     state = (parameters, zeros, zeros)

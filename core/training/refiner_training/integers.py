@@ -1,6 +1,6 @@
-"""The network in integers, as the tracker computes it: plain, exact and slow. The specification of the weights file's numbers.
+"""The network in integers, as the tracker computes it: plain, exact and slow. It specifies the numbers in the weights file.
 
-A layer's output is  clamp((bias + sum of weight * input) >> shift, 0, 127);  the last layer's is the sum itself, in 1/4096.
+A layer's output is  clamp((bias + sum of weight * input) >> shift, 0, 127);  the last layer's is the sum itself, in units of 1/4096.
 """
 
 import numpy as np
@@ -10,10 +10,10 @@ from .layers import LARGEST_ACTIVATION, LAYERS
 
 
 def forward(parameters, inputs):
-    """The six outputs, i32, for normalised crops (samples, 32, 32, 2) of u8. A layer's parameters: biases, weights (output, input)."""
+    """Computes the six outputs, i32, for normalised crops (samples, 32, 32, 2) of u8. `parameters`: per layer, biases and weights (output, input)."""
     values = inputs.astype(np.int32)
     for layer, (biases, weights) in zip(LAYERS, parameters):
-        # The middle of the first layer's inputs is 64, and so is what surrounds them.
+        # The first layer's inputs are padded by 64, which is mean gray, the others by 0.
         rows = patches(values, layer.stride, crops.ZERO if layer is LAYERS[0] else 0) if layer.convolution else values.reshape(len(values), -1)
         sums = biases + rows @ weights.T.astype(np.int32)
         if layer is LAYERS[-1]:
@@ -30,5 +30,5 @@ def patches(values, stride, padding):
 
 
 def in_batches(parameters, inputs, size=250):
-    """`forward` for many samples in bounded memory."""
+    """Runs `forward` in batches of `size` samples, to bound the memory."""
     return np.concatenate([forward(parameters, inputs[start : start + size]) for start in range(0, len(inputs), size)])

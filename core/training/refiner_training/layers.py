@@ -1,7 +1,7 @@
-"""The network's layers: a table. The tracker's code has the same.
+"""The table of the network's layers, as in the tracker's code.
 
-Two crops -> four 3x3 convolutions with padding 1 -> 4x4x24 numbers -> 24 -> 6 outputs: dx, dy in sides of the box, log width, log height,
-and the log spreads of place and size. Pixels and numbers lie in rows, the channels of a pixel side by side.
+Two crops -> four 3x3 convolutions with padding 1 -> 4x4x24 features -> 24 -> 6 outputs: dx, dy in sides of the box, log width, log height,
+and the log spreads of place and size. Pixels lie row by row, the channels of a pixel side by side.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Layer:
-    """`shift` is also the scale of the weights: a whole weight is 1/2^shift. An activation is 1/16, an output of the last layer 1/4096."""
+    """A layer. `shift` also scales the weights: their unit is 1/2^shift. The unit of activations is 1/16, of the last layer's outputs 1/4096."""
 
     inputs: int  # channels of a convolution
     outputs: int
@@ -22,12 +22,12 @@ class Layer:
 
     @property
     def row(self):
-        """Weights of one output."""
+        """The number of weights of one output."""
         return 9 * self.inputs if self.convolution else self.inputs
 
     @property
     def padded_row(self):
-        """As stored: a multiple of 4."""
+        """The number of stored weights of one output: padded to a multiple of 4."""
         return -(-self.row // 4) * 4
 
 

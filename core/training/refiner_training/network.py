@@ -1,12 +1,12 @@
-"""The network in JAX, as it is trained: real numbers that a forward pass may round to what 8 bits hold.
+"""The network in JAX for training: real parameters, which a forward pass may round to 8 bits.
 
-All rounded numbers and their sums are multiples of a power of two below 2^24 units, so a rounded forward pass in f32 is exact:
+All rounded values and their sums are multiples of a power of two below 2^24 units, so a rounded forward pass in f32 is exact:
 it gives the integers of `integers.forward`.
 """
 
 import os
 
-# One thread: as fast for a network of this size, and sums in the same order.
+# One thread, which is as fast for so small a network and keeps the order of sums.
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 import jax
@@ -16,12 +16,12 @@ import numpy as np
 from . import crops
 from .layers import ACTIVATION_UNIT, LARGEST_ACTIVATION, LARGEST_WEIGHT, LAYERS
 
-# Standard deviation of the last layer's first weights: it begins with small corrections.
+# Standard deviation of the last layer's initial weights: small, so that training begins with small corrections.
 LAST_DEVIATION = 0.02
 
 
 def initial(seed):
-    """A pair of weights and biases for each layer. Weights of a convolution are (ky, kx, input, output), of a full layer (input, output)."""
+    """The initial parameters: weights and biases per layer. Convolution weights are (ky, kx, input, output), full layers' (input, output)."""
     rng = np.random.default_rng(seed)
     return [(initial_weights(rng, layer), jnp.zeros(layer.outputs)) for layer in LAYERS]
 
@@ -33,7 +33,7 @@ def initial_weights(rng, layer):
 
 
 def whole_weights(weights, layer):
-    """Weights in units of the file."""
+    """Rounds weights to integers in the unit of the weights file."""
     return jnp.round(jnp.clip(weights * 2**layer.shift, -LARGEST_WEIGHT, LARGEST_WEIGHT))
 
 
@@ -42,10 +42,10 @@ def whole_biases(biases, layer):
 
 
 def whole(parameters):
-    """The integers of the weights file: for each layer biases and weights (output, input)."""
+    """Rounds parameters to the integers of the weights file: per layer, biases and weights (output, input)."""
     integers = []
     for layer, (weights, biases) in zip(LAYERS, parameters):
-        # The input varies slower than the output in all layers, and ky, kx slower than the channel.
+        # The output is the last axis in all layers; before it come ky, kx and the input channel.
         rows = np.array(whole_weights(weights, layer)).astype(np.int32).reshape(layer.row, layer.outputs).T
         biases = np.array(whole_biases(biases, layer)).astype(np.int32)
         integers.append((biases - crops.ZERO * rows.sum(1) if layer is LAYERS[0] else biases, rows))
@@ -53,7 +53,7 @@ def whole(parameters):
 
 
 def with_gradient_of(value, rounded):
-    """`rounded`, which has no gradient, with that of `value`."""
+    """Returns `rounded` with the gradient of `value`, because rounding has none (straight-through)."""
     return value + jax.lax.stop_gradient(rounded - value)
 
 
@@ -70,7 +70,7 @@ def rounded_activation(sums):
 
 
 def forward(parameters, inputs, rounded):
-    """The six outputs for normalised crops (samples, 32, 32, 2). Without rounding they have no upper bound either: easier to begin with."""
+    """The six outputs for normalised crops (samples, 32, 32, 2). Unrounded activations have no upper bound, which eases the start of training."""
     values = (inputs.astype(jnp.float32) - crops.ZERO) / ACTIVATION_UNIT
     for layer, (weights, biases) in zip(LAYERS, parameters):
         if rounded:

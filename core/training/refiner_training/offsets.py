@@ -1,4 +1,4 @@
-"""Wrong boxes, drawn at random around a right one."""
+"""Draws wrong boxes at random around a right one."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Spread:
-    """Standard deviations: of log size, of log aspect, of the centre in sides of the box."""
+    """Standard deviations of a box's errors: log size, log aspect, and centre in sides of the box."""
 
     size: float
     aspect: float
@@ -17,15 +17,15 @@ class Spread:
         return Spread(self.size * factor, self.aspect * factor, self.centre * factor)
 
 
-# The tracker's own errors, or slightly more.
+# About the spread of the tracker's own errors, or slightly more.
 WIDE = Spread(0.21, 0.15, 0.11)
-# In this share of the draws, errors that are 1.6 times larger.
+# The share of draws with larger errors, and their factor.
 WIDER_SHARE, WIDER_FACTOR = 0.15, 1.6
 LIMIT = Spread(0.6, 0.35, 0.3)
 
 
 def drawn(rng, box, spread=WIDE):
-    """`box` with an error."""
+    """Returns `box` with a random error."""
     if rng.random() < WIDER_SHARE:
         spread = spread.times(WIDER_FACTOR)
     size = limited(rng, spread.size, LIMIT.size)

@@ -1,25 +1,25 @@
 """Samples from recordings: the target in one frame, a wrong box in another, and the correction to the true one.
 
-Half of the pairs that begin in the first frame have the tracker's own box, where it overlaps the target.
+Half of the pairs that begin in the first frame use the tracker's own box, if it overlaps the target.
 """
 
 from . import boxes, crops, offsets
 
-# Shares of the pairs that begin in the first frame, as all do in tracking, and of those whose second frame may be far.
+# Shares of pairs: with the first visible frame as first (as in tracking), and with any second frame (else at most NEAR away).
 FIRST_SHARE, FAR_SHARE = 0.4, 0.6
 NEAR = 60
 TRACKED_SHARE = 0.5
 LEAST_OVERLAP = 0.25
-# So that two samples with the same answer of the tracker differ.
+# Random error around the tracker's box, so that two samples with the same box differ.
 AROUND_ANSWER = offsets.Spread(0.05, 0.03, 0.03)
-# Larger errors are not learned, and boxes with fewer pixels than this.
+# Samples with a larger correction or a smaller box are not used.
 LARGEST_CORRECTION = 0.75
 SMALLEST_SIDE = 3
 TRIES = 20
 
 
 def drawn(rng, clips):
-    """First crop, present crop, correction, and whether the box was the tracker's."""
+    """Draws a sample: first crop, present crop, correction, and whether the box is the tracker's."""
     while True:
         clip = clips[rng.integers(len(clips))]
         for _ in range(TRIES):
@@ -31,7 +31,7 @@ def drawn(rng, clips):
 
 
 def frames(rng, clip):
-    """Two frames in which the target is visible."""
+    """Draws the indices of two frames in which the target is visible."""
     visible = clip.visible
     kind = rng.random()
     first = 0 if kind < FIRST_SHARE else int(rng.integers(len(visible)))
@@ -43,7 +43,7 @@ def frames(rng, clip):
 
 
 def wrong_box(rng, clip, first, present):
-    """A box in the present frame, and whether the tracker gave it."""
+    """Draws a wrong box in the present frame, and whether it is the tracker's."""
     truth = clip.truth[present]
     if first == clip.visible[0] and rng.random() < TRACKED_SHARE:
         answer = clip.tracked[present]

@@ -1,4 +1,4 @@
-"""The progress of a stage, on one line of standard error. Silent if that is not a terminal."""
+"""Shows the progress of a stage on a line of standard error, if that is a terminal."""
 
 import sys
 import time

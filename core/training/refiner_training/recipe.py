@@ -1,4 +1,4 @@
-"""The recipe of a weights file, as JSON beside it: enough to make it again, and to see whether something differs."""
+"""The recipe of a weights file, as JSON beside it: all that is needed to train it again and to detect differences."""
 
 import hashlib
 import importlib.metadata
@@ -31,12 +31,12 @@ def version(package):
 
 
 def described(recording, tracked):
-    """`sha256` is of the video and the truth, `tracked` of the tracker's boxes."""
+    """A recording's hashes: `sha256` of the video and the truth, `tracked` of the tracker's boxes."""
     return {"name": recording.name, "sha256": recording.digest, "tracked": hashlib.sha256(tracked.read_bytes()).hexdigest()}
 
 
 def text(content):
-    """JSON with a recording a line."""
+    """Formats the recipe as JSON with one line per recording."""
     lines = json.dumps(content, indent=1, ensure_ascii=False)
     for recording in content["recordings"]:
         lines = lines.replace(json.dumps(recording, indent=1).replace("\n", "\n  "), json.dumps(recording))

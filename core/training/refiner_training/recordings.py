@@ -1,11 +1,11 @@
-"""The recordings: folders with a video and `gt.txt`. Their halves, and their frames, reduced and kept in the cache."""
+"""Recordings (folders with a video and `gt.txt`), their split into halves, and the cache of their reduced frames."""
 
 import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
-# The program itself reports an unreadable video, in one line.
+# Silences OpenCV, because the program itself reports an unreadable video in one line.
 os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
@@ -16,7 +16,7 @@ from . import boxes
 from .errors import BadInput
 
 VIDEOS = {".mp4", ".mpg", ".mpeg", ".avi", ".mkv", ".webm"}
-# Frames are reduced so that the first target has the area of a square of this side: a crop then has about its 32 pixels.
+# Frames are reduced until the first target has the area of a square of this side, so that a crop has about 1 frame pixel per pixel.
 TARGET_SIDE = 28
 
 
@@ -33,7 +33,7 @@ class Recording:
         return half(self.name)
 
     def reduction(self):
-        """The factor on frames and boxes."""
+        """The factor by which frames and boxes are reduced, at most 1."""
         return min(1.0, TARGET_SIDE / boxes.side(self.start()))
 
     def start(self):
@@ -41,12 +41,12 @@ class Recording:
 
 
 def half(name):
-    """`a` or `b`, by the name alone: a new recording does not move the others."""
+    """`a` or `b`, by a hash of the name, so that a new recording does not change the halves of others."""
     return "ab"[hashlib.md5(name.encode()).digest()[0] & 1]
 
 
 def find(folders):
-    """The recordings in these folders, each of which is a recording or holds some; sorted by name."""
+    """Finds recordings: each folder is a recording or contains some. Sorted by name."""
     found = {}
     for folder in map(Path, folders):
         if not folder.is_dir():
@@ -74,7 +74,7 @@ def opened(truth):
 
 
 def cached_frames(recording, cache):
-    """The file of the reduced frames, made if it is not there."""
+    """The file of the reduced frames, created if it is missing."""
     path = cache / "frames" / f"{recording.name}-{recording.digest[:16]}.npy"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -98,7 +98,7 @@ def reduced(frame, factor):
 
 
 def decoded(video):
-    """The gray frames of a video."""
+    """Decodes a video to gray frames."""
     capture = cv2.VideoCapture(str(video))
     while True:
         more, frame = capture.read()

@@ -10,7 +10,7 @@ NAMES = {Kind.JITTERED: "pairs, random error", Kind.TRACKED: "pairs, the tracker
 
 
 def measured(parameters, samples):
-    """For each kind of sample the errors before and after: of the centre in sides of the box, of log size and log aspect."""
+    """Mean errors before and after a correction, by kind of sample: centre in sides of the box, log size, log aspect."""
     outputs = integers.in_batches(parameters, samples.inputs)
     left = samples.corrections - outputs[:, :4] / OUTPUT_UNIT
     return {NAMES[kind]: compared(samples.corrections, left, samples.kinds == kind) for kind in Kind if (samples.kinds == kind).any()}
@@ -21,7 +21,7 @@ def compared(before, after, chosen):
 
 
 def errors(corrections):
-    """The two directions of the centre alike; log size and log aspect are half the sum and half the difference of log width and height."""
+    """Mean absolute errors: the centre over x and y; log size and log aspect are half the sum and half the difference of log width and height."""
     width, height = corrections[:, 2], corrections[:, 3]
     return {
         "centre": rounded(abs(corrections[:, :2])),

@@ -1,4 +1,4 @@
-"""Many samples at once, drawn on all cores, the same whatever their number: each chunk has its own seed."""
+"""Draws samples on all cores. Each chunk has its own seed, so the samples do not depend on the number of cores."""
 
 import multiprocessing
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ CHUNK = 2500
 
 
 class Kind(IntEnum):
-    """The origin of the error of a sample's box."""
+    """The source of a sample and of its box's error."""
 
     JITTERED = 0  # a pair of frames, drawn at random
     TRACKED = 1  # a pair of frames, the tracker's own
@@ -42,13 +42,13 @@ class Chunk:
 
 
 def draw(sources, pair_count, cutout_count, seed, folder, processes):
-    """The samples, in files of `folder`: pairs, then cut-outs."""
-    # Also before other processes read them: a pool whose processes fail at their start never ends.
+    """Draws samples into files in `folder`: pairs, then cut-outs."""
+    # Checked before processes start: a pool whose processes fail at their start never ends.
     if not clips.read(sources):
         raise BadInput("no recording shows its target in two frames")
     samples = opened(folder, pair_count + cutout_count)
     chunks = [*chunked(folder, seed, False, 0, pair_count), *chunked(folder, seed, True, pair_count, cutout_count)]
-    # Processes that start afresh: a fork would copy threads of OpenCV and JAX in any state.
+    # Spawns processes, because a fork would copy locks that threads of OpenCV and JAX may hold.
     with multiprocessing.get_context("spawn").Pool(processes, prepare, (sources,)) as pool, Progress("samples", len(samples)) as progress:
         for count in pool.imap_unordered(fill, chunks):
             progress.advance(count)
@@ -56,7 +56,7 @@ def draw(sources, pair_count, cutout_count, seed, folder, processes):
 
 
 def opened(folder, count=None):
-    """The arrays in the files of `folder`; new ones if a count is given."""
+    """Maps the arrays in the files of `folder`; creates them if a count is given."""
     forms = {"inputs": (np.uint8, (crops.SIDE, crops.SIDE, 2)), "corrections": (np.float32, (4,)), "kinds": (np.uint8, ())}
     arrays = {}
     for name, (kind, shape) in forms.items():
@@ -73,7 +73,7 @@ def chunked(folder, seed, made, start, count):
         yield Chunk(str(folder), (seed, int(made), index), made, start + offset, min(CHUNK, count - offset))
 
 
-# The clips of this process.
+# The clips that this worker process draws from.
 CLIPS = []
 
 
@@ -83,7 +83,7 @@ def prepare(sources):
 
 
 def fill(chunk):
-    """Draws a chunk into the files."""
+    """Draws a chunk of samples into the files; returns their number."""
     rng = np.random.default_rng(chunk.seed)
     samples = opened(chunk.folder)
     raw = np.empty((chunk.count, 2, crops.SIDE, crops.SIDE), np.uint8)

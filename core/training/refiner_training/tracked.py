@@ -1,4 +1,4 @@
-"""The boxes of the tracker itself, without the refiner: the errors that it is to correct. `host-sim` writes them to the cache."""
+"""The boxes of the tracker without the refiner, whose errors the refiner learns to correct. They are computed by `host-sim` and cached."""
 
 import hashlib
 import os
@@ -10,7 +10,7 @@ from .errors import BadInput
 
 
 class HostSim:
-    """The program `host-sim`."""
+    """Runs the program `host-sim`."""
 
     def __init__(self, path):
         found = shutil.which(path)
@@ -33,7 +33,7 @@ class HostSim:
         return done.stdout
 
     def tracked(self, recording, cache):
-        """The file of the tracker's boxes, made if it is not there."""
+        """The file of the tracker's boxes, created if it is missing."""
         path = cache / "tracked" / f"{recording.name}-{recording.digest[:16]}-{self.digest[:16]}.txt"
         if not path.exists():
             answers = self.run("track", recording.folder, "--method", "robust", "--set", "refiner=off", "--format", "tld")

@@ -1,6 +1,6 @@
 """The weights file. For each layer its biases, i32 little-endian, then for each output its weights, i8, a row padded with zeros to a multiple of 4.
 
-The weights of an output are in the order ky, kx, channel. The first layer's biases hold what its inputs' middle, 64, adds to a sum.
+The weights of an output are in the order ky, kx, channel. The first layer's biases subtract the contribution of mean gray, an input of 64.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ SIZE = sum(4 * layer.outputs + layer.outputs * layer.padded_row for layer in LAY
 
 
 def packed(integers):
-    """The bytes of the file."""
+    """Packs integers to the bytes of the file."""
     parts = []
     for layer, (biases, rows) in zip(LAYERS, integers):
         assert abs(rows).max() <= LARGEST_WEIGHT
@@ -22,7 +22,7 @@ def packed(integers):
 
 
 def unpacked(data):
-    """The integers that a file holds."""
+    """Unpacks the integers from the bytes of a file."""
     if len(data) != SIZE:
         raise ValueError(f"{len(data)} bytes: expected {SIZE}")
     integers, place = [], 0

@@ -1,4 +1,4 @@
-"""Fixtures of the tests: random weights, and a small made recording with a stand-in for host-sim."""
+"""Fixtures of the tests: random weights, small synthetic recordings, and a stand-in for host-sim."""
 
 import sys
 from pathlib import Path
@@ -16,7 +16,7 @@ FRAMES = 12
 
 @pytest.fixture
 def parameters():
-    """Trained-looking parameters: weights and biases of which some are too large for the file."""
+    """Random weights and biases, some of them too large for the weights file."""
     rng = np.random.default_rng(3)
     return [(random_weights(rng, layer), rng.normal(0, 0.5, layer.outputs).astype(np.float32)) for layer in LAYERS]
 

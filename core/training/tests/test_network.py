@@ -1,4 +1,4 @@
-"""The network in JAX, the same in integers, and the file between them."""
+"""Tests that the network in JAX and in integers agree, and the weights file."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def at(data, kind, place):
 
 
 def forward_plainly(data, inputs):
-    """One sample, number by number, from the bytes of the file."""
+    """Computes the outputs of one sample from the bytes of the file, number by number."""
     values = inputs.astype(int)
     place = 0
     for number, layer in enumerate(LAYERS):

@@ -45,7 +45,7 @@ def test_the_recipe_and_the_report(train, tmp_path):
     assert recipe["weights"]["sha256"] == hashlib.sha256((tmp_path / "weights.bin").read_bytes()).hexdigest()
     assert "on half a, whose recordings were not trained on" in done.stdout
     assert set(recipe["report"]["kinds"]) == {"pairs, random error", "pairs, the tracker's error", "cut-outs"}
-    # Nothing but the cache is left.
+    # Only the cache remains; temporary files are deleted.
     assert sorted(path.name for path in (tmp_path / "cache").iterdir()) == ["frames", "tracked"]
 
 

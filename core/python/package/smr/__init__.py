@@ -20,9 +20,9 @@ __all__ = [
 
 
 def restore(saved: bytes) -> Tracker:
-    """A tracker with the target that `Tracker.save` wrote, for trackers of any preset without other options.
+    """Restores a target that `Tracker.save` wrote, if its tracker has a preset's options; returns a tracker with the same preset.
 
-    For a tracker with other options call `restore` of a tracker that has them. The error names the first one that differs.
+    For other options call `restore` of a tracker that has them. The error names the first option that differs.
     """
     error = None
     for tracker in (Robust(), Robust("robust"), Paper(), Paper("paper")):
@@ -30,7 +30,7 @@ def restore(saved: bytes) -> Tracker:
             tracker.restore(saved)
             return tracker
         except ValueError as refusal:
-            # The tracker that wrote it gives the reason that helps.
+            # The error of a tracker of the same kind is the useful one.
             if error is None or "by the other tracker" in str(error):
                 error = refusal
     raise error

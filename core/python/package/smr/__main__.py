@@ -19,20 +19,20 @@ COLORS = {State.TRACKING: (80, 220, 60), State.LEAVING: (0, 200, 255), State.UNC
 
 
 class Window:
-    """Shows frames, and takes boxes and keys. `pause` is how long it waits for a key, in milliseconds."""
+    """Shows frames, and reads boxes and keys from the user. `pause` is the wait for a key, in milliseconds."""
 
     def __init__(self, pause):
         self.pause = pause
 
     def select(self, frame):
-        """The box that the user draws, or None."""
+        """Returns the box that the user draws, or None."""
         print("draw a box, then press space; c selects nothing", file=sys.stderr)
-        # OpenCV's own notice would be among the lines of standard output.
+        # No notice of OpenCV, which would be between the lines of standard output.
         box = cv2.selectROI("smr", frame, showCrosshair=False, printNotice=False)
         return box if box[2] and box[3] else None
 
     def show(self, frame, answer):
-        """Draws the answer into a copy of the frame. Returns the key that was pressed; `q` if the window was closed."""
+        """Draws the answer into a copy of the frame. Returns the pressed key; `q` if the window was closed."""
         picture = cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR) if frame.ndim == 2 else frame.copy()
         x, y, width, height = answer.box
         text = answer.state if answer.confidence is None else f"{answer.state} {answer.confidence:.2f}"
@@ -48,10 +48,10 @@ def has_window():  # On Linux, OpenCV ends the process where it finds no display
 
 
 def opened(source):
-    """Frames, the box that lies beside them, and the milliseconds from frame to frame."""
+    """Returns the frames, the box from a file beside the source, and the milliseconds from frame to frame."""
     is_camera = source.isdecimal()
     source = int(source) if is_camera else source
-    # OpenCV finds cameras of other systems than Linux, too.
+    # OpenCV, unlike Recording, also opens cameras of other systems than Linux.
     if cv2 and (sys.platform != "linux" if is_camera else os.path.isfile(source)):
         capture = cv2.VideoCapture(source)
         if capture.isOpened():
@@ -67,7 +67,7 @@ def captured(capture):
 
 
 def locked(tracker, frame, box):
-    """Starts the tracker. The frame it starts in has no confidence and no ratios."""
+    """Starts the tracker. Returns the answer for this frame, which has no confidence and no ratios."""
     tracker.init(frame, box)
     place = Box(*(int(side + 0.5) for side in box))
     return Answer(place, place, State.TRACKING, *[None] * 6)
@@ -79,14 +79,14 @@ def text(number, answer):
 
 
 def json_line(number, answer):
-    """With keys and values of `host-sim track --json`."""
+    """The answer as a line of JSON, with the keys and values of `host-sim track --json`."""
     box, fine = (None if answer.state == State.LOST else place._asdict() for place in (answer.box, answer.fine_box))
     figures = {name: (value := getattr(answer, name)) and round(value, 6) for name in ("confidence", "ratio", "scale")}
     return json.dumps({"frame": number, "state": answer.state, "box": box, "fine": fine, **figures, "found_again": answer.found_again})
 
 
 def follow(frames, tracker, box, window, to_line):
-    """Prints a line for each frame, and shows it if there is a window, until the frames or the user end it."""
+    """Prints a line for each frame and shows the frame if there is a window, until the last frame or the key `q`."""
     answer = None
     for number, frame in enumerate(frames, 1):
         if answer is None:
@@ -135,7 +135,7 @@ if __name__ == "__main__":
     try:
         main()
     except BrokenPipeError:
-        # Nothing is left to be flushed at exit.
+        # Redirects standard output, so that Python's flush at exit does not fail again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         sys.exit(130)

@@ -1,11 +1,11 @@
-"""Answers of trackers."""
+"""The answer of a tracker: its state, its boxes and its figures."""
 
 import enum
 from typing import NamedTuple, Optional, Union
 
 
 class State(str, enum.Enum):
-    """The tracker's belief about its target after a frame. Its value is the word that host-sim prints."""
+    """The state of the target after a frame, as the tracker judges it. The value is the word that host-sim prints."""
 
     TRACKING = "tracking"
     LEAVING = "leaving"
@@ -15,7 +15,7 @@ class State(str, enum.Enum):
     __str__ = str.__str__
 
 
-# In the order of the codes of the core.
+# The states by their code in smr-core.
 STATES = tuple(State)
 
 
@@ -29,7 +29,7 @@ class Box(NamedTuple):
 
     @property
     def xyxy(self) -> tuple[int, int, int, int]:
-        """The left, top, right and bottom edge, as detectors have them."""
+        """The left, top, right and bottom edge, as detectors give boxes."""
         return self.x, self.y, self.x + self.width, self.y + self.height
 
 
@@ -48,7 +48,7 @@ class FineBox(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """The place of the target, and its reliability. Confidence and ratios are 0 to 1."""
+    """The box of the target, and its reliability. Confidence and ratios are 0 to 1."""
 
     box: Box
     """The box of the target. When it is lost, `Paper` gives the last box that it accepted, `Robust` its best guess."""
@@ -58,7 +58,7 @@ class Answer(NamedTuple):
     confidence: float
     """The confidence in the box."""
     ratio: float
-    """The similarity of the target in the box to the template: `Paper` gives the similarity matching ratio."""
+    """The similarity of the box to the template: from `Paper`, the similarity matching ratio."""
     runner_up_ratio: Optional[float]
     """The ratio of the runner-up, or None if no decision depended on it. Always None from `Robust`."""
     alpha: Optional[int]
@@ -69,6 +69,6 @@ class Answer(NamedTuple):
     """True in the frame in which a lost target was found."""
 
     def row(self) -> dict[str, Union[str, float, None]]:
-        """The answer without tuples: `pandas.DataFrame(answer.row() for answer in answers)`. x, y, width and height are those of `fine_box`."""
+        """The answer as a flat dict, for `pandas.DataFrame(answer.row() for answer in answers)`. x, y, width and height are of `fine_box`."""
         figures = {name: getattr(self, name) for name in self._fields[3:]}
         return {"state": self.state.value, **self.fine_box._asdict(), **figures}

@@ -1,4 +1,4 @@
-"""A target as benchmark toolkits need it: started on the part of a box that can be seen, and with a box in every frame."""
+"""A target for benchmark toolkits: it starts on the visible part of a box, and has a box in every frame."""
 
 import math
 
@@ -6,13 +6,13 @@ from ._answer import Box, State
 
 
 def inside(box, frame):
-    """The part of a box that lies in the frame, in whole pixels: toolkits give boxes that reach out of the picture.
+    """Clips a box to the frame, in whole pixels, because toolkits give boxes that reach beyond it.
 
-    Raises ValueError if no pixel of it does.
+    Raises ValueError if the box has no pixel in the frame.
     """
     height, width = frame.shape[:2]
     left, top, right, bottom = (
-        # NaN becomes 0.
+        # max(0, NaN) is 0.
         math.floor(min(max(0, edge), side) + 0.5)
         for edge, side in zip((box[0], box[1], box[0] + box[2], box[1] + box[3]), (width, height, width, height))
     )
@@ -23,7 +23,7 @@ def inside(box, frame):
 
 
 class Target:
-    """A target that a tracker follows. `box` is where it is, or was when it was seen last; `confidence` is 0 while it is lost."""
+    """A target that a tracker follows. `box` is its last visible box; `confidence` is 0 while it is lost."""
 
     def __init__(self, tracker, frame, box):
         self.box, self.confidence = inside(box, frame), 1.0

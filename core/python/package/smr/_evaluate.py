@@ -1,4 +1,4 @@
-"""Figures of host-sim over many recordings."""
+"""The figures of host-sim over many recordings."""
 
 import os
 import warnings
@@ -20,8 +20,8 @@ def evaluate(
 ) -> dict[str, list[Any]]:
     """Runs trackers over recordings with ground truth and returns the figures of `host-sim eval --robustness`.
 
-    `paths` is a recording, a folder of recordings, or a list of them. `trackers` is a tracker, or a dict of trackers by name; their options
-    count, not their targets. `starts` is "given" (the first box), "near" (five boxes around it), or a number N (every N-th frame).
+    `paths` is a recording, a folder of recordings, or a list of them. `trackers` is a tracker, or a dict of trackers by name: only
+    their options are used. `starts` is "given" (the first box), "near" (five boxes around it), or a number N (every N-th frame).
 
     `executor` is any `concurrent.futures` executor with a `submit`, such as Dask's `Client.get_executor()`. Each recording is one task. Paths
     must be valid where the tasks run. Without it, there is one thread for each core.
@@ -62,6 +62,6 @@ def _rows(executor: Executor, found: Sequence[Path], trackers: Mapping[str, Trac
         raise ValueError("; ".join(failures))
     for failure in failures:
         warnings.warn(failure, stacklevel=3)
-    # Tracker by tracker, as host-sim has them.
+    # Rows ordered by tracker, as in host-sim.
     order = [(number, row) for row in range(len(trackers)) for number in range(len(tables))]
     return {name: [tables[number][name][row] for number, row in order] for name in tables[0]}

@@ -1,4 +1,4 @@
-"""Several targets in one frame."""
+"""Follows several targets in the same frames."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Group:
     """Follows several targets in the same frames, like `cv2.legacy.MultiTracker`. Trackers of different kinds may be mixed.
 
-    `threads` is the number of threads that work on a frame, at most; without it, there is one for each core. They end with the frame.
+    `threads` is the most threads that work on a frame, by default one per core. They end with the frame.
     """
 
     def __init__(self, threads: Optional[int] = None) -> None:
@@ -25,7 +25,7 @@ class Group:
         self.trackers: list[Tracker] = []
 
     def add(self, tracker: Tracker, frame: _Frame, box: _Box) -> None:
-        """Starts `tracker` on the target in `box` and makes it a member."""
+        """Starts `tracker` on the target in `box` and adds it to the group."""
         if not isinstance(tracker, Tracker):
             raise TypeError(f"tracker: expected a tracker such as smr.Robust(), found {tracker!r}")
         if any(member is tracker for member in self.trackers):
@@ -34,13 +34,13 @@ class Group:
         self.trackers.append(tracker)
 
     def remove(self, tracker: Tracker) -> None:
-        """Follows this target no longer. The tracker keeps it."""
+        """Removes a tracker from the group. The tracker keeps its target."""
         self.trackers.remove(tracker)
 
     def follow(self, frame: _Frame) -> list[Answer]:
-        """The answer for each target in the next frame, in the order of `trackers`.
+        """Finds all targets in the next frame. Returns the answers in the order of `trackers`.
 
-        If one cannot follow in this frame, or another thread uses it, none does: the call raises what `Tracker.follow` would.
+        If a tracker cannot follow in this frame, or another thread uses it, no tracker does: raises the error of `Tracker.follow`.
         """
         trackers = list(self.trackers)
         if len({id(tracker) for tracker in trackers}) < len(trackers):
@@ -48,7 +48,7 @@ class Group:
         return follow(trackers, frame, self._threads)
 
     def update(self, frame: _Frame) -> tuple[bool, list[Box]]:
-        """`(True, boxes)` as `cv2.legacy.MultiTracker` gives them; False only if a target is lost: see `Tracker.update`."""
+        """Returns `(True, boxes)` like `cv2.legacy.MultiTracker`; False only if a target is lost: see `Tracker.update`."""
         answers = self.follow(frame)
         return all(answer.state != State.LOST for answer in answers), [answer.box for answer in answers]
 

@@ -22,12 +22,12 @@ except ImportError as error:
 
 
 def gray(image):
-    """The gray pixels of a `PIL.Image.Image`. pillow rounds colors as host-sim does."""
+    """Converts a `PIL.Image.Image` to gray pixels. pillow rounds like host-sim."""
     return numpy.asarray(image.convert("L"))
 
 
 class SmrTracker(Tracker):
-    """Runs `tracker`, a `smr.Tracker` with any options; a `smr.Robust` without it. The toolkit names its folder of results by `name`."""
+    """Runs `tracker`, any `smr.Tracker` (default: `smr.Robust()`). `name` is the toolkit's folder of results."""
 
     def __init__(self, tracker=None, name=None):
         self._tracker = Robust() if tracker is None else tracker

@@ -43,7 +43,7 @@ def say(text):
 
 
 class Receiver:
-    """A system and component that has sent a command, with the interval that it asked for."""
+    """A MAVLink system and component that has sent a command, and its interval of status messages."""
 
     def __init__(self):
         self.interval = 0.0  # Seconds between two messages of the status; infinite for none.
@@ -51,7 +51,7 @@ class Receiver:
 
 
 class Addresses(dict):
-    """The time of the last packet from each address, as pymavlink keeps it for a server; and the address of the newest."""
+    """pymavlink's times of the last packet from each address of a server, and the address of the newest packet."""
 
     newest = None
 
@@ -61,7 +61,7 @@ class Addresses(dict):
 
 
 class Nobody:
-    """A connection that leads nowhere: the camera goes on while there is no other."""
+    """A stand-in for a lost connection, with which the camera continues until it has another one."""
 
     def __init__(self, system, component):
         self.mav = mavlink.MAVLink(self, system, component)
@@ -78,11 +78,11 @@ class Nobody:
 
 
 class Camera:
-    """A camera component on a MAVLink connection. `tracker` follows the target; one frame after the other goes into `show`. `poll` does what is due
-    by the clock, and is called more often than frames come.
+    """A camera component on a MAVLink connection. `tracker` follows the target; `show` takes each frame. `poll` sends what is due and answers
+    commands; call it more often than frames arrive.
 
-    Places and sizes in messages are parts of the frame, 0 to 1. A connection whose peer has gone raises OSError. `stream` is the address of the video
-    for ground stations, if there is one.
+    Positions and sizes in messages are fractions of the frame, 0 to 1. A connection whose peer has gone raises OSError. `stream` is the optional
+    address of the video for ground stations.
     """
 
     def __init__(self, connection, tracker, stream=None):
@@ -112,7 +112,7 @@ class Camera:
             connection.clients_last_alive = self.addresses
 
     def show(self, frame):
-        """Follows the target in the next frame, and sends where it is."""
+        """Follows the target in the next frame, and sends its status."""
         came_again, self.is_stale = self.is_stale, False
         now = time.monotonic()
         self.period = 0.0 if self.frame is None else now - self.shown
@@ -127,7 +127,7 @@ class Camera:
         self.poll()
 
     def poll(self):
-        """Sends what is due, and answers all commands that have come."""
+        """Sends the messages that are due, and answers all commands that have arrived."""
         now = time.monotonic()
         if now - self.beaten >= HEARTBEAT:
             self.beaten = now
@@ -141,7 +141,7 @@ class Camera:
             message = self.connection.recv_msg()
             if message and message.get_type() in ("COMMAND_LONG", "COMMAND_INT"):
                 self.command(message)
-            # A packet of nonsense is no message, and others may wait behind it.
+            # An invalid packet gives no message, but later packets may be waiting.
             if not message and not self.connection.select(0):
                 return
 
@@ -201,7 +201,7 @@ class Camera:
         return lambda: self.send_status(None, at_once=True)
 
     def set_interval(self, message, interval, *_):
-        """`interval` is in microseconds; 0 is each frame, -1 is never."""
+        """Sets the receiver's interval of status messages in microseconds; 0 is every frame, -1 is never."""
         if message != mavlink.MAVLINK_MSG_ID_CAMERA_TRACKING_IMAGE_STATUS:
             raise NotImplementedError
         if not (interval == -1 or 0 <= interval < math.inf):
@@ -220,7 +220,7 @@ class Camera:
         raise NotImplementedError
 
     def interval(self, message):
-        """The microseconds between two messages of this kind to the one that asks: -1 is never, 0 is only on request."""
+        """Microseconds between two messages of this kind to the receiver: -1 is never, 0 is only on request."""
         status = max(self.receiver.interval, self.period)
         seconds = {mavlink.MAVLINK_MSG_ID_HEARTBEAT: HEARTBEAT, mavlink.MAVLINK_MSG_ID_CAMERA_TRACKING_IMAGE_STATUS: status}.get(message, 0)
         return -1 if seconds == math.inf else round(1e6 * min(seconds, 2000))
@@ -228,7 +228,7 @@ class Camera:
     def send_stream(self):
         height, width = self.frame.shape[:2]
         kind, _, address = self.stream.partition("://")
-        # A stream over UDP has only a port: the ground station listens there.
+        # The address of a UDP stream is only the port on which the ground station listens.
         address = (address.rpartition(":")[2] if kind == "udp" else self.stream).encode()
         about = STREAMS[kind], mavlink.VIDEO_STREAM_STATUS_FLAGS_RUNNING, 1 / self.period if self.period else 0, width, height
         self.connection.mav.video_stream_information_send(1, 1, *about, 0, 0, 0, b"smr", address)
@@ -245,13 +245,13 @@ class Camera:
         self.connection.mav.camera_information_send(milliseconds, vendor, model, version, *optics, width, height, 0, flags, 0, b"")
 
     def send_status(self, box, at_once=False, to=None):
-        """Sends where the target is to all for whom it is time, or to one receiver. One that is lost, or was in an old frame, has no place to steer by."""
+        """Sends the status of the target to all receivers for whom it is due, or to one. A lost target, or one of an old frame, has no position."""
         now, least = time.monotonic(), HEARTBEAT if self.is_stale else 0
-        # A server sends to each address by itself. Elsewhere, all on the connection hear the same.
+        # A UDP server sends to each address separately. On other connections, all receivers get every message.
         clients = self.connection.clients if getattr(self.connection, "udp_server", False) else None
         due = set()
         for address in [None] if clients is None else clients:
-            # All messages go to one that has asked for nothing.
+            # An address without a known receiver gets all messages.
             for one in [one for (at, *_), one in self.receivers.items() if at == address] or [self.strangers]:
                 is_due = one.interval < math.inf and (at_once or now - one.sent >= max(one.interval, least))
                 if is_due if to is None else one is to:
@@ -294,7 +294,7 @@ def gone():
 
 
 def connected(options, seconds=None):
-    """The connection. Errors are those of pymavlink, of sockets and of serial ports. `seconds` is the longest wait for a peer."""
+    """Opens the connection; raises ValueError if that fails. `seconds` is the longest wait for a peer."""
     try:
         kind, *address = options.connection.split(":")
         if kind in ("udp", "udpin", "udpout", "udpbcast", "tcp", "tcpin") and len(address) == 2:
@@ -321,14 +321,14 @@ def connected(options, seconds=None):
     except (OSError, ValueError) as error:
         expected = "expected udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT or a serial device"
         raise ValueError(f"cannot connect to {options.connection}: {error}: {expected}") from None
-    # pymavlink prints these, and goes on reading where nothing comes.
+    # pymavlink only prints when the peer has gone, and reads on; these raise an error instead.
     connection.handle_eof = connection.handle_disconnect = gone
     connection.portdead = True
     return connection
 
 
 class Source(threading.Thread):
-    """Reads frames in a thread of its own: one that stalls stalls nothing else."""
+    """Reads frames in a thread of its own, so that a stalled source does not stall the camera."""
 
     def __init__(self, recording, repeat):
         super().__init__(daemon=True)
@@ -348,7 +348,7 @@ class Source(threading.Thread):
             self.changed.notify_all()
 
     def read(self):
-        """Reads the recording once. True if there is more to come."""
+        """Reads the recording once, to its end. Returns False if it has no frame, or none is wanted."""
         frame = None
         for frame in self.recording:
             with self.changed:
@@ -361,7 +361,7 @@ class Source(threading.Thread):
         return frame is not None
 
     def take(self, seconds):
-        """The next frame; None if there is none after so many seconds. Raises what the recording has raised."""
+        """Returns the next frame; None if none arrives within `seconds`. Raises the error of the recording."""
         with self.changed:
             self.changed.wait_for(lambda: self.frame is not None or self.has_ended, seconds)
             frame, self.frame = self.frame, None
@@ -375,7 +375,7 @@ class Source(threading.Thread):
             return self.has_ended and self.frame is None and self.error is None
 
     def end(self):
-        """False if the thread still waits for a frame."""
+        """Ends the thread. Returns False if it is still waiting for a frame."""
         with self.changed:
             self.is_wanted = False
             self.changed.notify_all()
@@ -384,7 +384,7 @@ class Source(threading.Thread):
 
 
 def serve(source, camera, rate, connect):
-    """Shows the camera all frames: of a recording `rate` a second, of a live source as they come. `connect` connects again when the peer has gone."""
+    """Passes all frames to the camera: of a recording `rate` per second, of a live source as they arrive. `connect` reconnects a lost peer."""
     due, tried = time.monotonic(), -math.inf
     if not source.recording.is_live:
         camera.patience = max(PATIENCE, 2 / rate)
@@ -451,7 +451,7 @@ def arguments():
 
 
 def run():
-    """The exit code of the program."""
+    """Runs the program; returns its exit code."""
     source = None
     try:
         options = arguments()

@@ -29,7 +29,7 @@ except ImportError:
 
 
 def pixels(image):
-    """The gray pixels of an image of the protocol, as host-sim decodes them."""
+    """Decodes an image of the TraX protocol to gray pixels, like host-sim."""
     if isinstance(image, trax.MemoryImage):
         return gray(image.array())
     if isinstance(image, trax.FileImage):
@@ -47,7 +47,7 @@ def picture(path):
 
 
 def gray(array):
-    """Of gray pixels of 16 bits the high byte. Colors as host-sim rounds them."""
+    """Converts an array to gray pixels: the high byte of 16 bits, colors with the rounding of host-sim."""
     if array.dtype == numpy.uint16:
         array = array >> 8
     elif array.shape[2] == 3:
@@ -56,7 +56,7 @@ def gray(array):
 
 
 def box(region):
-    """The box of a region, or around it. Raises ValueError if it has no area."""
+    """The bounding box of a region. Raises ValueError for a region without a place, or an empty mask."""
     if isinstance(region, trax.Rectangle):
         return region.bounds()
     if isinstance(region, trax.Mask):
@@ -74,7 +74,7 @@ def box(region):
 
 
 def serve(server, create):
-    """Answers each frame with the places of all targets, until the client ends the session. `create` makes a tracker."""
+    """Answers each frame with the boxes of all targets, until the client ends the session. `create` constructs a tracker."""
     targets = []
     while (request := server.wait()).type != trax.TraxStatus.QUIT:
         if request.type == trax.TraxStatus.INITIALIZE:
@@ -106,7 +106,7 @@ def main():
     try:
         serve(server, create)
     except (ValueError, OSError) as error:
-        # The client hears why.
+        # Sends the reason to the client.
         server.quit(str(error))
         failed(error)
     except trax.TraxException:
