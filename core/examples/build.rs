@@ -13,7 +13,7 @@ fn main() {
         }
     }
     if is("CARGO_CFG_TARGET_ARCH", "riscv32") && is("CARGO_CFG_TARGET_OS", "none") {
-        // Programs that run on RISC-V. The footprint is linked there without start-up code.
+        // The programs that run on RISC-V. `footprint` is only linked there, without start-up code.
         let memory = concat!(env!("CARGO_MANIFEST_DIR"), "/replay/riscv.x");
         println!("cargo::rerun-if-changed=replay/riscv.x");
         for program in ["kernels", "replay"] {

@@ -1,8 +1,6 @@
-//! A program with one tracker, linked to measure its flash but never run: the paper's, or with `robust` or `refiner`
-//! the robust one.
+//! A program with one tracker, to measure its flash: the paper's, or by feature the robust one. It is never run.
 //!
-//! `.ci/firmware` measures its size and checks that it has no panic and no float. `black_box` hides the inputs, so that
-//! the compiler drops no code.
+//! `.ci/firmware` checks that it has no panic and no float. `black_box` hides inputs, so that no code is dropped.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -62,8 +62,8 @@ mod firmware {
                 State::Tracking => info!("at ({=i32}, {=i32}), ratio {=u16} of 65535", x, y, answer.ratio),
                 // The target is partly outside the frame, so the template is not updated.
                 State::Leaving => info!("leaving at ({=i32}, {=i32})", x, y),
-                // The box is the last accepted one. Keep updating, to find the target again. (`Uncertain` is never the
-                // paper's.)
+                // The box is the last accepted one. Keep updating, to find the target again. (`Paper` is never
+                // uncertain.)
                 State::Uncertain | State::Lost => info!("lost, last seen at ({=i32}, {=i32})", x, y),
             }
         }

@@ -113,8 +113,8 @@ def measure(path, makers):
     if recording.truth is None or recording.start is None:
         raise ValueError(f"{path}: no ground truth beside it")
     frames = list(recording)
-    # In whole pixels, as OpenCV requires and smr rounds. The score aligns the first box to the ground truth and all others with it, so the first
-    # one must be the box that the tracker got.
+    # In whole pixels, as OpenCV requires and smr rounds. The score shifts and scales all boxes until the first equals the ground truth, so the
+    # first must be the box that the tracker got.
     start = tuple(math.floor(side + 0.5) for side in recording.start)
     for name, make in makers.items():
         boxes, milliseconds = run(make(), frames, start)

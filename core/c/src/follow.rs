@@ -184,12 +184,10 @@ pub unsafe extern "C" fn smr_lock_step(
 }
 
 /// Finds the target in the next frame. Reads only the pixels in #smr_windows.
-///
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
-/// in the window) * (pixels of the template) comparisons, at most twice that in the frame in which the target begins to
-/// leave the picture, and far fewer if the target is clearly visible. Cost of the robust tracker: at most 726 products
-/// for each of at most 2000 weights.
-///
+/// in the window) * (pixels of the template) comparisons, twice that in the frame in which the target begins to leave,
+/// and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 products for each weight (at most
+/// 2000).
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_windows.
 /// @param answer   Is set to the answer; unchanged after an error.
@@ -212,9 +210,9 @@ pub unsafe extern "C" fn smr_update(
     })
 }
 
-/// Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one under
-/// way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other calls
-/// that may change the tracker, and other trackers that use the workspace, cancel it.
+/// Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
+/// under way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other
+/// calls that may change the tracker, and other trackers that use the workspace, cancel it.
 ///
 /// The unit of work depends on the tracker:
 /// - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels

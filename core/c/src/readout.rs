@@ -211,7 +211,7 @@ pub unsafe extern "C" fn smr_readout_lines(
     })
 }
 
-/// Calls `push` with `size` bytes of lines, then writes the next line and the line of an error to `to`.
+/// Calls `push` to convert the lines in `bytes`, then updates `next` and `line` of the readout `to`.
 ///
 /// # Safety
 /// As the header demands of the caller of #smr_readout_line.

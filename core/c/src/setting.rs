@@ -188,7 +188,7 @@ fn at<C: Settings>(config: &C, index: usize) -> Result<smr_setting, smr_status> 
     })
 }
 
-/// Converts the name in an error of `smr-core` to a string of C.
+/// Converts a setting's name from an error of `smr-core` to a string of C.
 pub(crate) fn name_in_c(name: &str) -> *const c_char {
     let mut settings = paper::Config::SETTINGS.iter().chain(robust::Config::SETTINGS);
     let known = settings.find(|setting| setting.name() == name).map(|setting| setting.name_with_zero());

@@ -99,13 +99,13 @@ statuses! {
     SMR_ERROR_UNKNOWN = 34,
     /// The pixel format is none of #smr_format.
     SMR_ERROR_FORMAT_UNKNOWN = 35,
-    /// The line came already, or a later one did.
+    /// The line arrived already, or a later line did.
     SMR_ERROR_LINE_OUT_OF_ORDER = 36,
     /// The line has fewer bytes than its format needs.
     SMR_ERROR_LINE_TOO_SHORT = 37,
     /// The sensor has no such line.
     SMR_ERROR_LINE_OUTSIDE_FRAME = 38,
-    /// A line of a window did not come.
+    /// A line of a window is missing.
     SMR_ERROR_LINE_MISSING = 39,
     /// The configuration enables the refiner, but the library lacks it: core/c/install.sh --refiner builds it in.
     SMR_ERROR_REFINER_NOT_BUILT_IN = 40,

@@ -185,8 +185,7 @@ pub unsafe extern "C" fn smr_restore(tracker: *mut smr_tracker, bytes: *const u8
 /// @param tracker  Made by #smr_init.
 /// @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
 /// @param size     The number of bytes; excess bytes are ignored.
-/// @param name     Is set to the field's name as a static string, such as "gate_lost"; to NULL if no setting differs.
-///                 Unchanged after an error.
+/// @param name     Is set to the field's name, a static string such as "gate_lost"; to NULL if no setting differs.
 /// @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn smr_other_setting(

@@ -9,8 +9,7 @@ use core::ops::Range;
 use core::ptr::addr_of;
 use smr_core::{Frame, Rect, Robust};
 
-/// A tracker of one target, in storage that the caller gives to #smr_init. It needs no clean-up and must not move: a
-/// copy is no tracker (#SMR_ERROR_NOT_INITIALISED).
+/// A tracker of one target, in storage that the caller gives to #smr_init. It needs no clean-up and must not move.
 ///
 /// Calls on the same tracker, or on trackers that share a workspace, must not overlap in time. Other calls may.
 pub struct smr_tracker {
@@ -37,8 +36,8 @@ fn mark_of(address: *const smr_tracker) -> usize {
     address.addr() ^ 0x534D_5231 // "SMR1"
 }
 
-/// A target by its type, for calls that few programs make. A program links every call of [`Tracked`], but a call that
-/// is made through `Known` only if it uses it, and then for both trackers.
+/// A target by its type. Calls that few programs make match on it instead of being in the trait [`Tracked`], because a
+/// program links all of a trait's methods, used or not.
 pub(crate) enum Known<'a> {
     Paper(&'a mut PaperTarget),
     Robust(&'a mut Robust),

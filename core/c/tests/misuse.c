@@ -79,7 +79,7 @@ static smr_frame good_frame(void)
     return frame;
 }
 
-/* The frame with only the pixels in `window` in memory. */
+/* A frame of which only the pixels in `window` are in memory. */
 static smr_frame part_of_frame(const smr_rect *window)
 {
     smr_frame frame = good_frame();

@@ -18,8 +18,7 @@ pub struct Row {
     pub most: u32,
 }
 
-/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. The error names the failed
-/// step.
+/// Measures each tracker, and passes its row to `tell`. `clock` counts up and may wrap. Errors name the step.
 pub fn rows(clock: impl Fn() -> u32, mut tell: impl FnMut(Row)) -> Result<(), &'static str> {
     tell(measure::<Paper<4096, 33>>("paper's", paper::Config::camera_within(16), &clock)?);
     let (mut robust, mut refined) = (robust::Config::robust(), robust::Config::refined());

@@ -65,13 +65,13 @@ enum End {
     TooLarge,
     /// The record is of another tracker, or the configuration is refused.
     Configuration,
-    /// The lock window differs, or the lock fails.
+    /// The lock's window differs from the recorded one, or the lock fails.
     Lock,
-    /// The window differs, or the update fails.
+    /// The update's window differs from the recorded one, or the update fails.
     Update,
-    /// The answer differs.
+    /// The replayed answer, which differs from the recorded one.
     Answer(Answer),
-    /// The saved target differs.
+    /// The saved target differs from the recorded one.
     Saved,
     /// `said.smr` cannot be written.
     NotWritten,

@@ -3,7 +3,7 @@
 #include <stdarg.h>
 #include "py/dynruntime.h"
 
-// Storage class of tables. Names and types are known only when the module is loaded, so each function builds its table at run time.
+// Qualifier of constant tables in functions: not static, because names and types are known only when the module is loaded.
 #define TABLE const
 
 bool mp_obj_equal(mp_obj_t one, mp_obj_t other) {

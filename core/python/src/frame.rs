@@ -47,8 +47,7 @@ impl<'py> Borrowed<'py> {
         let ends = shape.iter().zip(strides).map(|(&count, &stride)| (count.cast_signed() - 1) * stride);
         let lowest: isize = ends.clone().map(|end| end.min(0)).sum();
         let highest: isize = ends.map(|end| end.max(0)).sum();
-        // SAFETY: all elements (at least one) lie from `lowest` to `highest` around the first; the slice borrows the
-        // array.
+        // SAFETY: all elements (at least one) lie from `lowest` to `highest` around the first; the slice borrows them.
         #[allow(unsafe_code)]
         let bytes =
             unsafe { std::slice::from_raw_parts(self.0.data().offset(lowest), (highest - lowest).cast_unsigned() + 1) };

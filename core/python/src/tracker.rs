@@ -138,8 +138,7 @@ impl Tracker {
         each!(&*self.target()?, of => of.sweep_window()).map(|window| answer::whole(py, window)).transpose()
     }
 
-    /// Reports a turn of the camera by pixels: what was at (x, y) is expected at (x + right, y + down) in the next
-    /// frame.
+    /// Reports a turn of the camera in pixels: what was at (x, y) is expected at (x + right, y + down) next.
     fn moved(&self, right: f64, down: f64) -> PyResult<()> {
         let units = |pixels: f64| (pixels * 256.0).round();
         let fits = |pixels: f64| units(pixels).abs() <= f64::from(i32::MAX);
@@ -160,8 +159,7 @@ impl Tracker {
         Ok(PyBytes::new(py, &saved))
     }
 
-    /// Continues with a saved target. Its tracker's options must equal this one's; the error names the first that
-    /// differs.
+    /// Continues with a saved target. It must be saved with equal options; the error names the first that differs.
     fn restore(&self, saved: &[u8]) -> PyResult<()> {
         each!(&mut *self.target()?, of => of.restore(saved)).map_err(refused).inspect(|()| self.keep(None))
     }
@@ -235,7 +233,7 @@ pub fn follow<'py>(
     answers.iter().map(|one| answer::answer(py, one)).collect()
 }
 
-/// Updates targets with a thread for each scratch memory. The threads end before this returns, so a fork loses none.
+/// Updates targets on a thread per scratch memory. The threads end before this returns: a later fork would lose them.
 fn side_by_side(targets: Vec<&mut Target>, scratch: &mut [Scratch], pixels: &Pixels<'_>) -> PyResult<Vec<Answer>> {
     let mut answers: Vec<PyResult<Option<Answer>>> = targets.iter().map(|_| Ok(None)).collect();
     let queue = Mutex::new(targets.into_iter().zip(&mut answers));

@@ -17,7 +17,7 @@ class Spread:
         return Spread(self.size * factor, self.aspect * factor, self.centre * factor)
 
 
-# About the spread of the tracker's own errors, or slightly more.
+# The default spread: that of the tracker's own errors, or slightly more.
 WIDE = Spread(0.21, 0.15, 0.11)
 # The share of draws with larger errors, and their factor.
 WIDER_SHARE, WIDER_FACTOR = 0.15, 1.6

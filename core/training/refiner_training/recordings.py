@@ -16,7 +16,7 @@ from . import boxes
 from .errors import BadInput
 
 VIDEOS = {".mp4", ".mpg", ".mpeg", ".avi", ".mkv", ".webm"}
-# Frames are reduced until the first target has the area of a square of this side, so that a crop has about 1 frame pixel per pixel.
+# Frames are reduced until the first target has the area of a square of this side: then a crop is about as fine as the frame.
 TARGET_SIDE = 28
 
 
