@@ -184,10 +184,11 @@ pub unsafe extern "C" fn smr_lock_step(
 }
 
 /// Finds the target in the next frame. Reads only the pixels in #smr_windows.
+///
 /// Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
 /// in the window) * (pixels of the template) comparisons, twice that in the frame in which the target begins to leave,
-/// and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 products for each weight (at most
-/// 2000).
+/// and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 * 2000 products.
+///
 /// @param tracker  Made by #smr_init, locked by #smr_lock.
 /// @param frame    The frame. Its parts in memory cover #smr_windows.
 /// @param answer   Is set to the answer; unchanged after an error.
