@@ -257,7 +257,7 @@ fn run<'a, T: Recorded<Config: 'a> + 'a>(
     };
     let config = with(&Table::PAPER).or_else(|| TABLES.iter().find_map(with));
     let config =
-        config.context("it holds no configuration of this version, or its table is none of exp(-d / scale)")?;
+        config.context("its configuration is of another version, or its similarity table is not exp(-d / scale)")?;
     Ok(Box::new(Run::<T> { tracker: Box::new(Tracker::with(config)?), player: Player::new(config) }))
 }
 

@@ -137,7 +137,7 @@ fn describe(report: &check::Report<Counts>, out: &mut impl Write) -> io::Result<
         Counts::Paper(counts) => describe_paper(counts, out),
         Counts::Robust(robust::Counts { uncertain, lost, learned, swept, found_again, .. }) => writeln!(
             out,
-            "  {uncertain} frames uncertain, {lost} lost; {learned} learned from; swept for in {swept}, found again in \
+            "  {uncertain} frames uncertain, {lost} lost; the filter learned in {learned}; redetection in {swept}, found again in \
              {found_again}"
         ),
     }
@@ -150,9 +150,9 @@ fn describe_paper(counts: &paper::Counts, out: &mut impl Write) -> io::Result<()
         "  largest difference from an exact score: {largest_difference:.1} of at most {bound:.1} units of 1/65535"
     )?;
     if other_peaks.is_empty() {
-        return writeln!(out, "  exact sums have the same arg max in every frame");
+        return writeln!(out, "  the exact scores have the same peak in every frame");
     }
     let (count, allowed) = (other_peaks.len(), 2.0 * bound);
-    writeln!(out, "  exact sums have another arg max in {count} frames, where {allowed:.1} units are allowed:")?;
+    writeln!(out, "  the exact scores have another peak in {count} frames; it may lead by at most {allowed:.1} units:")?;
     other_peaks.iter().try_for_each(|other| writeln!(out, "    frame {}: by {:.1} units", other.frame, other.margin))
 }

@@ -19,15 +19,15 @@ pub struct Convert {
     /// The recording
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
-    /// A file, or a folder; made if it is not there, and refused if there is something in it
+    /// The file or folder to write; a folder must be new or empty
     #[arg(long, short, value_name = "OUT")]
     out: PathBuf,
-    /// The format of the frames, or the layout of a toolkit [default: by the extension of OUT, else png]
+    /// The format of the frames, or a toolkit's layout [default: by the extension of OUT, else png]
     ///
-    /// png, pgm, y4m, raw, h and vot keep every pixel. otb and got10k are JPEG of the best quality, since their toolkits read nothing else.
-    /// vot, otb and got10k are of one sequence, in the folder OUT. They need ground truth for each frame, the first one included; without, only
-    /// the box to start from is written, and host-sim says so. vot and got10k add the name of OUT to list.txt beside it, which their toolkits
-    /// read. If OUT lies in a folder called sequences, vot writes config.yaml above that folder, a workspace of the VOT toolkit; an existing one stays.
+    /// png, pgm, y4m, raw, h and vot keep every pixel. otb and got10k write JPEG of the best quality, because their toolkits read nothing
+    /// else. vot, otb and got10k write one sequence into the folder OUT and need ground truth for every frame; otherwise host-sim writes
+    /// only the initial box and says so. vot and got10k add the name of OUT to list.txt beside it, which their toolkits read. If OUT is in
+    /// a folder called sequences, vot also writes config.yaml above that folder, unless it exists: a workspace of the VOT toolkit.
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print a JSON object instead of a line

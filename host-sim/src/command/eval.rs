@@ -21,70 +21,73 @@ pub struct Eval {
     /// Recordings with ground truth beside them, or folders of such recordings
     #[arg(value_name = "PATH", required_unless_present = "fault")]
     paths: Vec<PathBuf>,
-    /// The methods to measure; several are separated by commas [default: smr]
+    /// The methods to measure, separated by commas [default: smr]
     ///
-    /// If all recordings are those of the paper's table, and no option changes the start or the tracker, the default is everything:
-    /// both readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
+    /// If all recordings are in the paper's table, and no option changes the start or the tracker, the default is every method: both
+    /// readings of the paper, the robust tracker, the baselines, and the results of other trackers (--compare).
     #[arg(long, value_enum, value_delimiter = ',')]
     method: Vec<MethodKind>,
     /// Also score other trackers' results, trackers/*.txt beside a recording
     ///
-    /// One line x1,y1,x2,y2 for each frame, NaN for no answer. A file that ends early has no answer from there on; lines after the
-    /// last frame are ignored.
+    /// A result file has one line x1,y1,x2,y2 for each frame, with NaN for no answer. Frames after the end of a file have no answer; lines
+    /// after the last frame are ignored.
     #[arg(long, conflicts_with_all = ["resize", "frames"])]
     compare: bool,
     /// Run from 5 starts: the given box, 2 pixels to the right, 2 down, and scaled by 0.95 and 1.05 about its centre
     ///
-    /// A changed box is rounded to whole pixels, and what lies outside the frame is cut off. The columns are:
-    /// correct: correct frames over visible ones, mean over the starts; worst: the same from the worst start; correct@0.5: the same
-    /// where IoU must be above 0.5; F: the harmonic mean of precision and correct; mean IoU: where there is an answer and the
-    /// target is visible; precision: correct answers over all answers, also those while the target is hidden; answered/hidden:
-    /// answers while the target is hidden; found/returns: how often the target came back, and how often a correct answer followed
-    /// within 50 frames; wrong/tracking and tracking/wrong: frames that were called `tracking` although the target was hidden or IoU
-    /// at most 0.25, over all that were called so, and over all wrong frames; unsaid/right: frames that were not called `tracking`
-    /// although the box was right; work/frame: comparisons or products of an update, at most; us/frame: its time.
+    /// A shifted or scaled box is rounded to whole pixels and cut at the frame's edge. A box is correct if its IoU with the truth is above
+    /// 0.25. The columns are: correct, the fraction of visible frames with a correct box, mean over the starts; worst, the same fraction
+    /// for the worst start; correct@0.5, the same with IoU above 0.5; F, the harmonic mean of precision and correct; mean IoU, over frames
+    /// with an answer and a visible target; precision, correct answers over all answers, including answers while the target is hidden;
+    /// answered/hidden, answers while the target is hidden; found/returns, how often a correct answer followed within 50 frames of the
+    /// target's return; wrong/tracking, wrong frames in state `tracking` over all frames in that state; tracking/wrong, the same frames
+    /// over all wrong frames; unsaid/right, frames with a correct box in another state; work/frame, the most comparisons or products of an
+    /// update; us/frame, microseconds of an update.
     ///
-    /// Then come means over recordings with their standard errors, means over each folder, and of several methods the paired
-    /// differences to the first. A recording is held in memory, with at most 1 GiB of frames.
+    /// Below the recordings host-sim prints the means over recordings with standard errors, the means of each folder and, for several
+    /// methods, paired differences from the first. It keeps one recording in memory at a time, with at most 1 GiB of frames.
     #[arg(long, conflicts_with = "compare")]
     robustness: bool,
-    /// With --robustness: 1 starts from the given box alone, every:N at every N-th frame in which the target is visible [default: 5]
+    /// With --robustness: the starts of each recording. 1: the given box only; every:N: each N-th frame in which the target is visible
+    /// [default: 5]
     ///
-    /// With every:N each run goes from the box of the ground truth, cut to the frame, to the end of the recording. The last frame is no start.
+    /// With every:N a run starts from the true box, cut at the frame's edge, and ends with the recording. No run starts in the last frame.
     #[arg(long, value_name = "1|5|every:N", requires = "robustness")]
     starts: Option<Starts>,
-    /// With --robustness: print paired differences to what was measured before: a file that the same command wrote with --json
+    /// With --robustness: print paired differences from earlier results. FILE is the --json output of the same command
     ///
-    /// Each tracker is compared with the one of its name in the file, or else with the first in the file. Without this option, each
-    /// is compared with the first method.
+    /// Each tracker is compared with the tracker of the same name in FILE, or else with the first one there. Without this option, host-sim
+    /// compares each with the first method.
     #[arg(long, value_name = "FILE", requires = "robustness")]
     against: Option<PathBuf>,
-    /// Put faults of the camera, or changes of light, into the recordings, or cover the lens, and measure what the trackers do; several faults
-    /// are separated by commas, `all` and `light` are lists [default methods: smr,robust]
+    /// Measure the trackers under faults of the camera, changes of light, a covered lens or a target that goes away; separate several
+    /// faults by commas; `all` and `light` are lists [default methods: smr,robust]
     ///
-    /// NAME:N is one of dropped:N (every second of 2 N frames never comes), repeated:N (the frame before comes N times more), torn:N (the
-    /// lower part of N frames is that of the frame before), black:N, white:N (N frames), columns:N (N columns are stuck), bits:N (a bit is
-    /// wrong in N of 1000 pixels), gain:N (pixels times N hundredths), noise:N (standard deviation N), origin:N (the picture is N pixels too
-    /// far to the right and N / 2 too low), gap:N (no frame comes for N). Those that are not of N frames last 10.
+    /// Camera faults: dropped:N (of 2 N frames every second is missing), repeated:N (a frame is repeated N times), torn:N (in N frames the
+    /// lower part is from the frame before), black:N and white:N (for N frames), columns:N (N columns are stuck), bits:N (N of 1000 pixels
+    /// have a wrong bit), gain:N (pixels times N / 100), noise:N (standard deviation N), origin:N (the picture is shifted N pixels right
+    /// and N / 2 down), gap:N (N frames are missing). Faults whose N is not a number of frames last 10 frames.
     ///
-    /// Changes of light last 150 frames: light:N (N hundredths as bright, with noise of one gray level), dusk:N (the same, reached within
-    /// 100 frames), night:N (the same as light:N, but already at the lock), fog:N (N hundredths of the contrast, around gray 110), gamma:N (a
-    /// power of N hundredths), offset:N (N gray levels brighter).
+    /// Changes of light last 150 frames: light:N (N / 100 of the brightness, with noise of one gray level), dusk:N (the same, reached
+    /// within 100 frames), night:N (as light:N, but from the lock on), fog:N (N / 100 of the contrast, around gray 110), gamma:N (gray
+    /// levels to the power of N / 100), offset:N (N gray levels brighter).
     ///
-    /// away:N: for N frames (`away`: 40) the camera shows what is beside the target, the largest strip of the frame that is clear of its boxes, and
-    /// mirror images of that strip. Then the picture comes shifted by a quarter of its sides at most, so that the target is back elsewhere.
+    /// away:N: for N frames (40 by default) the target is gone. The frame is filled with the largest strip beside the target's boxes, and
+    /// with mirror images of that strip. Then the picture comes back, shifted by at most a quarter of its sides, so that the target is in
+    /// another place.
     ///
-    /// Each fault is put in at up to 8 places of a recording, each a run of its own: locked on the ground truth 10 frames before it, watched
-    /// for 50 frames after it. Of the runs whose box was right (IoU > 0.25) before the fault: the states during it, in how many of its frames
-    /// there was an answer and the box was right, how many were right again and after how many frames, how many were right at the end, and in
-    /// how many of all frames from the fault on *tracking* was said and wrong. `none` are the same runs without a fault. What is random is the same each time.
+    /// Each fault is inserted at up to 8 places of a recording, each in a run of its own: the tracker locks on the true box 10 frames
+    /// before the fault and is watched for 50 frames after it. Only runs whose box was right (IoU > 0.25) before the fault count. The
+    /// tables list the states during the fault, the fractions of its frames with an answer and with a right box, the fraction of runs that
+    /// were right again and after how many frames, the fraction that was right at the end, and the fraction of all frames from the fault on
+    /// that were wrong in state `tracking`. `none` lists the same runs without a fault. Random numbers are the same in every run.
     ///
-    /// `cover` stands alone. From the middle of a recording on come 300 frames that are black, white, gray (128), noise, or a frozen frame of
-    /// another scene: the first frame of another recording of the list, resized (of the built-in `synthetic` if there is no other). Then the
-    /// recording goes on where it was interrupted. The recordings are those that are given, and five that are generated: a dark, a bright, a
-    /// textured, a smooth and a noisy target. Of each tracker and cover: recordings; those in which the box was right in the frame before; how many
-    /// of the 300 frames it called *tracking* in the median and in the worst recording, and in how many recordings more than 2; in how many it was
-    /// *lost* by frame 30; in how many of those that were right before it was right again within 10 frames. What misses one of these is named.
+    /// `cover` cannot be combined. In the middle of a recording 300 frames are inserted: black, white, gray (128), noise, or a frozen frame
+    /// of another scene (the first frame of another recording of the list, resized, or of the built-in `synthetic`). Then the recording
+    /// continues. The recordings are the given ones and five generated ones: a dark, a bright, a textured, a smooth and a noisy target. For
+    /// each tracker and cover the table lists: recordings; recordings with a right box in the frame before; how many of the 300 frames were
+    /// in state `tracking`, in the median and in the worst recording; recordings with more than 2 such frames; recordings *lost* by frame
+    /// 30; recordings right again within 10 frames, of those right before. host-sim names each recording that fails one of these.
     #[arg(long, value_name = "NAME:N|away|all|light|cover", value_delimiter = ',', conflicts_with_all = ["compare", "robustness", "init", "inclusive"])]
     fault: Vec<Faults>,
     #[command(flatten)]
@@ -100,14 +103,13 @@ pub struct Eval {
 struct TableOptions {
     /// Print JSON instead of tables: an object with the tables of --part, each an array of flat objects
     ///
-    /// All objects of a table have the same keys, and a key has values of one type; what is not known is null. The options of a tracker are a
-    /// text, itself JSON.
+    /// All objects of a table have the same keys, and each key has values of one type or null. A tracker's options are a text, itself JSON.
     #[arg(long)]
     json: bool,
     /// The form of the tables
     #[arg(long, value_enum, default_value_t, conflicts_with = "json")]
     format: Layout,
-    /// With --format csv: which table of --json [default: measured]
+    /// With --format csv: the table to print [default: measured]
     #[arg(long, value_enum, conflicts_with = "json")]
     part: Option<TableName>,
 }
@@ -201,7 +203,7 @@ impl Eval {
         }
         ensure!(
             failed == 0,
-            "{failed} of what was asked for could not be measured (see above); results are of the rest"
+            "{failed} measurements failed (errors above); the tables have the others"
         );
         Ok(Outcome::Holds)
     }

@@ -31,19 +31,20 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-/// Replays recordings through smr-core: tracks, checks, measures, shows. A recording without a command is opened in the window. Without
-/// arguments, the target of a built-in recording is followed and shown on a page.
+/// Replays recordings through smr-core: tracks, checks, measures, shows. `host-sim SEQ` opens a recording in the window. `host-sim` alone
+/// follows the target of a built-in recording and shows it on a page.
 ///
-/// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with
-/// --size), `-` (Y4M from standard input), for `track` and `view` also /dev/video0 or an address such as rtsp://..., or a built-in recording: `street`, `synthetic`, `periodic` (all ties), `border`, `noise` (the worst case) or `tiles` (which firmware draws as well).
+/// A SEQ is a folder of pictures (PNG, JPEG, PGM, PPM, PAM), a Y4M file, a video that ffmpeg decodes, a raw 8-bit dump (with --size), `-`
+/// (Y4M from standard input), or a built-in recording: `street`, `synthetic`, `periodic` (all positions tie), `border`, `noise` (the most
+/// work) or `tiles` (which firmware draws as well). `track` and `view` also open /dev/video0 and addresses such as rtsp://...
 ///
-/// Without --init, the box to start from comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
+/// Without --init, the initial box comes from init.txt, gt.txt (both x1,y1,x2,y2), groundtruth_rect.txt (OTB) or groundtruth.txt (VOT,
 /// GOT-10k) beside the recording.
 ///
-/// Limits: a file of boxes or of earlier results 64 MiB, a picture 512 MiB.
+/// Limits: 64 MiB for a file of boxes or of earlier results, 512 MiB for a picture.
 ///
-/// Exit codes: 0 all is well, 1 a check failed, 2 bad usage or input; after INT, TERM or HUP 128 plus the number of the signal, but 0 if
-/// a signal ends a live source.
+/// Exit codes: 0 success, 1 a check failed, 2 bad usage or input. After INT, TERM or HUP: 128 plus the signal's number, or 0 if the source
+/// was live.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 120)]
 pub struct HostSim {
@@ -53,10 +54,10 @@ pub struct HostSim {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Open a recording in the browser: drag a box, see it followed, go to any frame, correct it, and take the result away
+    /// Open a recording in the browser: draw a box, watch the tracker follow it, go to any frame, correct the box, export the result
     ///
-    /// The page is served on this machine alone (127.0.0.1), under an address with a random token. Any frame of a long video can be reached
-    /// at once. host-sim serves until it is ended (Ctrl+C).
+    /// Only this machine can open the page (127.0.0.1, with a random token in the address). Any frame of a long video can be reached at
+    /// once. host-sim serves the page until you end it (Ctrl-C).
     #[command(after_help = "Examples:
   host-sim view clip.mp4
   host-sim view sequences/car --no-open")]
@@ -73,15 +74,15 @@ enum Command {
   host-sim check
   host-sim check sequences/car --config camera")]
     Check(check::Check),
-    /// Measure against ground truth, by the protocol of the recordings
+    /// Measure trackers against ground truth
     #[command(after_help = "Examples:
   host-sim eval sequences --method smr,robust
   host-sim eval sequences --fault all --config camera")]
     Eval(eval::Eval),
     /// Write a recording as files that other programs read and firmware replays
     ///
-    /// OUT with the extension .y4m, .raw, .gray, .bin, .y8 or .h is one file with the frames alone. Anything else is a folder, which gets the boxes,
-    /// too: init.txt and gt.txt in TLD form, or the files of the toolkit (--format vot, otb, got10k).
+    /// If OUT ends in .y4m, .raw, .gray, .bin, .y8 or .h, it is one file with the frames alone. Otherwise it is a folder, with the frames
+    /// and the boxes: init.txt and gt.txt as in TLD, or the files of a toolkit (--format vot, otb, got10k).
     #[command(after_help = "Examples:
   host-sim convert clip.mp4 --frames 1..60 --resize 160x120 -o clip.h
   host-sim convert synthetic --format vot -o workspace/sequences/synthetic
@@ -92,12 +93,12 @@ enum Command {
   host-sim report sequences/car --out report.html
   host-sim report sequences/car --figures figures --frame 180 --hidden 45..60")]
     Report(report::Report),
-    /// Run a flight record of firmware again, and name the first answer that differs
+    /// Run a flight record of firmware again, and print the first answer that differs
     ///
-    /// A record that was cut off, for example when power was lost, is replayed up to its last whole entry, and host-sim says so. If the last update has
-    /// no answer in the record, host-sim prints its own. Firmware that starts again appends to the record: each start is a flight of its own. Damage in
-    /// the middle is an error that says where; what comes before it is replayed. A record is in memory as a whole, and begins
-    /// within the first 64 MiB of its file.
+    /// If a record was cut off, for example because the power failed, host-sim replays it up to the last complete entry and says so. If the
+    /// record has no answer to its last update, host-sim prints the replayed one. Firmware that restarts appends to the record: each start
+    /// is a flight of its own. Damage in the middle is an error; the entries before it are replayed. A record must fit in memory, and must
+    /// begin within the first 64 MiB of its file.
     #[command(after_help = "Examples:
   host-sim replay flight.smr
   smr-qemu record.elf | host-sim replay -

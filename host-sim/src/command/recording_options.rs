@@ -15,35 +15,35 @@ use std::time::Duration;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Recording")]
 pub struct RecordingOptions {
-    /// The box to start from, in pixels: left, top, width, height [default: the one beside the recording]
+    /// The initial box in pixels: left, top, width, height [default: the box beside the recording]
     ///
-    /// `X,Y,W,H@FRAME` lies in a later frame. `track` and `report` take several targets, each with its name (--init car=150,100,40,48 --init
-    /// man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300). `gone@FRAME` takes a
-    /// target out of the frames from there on, up to its next box (--init car=gone@200): they have no answers.
+    /// `X,Y,W,H@FRAME` is a box in a later frame. `track` and `report` take several targets, each with a name (--init car=150,100,40,48
+    /// --init man=20,80,15,40@120), and further boxes of a target, at which the tracker locks again (--init car=170,90,40,48@300). From
+    /// `gone@FRAME` on a target has no answers, up to its next box (--init car=gone@200).
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
-    /// Count the right and lower edges as part of each box to start from: it is one pixel wider and higher
+    /// Treat the initial boxes as including their right and bottom edges: one pixel wider and higher
     #[arg(long)]
     inclusive: bool,
-    /// The size of the frames of raw dumps
+    /// The frame size of a raw dump
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Resize all frames to this size or fraction; --init and the boxes beside the recording are in pixels of the original size
+    /// Resize all frames to this size or fraction; boxes stay in pixels of the original size
     #[arg(long, value_name = "WxH|1/2")]
     resize: Option<Resize>,
     /// Use only these frames, for example 20..80, 20.. or ..80; the first is 1
     ///
-    /// They keep their numbers. Damage in a recording is an error (a picture that is cut, a dump that ends within a frame, anything that
-    /// ffmpeg complains about), but not behind the last of these frames. The box to start from is the one that the ground truth has in the first of them.
+    /// Frames keep their numbers. Damage in a recording is an error (a picture that is cut off, a dump that ends within a frame, any
+    /// complaint of ffmpeg), except after the last of these frames. The initial box is the true box in the first of these frames.
     #[arg(long, value_name = "A..B")]
     frames: Option<FrameRange>,
-    /// The number of the frame that the first line of the ground truth belongs to; earlier frames are not read
+    /// The frame of the first line of the ground truth; host-sim skips earlier frames
     #[arg(long, value_name = "FRAME", value_parser = from::<NonZeroUsize>(1))]
     truth_from: Option<NonZeroUsize>,
-    /// Stretch these values of 16-bit pictures from black to white, for example 7600..8366 [default: 0..65535, the high byte]
+    /// Map these values of 16-bit pictures to black and white, for example 7600..8366 [default: 0..65535, the high byte]
     #[arg(long, value_name = "A..B")]
     levels: Option<Levels>,
-    /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
+    /// Stop with an error if ffmpeg reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
 }
@@ -85,7 +85,7 @@ impl RecordingOptions {
                 targets.iter().flat_map(|target| &target.starts).filter_map(|(_, bbox)| *bbox).chain(sequence.init);
             ensure!(
                 boxes.all(|bbox| bbox.width.min(bbox.height) >= 0.5),
-                "--resize {resize} makes a box to start from smaller than a pixel: expected larger frames"
+                "--resize {resize} makes an initial box smaller than a pixel: expected larger frames"
             );
         }
         if !targets.is_empty() {

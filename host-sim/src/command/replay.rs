@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Replay {
-    /// The record that firmware wrote with `smr_core::record`: the bytes, or a printed log that has them; `-` is standard input
+    /// The record that firmware wrote with `smr_core::record`: bytes, or a text log with them; `-` is standard input
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Print one JSON object
@@ -43,7 +43,7 @@ impl Replay {
         let replayed = Replayed { version: env!("CARGO_PKG_VERSION"), file: name.clone(), report: &report };
         tell(self.json, &replayed, |replayed, out| describe(replayed, out))?;
         if let Some(damage) = &report.damage {
-            bail!("{name}: {damage}; what lies before it was replayed");
+            bail!("{name}: {damage}; the entries before it were replayed");
         }
         Ok(if report.difference.is_none() { Outcome::Holds } else { Outcome::CheckFailed })
     }
@@ -69,18 +69,18 @@ fn describe(Replayed { file, report, .. }: &Replayed<'_>, out: &mut impl Write) 
             }
         }
         if flight.cut_off > 0 {
-            writeln!(out, "  cut off: the last {} bytes are no whole entry", flight.cut_off)?;
+            writeln!(out, "  cut off: the last {} bytes are an incomplete entry", flight.cut_off)?;
         }
         if let Some(last) = &flight.unanswered {
             writeln!(
                 out,
-                "  no answer to frame {} is in it; here it is {}, box in 1/256 pixel {}",
+                "  the record ends before the answer to frame {}; replayed: {}, box in 1/256 pixel {}",
                 last.frame, last.state, last.bbox
             )?;
         }
     }
     if report.cut_off > 0 {
-        writeln!(out, "  cut off: the last {} bytes are no whole entry", report.cut_off)?;
+        writeln!(out, "  cut off: the last {} bytes are an incomplete entry", report.cut_off)?;
     }
     if let Some(difference) = &report.difference {
         let which = if all > 1 { format!("flight {}, ", difference.flight) } else { String::new() };

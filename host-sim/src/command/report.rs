@@ -28,30 +28,32 @@ pub struct Report {
     /// Recordings, or folders of recordings
     #[arg(value_name = "SEQ|DIR", required = true)]
     paths: Vec<PathBuf>,
-    /// The methods to show; several are separated by commas. The states are those of the first [default: robust,smr; without smr if the
-    /// box is too large for it]
+    /// The methods to show, separated by commas; the page shows the states of the first [default: robust,smr, or robust alone if the box is
+    /// too large for smr]
     #[arg(long, value_enum, value_delimiter = ',', requires = "out")]
     method: Vec<MethodKind>,
-    /// Write one HTML page: to this file if it ends in .html, else into this folder, under the recording's name
+    /// Write one HTML page: to this file if it ends in .html, else to a file with the recording's name in this folder
     ///
-    /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, with shift to move), and what was compared; scores where
-    /// there is ground truth, with other trackers' results (trackers/*.txt beside a recording). It needs no other file and no network.
+    /// It has a player over all frames (keys: space, left, right, home, end), curves with values under the pointer (drag to zoom, shift and
+    /// drag to move), and the templates and differences. If there is ground truth, it also has scores, with other trackers' results
+    /// (trackers/*.txt beside a recording). It needs no other file and no network.
     #[arg(short, long, value_name = "DIR|FILE.html", required_unless_present = "figures")]
     out: Option<PathBuf>,
-    /// The most megabytes for the page: beyond it frames get smaller, down to 320 pixels, then fewer
+    /// Size limit of the page in megabytes: frames get smaller, down to 320 pixels, then fewer
     #[arg(long, value_name = "MB", default_value_t = BUDGET, value_parser = from::<NonZeroUsize>(1))]
     budget: NonZeroUsize,
-    /// Draw the paper's five figures of one recording, SMR beside SAD, as SVG into this folder
+    /// Draw the paper's five figures for one recording, SMR beside SAD, as SVG into this folder
     ///
-    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: to the template, in the box that won and in the true one, with
-    /// histograms. 3 leaving: the target leaves the frame. 4 drift: centre errors over frames. 5 occlusion: before and after the target
-    /// is hidden. 2, 4 and 5 need ground truth. If a recording lacks what a figure needs, host-sim leaves the figure out and says so.
+    /// 1 boxes: both boxes in one frame, with the templates. 2 differences: the differences to the template in the winning box and in the
+    /// true box, with histograms. 3 leaving: the target leaves the frame. 4 drift: the centre error in each frame. 5 occlusion: before and
+    /// after the target is hidden. Figures 2, 4 and 5 need ground truth. host-sim skips a figure that the recording does not allow, and
+    /// says why.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    /// With --figures: the frame of figures 1 and 2; the first is 1 [default: where SMR is farthest ahead of SAD]
+    /// With --figures: the frame of figures 1 and 2; the first is 1 [default: the frame where SMR leads SAD most]
     #[arg(long, value_name = "N", requires = "figures", value_parser = from::<NonZeroUsize>(1))]
     frame: Option<NonZeroUsize>,
-    /// With --figures: where the target is hidden, for figure 5 [default: the frames without a box in the ground truth]
+    /// With --figures: the frames in which the target is hidden, for figure 5 [default: frames without a true box]
     #[arg(long, value_name = "A..B", requires = "figures")]
     hidden: Option<FrameRange>,
     /// Print a JSON object instead of a line for each file
@@ -83,7 +85,7 @@ impl Report {
         })?;
         let found = self.recording.find(&self.paths)?;
         if self.figures.is_some() {
-            ensure!(found.len() == 1, "--figures is of one recording, and there are {}", found.len());
+            ensure!(found.len() == 1, "--figures draws one recording: expected one, found {}", found.len());
             ensure!(
                 found[0] != Path::new("-"),
                 "standard input can be read once, and figures need the recording twice: expected a file or a folder"

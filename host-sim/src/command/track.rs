@@ -21,38 +21,38 @@ use std::sync::Arc;
 
 #[derive(Debug, clap::Args)]
 pub struct Track {
-    /// The recording; `-` is Y4M from standard input, answered as it comes. Or a live source: an address that ffmpeg takes (rtsp://...), or /dev/video0
-    /// of Linux. Ctrl-C ends it
+    /// The recording, or a live source: `-` (Y4M from standard input, each frame answered at once), an address for ffmpeg (rtsp://...), or
+    /// /dev/video0 on Linux; Ctrl-C ends it
     #[arg(value_name = "SEQ")]
     sequence: PathBuf,
-    /// The tracker, or a simpler method to compare it with
+    /// The tracker, or a simpler method for comparison
     #[arg(long, value_enum, default_value = "robust")]
     method: MethodKind,
-    /// The format in which each frame is printed [default: tld; of several targets csv]
+    /// The format of the printed boxes [default: tld; csv for several targets]
     ///
-    /// Of several targets: csv, json, mot, coco or cvat. coco and cvat are whole when the last frame has been followed.
+    /// Formats for several targets: csv, json, mot, coco, cvat. coco and cvat files are valid only after the last frame.
     #[arg(long, value_enum)]
     format: Option<Format>,
     /// Print one JSON object for each frame: --format json
     ///
-    /// Each has version, method, options (those that were given), target (if it has a name), frame (as the recording counts it), state, box (whole pixels), fine (with fractions), confidence, ratio,
-    /// runner_up_ratio, alpha, scale, found_again, work and quality. What the method does not know is null; so are both boxes while the target
-    /// is lost.
+    /// Its keys: version, method, options (only those given), target (if it has a name), frame (as the recording counts), state, box (whole
+    /// pixels), fine (with fractions), confidence, ratio, runner_up_ratio, alpha, scale, found_again, work and quality. A value that the
+    /// method does not compute is null, and so are both boxes while the target is lost.
     #[arg(long, conflicts_with = "format")]
     json: bool,
-    /// Write to this file instead of standard output; after an error there is no file
+    /// Write to FILE instead of standard output; an error leaves no file
     ///
-    /// The extension says the format, if --format does not: .csv, .json, .jsonl or .xml (cvat); .txt and a name without an extension are for any
-    /// format. The name of a video is that of --video: with -o boxes.mp4 the boxes are printed, as --format says.
+    /// Without --format the extension selects the format: .csv, .json, .jsonl or .xml (cvat). Files that end in .txt or have no extension
+    /// accept every format. -o boxes.mp4 is the same as --video boxes.mp4: the boxes are then printed.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Also draw the boxes over the frames: .mp4, .mov, .mkv or .webm (they need ffmpeg), or a new folder for PNG pictures
     ///
-    /// On a terminal host-sim then says when a target is lost and found instead of a line for each frame.
-    /// In the colors of the recording, and of a video at its times and with its sound. The box is green while the target is tracking,
-    /// amber when it is uncertain or leaving, and red, at its last place, when it is lost. Of several targets each has its color and its
-    /// name, and dashes while it is not tracking. Ground truth is white. The text has the number of the frame, the state, and the
-    /// confidence in hundredths. If the reader of the printed boxes goes away (`| head`), the video is still finished.
+    /// The box is green while the target is tracking, amber while uncertain or leaving, and red, at the last position, while lost. Several
+    /// targets have a color and a name each, and dashed boxes while not tracking. Ground truth is white. The text in the picture is the
+    /// frame number, the state, and the confidence in hundredths. The video keeps the recording's colors and, if the recording is a video,
+    /// frame times and sound. On a terminal host-sim prints only when a target is lost or found. If the reader of the printed boxes ends
+    /// (`| head`), host-sim still finishes the video.
     #[arg(long, value_name = "FILE|DIR")]
     video: Option<PathBuf>,
     #[command(flatten)]
@@ -141,7 +141,7 @@ impl Track {
         }
         ensure!(
             targets <= 1 || format.has_names(),
-            "--format {}: its lines have no names, and there are {targets} targets: expected csv, json, mot, coco or cvat",
+            "--format {}: this format cannot name {targets} targets: expected csv, json, mot, coco or cvat",
             choice_name(&format)
         );
         Ok(format)

@@ -49,11 +49,12 @@ pub struct TrackerOptions {
     /// A setting of the tracker, such as window=16x16, k=7/20, reach=5 or size=off; --help lists all
     #[arg(long, value_name = "NAME=VALUE", long_help = help())]
     set: Vec<Given>,
-    /// The code that computes scores; changes only the time [default: the fastest on this machine]
+    /// The kernels that compute scores; changes only the time [default: the fastest on this machine]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     #[serde(serialize_with = "backend_as_name")]
     backend: Option<Backend>,
-    /// Update in steps of this much work, as firmware with a deadline does; does not change the answers [default: all at once]
+    /// Split each update into steps of at most WORK units, as firmware with a deadline does; does not change the answers [default: one
+    /// step]
     #[arg(long, value_name = "WORK", value_parser = whole::<NonZeroU32>(1..=u32::MAX.into()))]
     step: Option<NonZeroU32>,
 }
@@ -253,7 +254,7 @@ impl TrackerOptions {
         let config = self.put(config)?;
         ensure!(
             (config.window.x, config.window.y) != (0, 0),
-            "--set window=0x0: the target is looked for nowhere else: expected pixels to each side, like 16x16"
+            "--set window=0x0: the window is a single position: expected a search radius in pixels, like 16x16"
         );
         config.check().map_err(|error| both(&config, error))?;
         Ok(config)

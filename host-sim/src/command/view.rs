@@ -33,35 +33,36 @@ pub struct View {
     /// The tracker that follows the targets [default: robust]
     #[arg(long, value_enum)]
     method: Option<MethodKind>,
-    /// Boxes to begin with from a file: CSV as `track` writes it, or CVAT XML for video
+    /// Read the initial boxes from FILE: CSV as `track` writes it, or CVAT XML for video
     ///
-    /// Of CSV, the boxes without a confidence are locks: the others are answers, which follow from these. In a file with states a target is
-    /// gone in the frames without a line. Of CVAT, each key frame is a lock, and outside is gone, but for those of a tracker (source="auto").
+    /// CSV: a box without a confidence is a lock; other boxes are answers, which the tracker computes again. If the file has states, a
+    /// target is gone in each frame without a line. CVAT: each key frame is a lock, and `outside` means gone, except in tracks with
+    /// source="auto".
     #[arg(long, value_name = "FILE", conflicts_with = "init")]
     boxes: Option<PathBuf>,
-    /// The file in which the targets, the method and its options are kept [default: SEQ.smr.json, beside the recording]
+    /// The file that keeps the targets, the method and its options [default: SEQ.smr.json, beside the recording]
     ///
-    /// It is made at the first change and written after each one, and `view` goes on with it. Boxes on the command line take the place of its
-    /// targets, a method or options that of its method: the first change keeps the former file as FILE~. A camera, standard input and a built-in
-    /// recording have a session only with this option.
+    /// `view` creates it at the first change, saves it after each one, and resumes from it. --init and --boxes replace its targets;
+    /// --method and tracker options replace its method; the first change then keeps the old file as FILE~. A camera, standard input and a
+    /// built-in recording have a session only with this option.
     #[arg(long, value_name = "FILE")]
     session: Option<PathBuf>,
-    /// Print the address and leave the browser alone
+    /// Print the address, and do not open a browser
     #[arg(long)]
     no_open: bool,
     /// Print the address as a JSON object
     #[arg(long)]
     json: bool,
-    /// Boxes to begin with, and frames that a target is gone from (gone@FRAME), as `track` takes them [default: the one beside the recording]
+    /// The initial boxes, and the frames from which a target is gone (gone@FRAME), as in `track` [default: the box beside the recording]
     #[arg(long, value_name = "[NAME=]X,Y,W,H[@FRAME]", allow_hyphen_values = true)]
     init: Vec<Start>,
-    /// The size of the frames of raw dumps
+    /// The frame size of a raw dump
     #[arg(long, value_name = "WxH")]
     size: Option<Pair>,
-    /// Stretch these values of 16-bit pictures from black to white, for example 7600..8366
+    /// Map these values of 16-bit pictures to black and white, for example 7600..8366
     #[arg(long, value_name = "A..B")]
     levels: Option<Levels>,
-    /// End ffmpeg, as an error, if it reads or writes nothing for this many seconds [default: 60]
+    /// Stop with an error if ffmpeg reads or writes nothing for this many seconds [default: 60]
     #[arg(long, value_name = "SECONDS", value_parser = whole::<NonZeroU16>(1..=65535))]
     ffmpeg_timeout: Option<NonZeroU16>,
     #[command(flatten)]
@@ -122,7 +123,7 @@ impl View {
         };
         say(|out| match self.json {
             true => writeln!(out, "{}", serde_json::json!({ "address": address })),
-            false => writeln!(out, "{address}\nCtrl+C ends it."),
+            false => writeln!(out, "{address}\nCtrl-C ends it."),
         })?;
         if !self.no_open && made.door(&address).and_then(|door| Ok(open::that_detached(door)?)).is_err() {
             complain("note: no browser could be opened: open the address above yourself");
@@ -205,10 +206,10 @@ impl View {
         // A camera numbers its frames anew, so the boxes of an earlier session belong to other frames.
         let has_targets = !self.init.is_empty() || self.boxes.is_some() || is_live;
         let has_method = self.method.is_some() || !self.tracker.says_nothing();
-        let mut note = format!("note: goes on with {name}, of the recording {}", work.recording);
+        let mut note = format!("note: resumes the session {name} of {}", work.recording);
         if has_targets || has_method {
             session.leave_aside();
-            note += &format!(", but for what is given here; the first change keeps it as {name}~");
+            note += &format!("; options given here replace it; the first change keeps the old file as {name}~");
         }
         complain(&note);
         let kept = || variant_of(&work.method, &work.options).with_context(|| name.clone());
@@ -265,7 +266,7 @@ impl Wish for Desk {
         let targets = followed.rows();
         ensure!(
             targets.len() == 1 || format.has_names(),
-            "its lines have no names, and there are {} targets: expected csv, json, mot, coco or cvat",
+            "this format cannot name {} targets: expected csv, json, mot, coco or cvat",
             targets.len()
         );
         let is_named = targets.len() > 1;
