@@ -1,7 +1,7 @@
 //! Chooses the fastest instruction set of a 32-bit processor and sets it as a cfg: `smr_helium`, `smr_dsp`, or
-//! `smr_swar` if it has neither. 64-bit processors and the vectors of WebAssembly need no cfg of their own. On bare
-//! metal and in WebAssembly, where every byte of code counts, cfg `smr_small` keeps functions in one copy that a
-//! compiler would inline.
+//! `smr_swar` if it has neither. 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in
+//! WebAssembly, where every byte of code counts, cfg `smr_small` keeps functions from being inlined into several
+//! callers.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -23,8 +23,8 @@ fn main() {
     }
 }
 
-/// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable.
-/// So the name of the processor or of the target decides, unless a flag names the feature.
+/// The processor that the crate is compiled for. A stable compiler does not report features that it considers unstable,
+/// so the name of the processor or of the target decides, unless a flag names the feature.
 struct Processor {
     target: String,
     flags: Vec<String>,

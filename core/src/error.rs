@@ -1,10 +1,10 @@
-//! The errors: how one is defined, and one for all calls.
+//! The macro that defines errors, and [`Error`], which holds any of them.
 
 use crate::image::readout::ReadoutError;
 use crate::image::{FrameError, ImageError};
 use crate::track::{ConfigError, LockError, RestoreError, SaveError, UpdateError};
 
-/// Defines errors: small enums, one for each operation. Each variant has a text, which may name the values of the variant.
+/// Defines error enums, one for each operation. Each variant has a message, which may contain its fields.
 macro_rules! errors {
     ($($(#[$about:meta])* $name:ident $(<$($of:ident),+>)? {$(
         $(#[$doc:meta])* $variant:ident $(($($value:ident: $type:ty),+))?

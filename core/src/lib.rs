@@ -47,26 +47,25 @@
 //!
 //! # Two trackers with the same calls
 //!
-//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] goes beyond the paper: it
-//! follows changes of size, light and view, looks for a lost target in one part of the frame after the other (it is not
-//! always found again), and takes more time and memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the window it needs,
-//! and is saved and restored. Generic code takes a [`Target`].
+//! [`Paper`] is the paper's tracker: fast, for a target that keeps its size. [`Robust`] also follows changes of size,
+//! light and view, and searches the whole frame for a lost target, part by part (not always with success). It takes
+//! more time and memory. A [`Tracker`] of either kind locks, updates (in steps, if there is a deadline), reports the
+//! window that it reads, and is saved and restored. Generic code takes a [`Target`].
 //!
 //! # Data flow
 //!
-//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. `search` chooses the
-//! offsets, [`similarity`] scores them, and the tracker decides on the [`Answer`] and updates the template.
+//! A [`Frame`] borrows its pixels; a [`Readout`](readout::Readout) fills one line by line. A tracker scores the offsets
+//! of its window (see [`similarity`]), decides on the [`Answer`], and updates the template.
 //!
 //! # Memory and time
 //!
-//! A target holds what is remembered from frame to frame. A workspace is scratch memory for any number of targets. A
-//! [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN`
-//! bytes.
+//! A target is the state kept from frame to frame. A workspace is scratch memory, which any number of targets can
+//! share. A [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 *
+//! SPAN`.
 //!
-//! [`Target::most_work`] computes the most work of an update. For [`Paper`], boxes of at least 8x8 pixels and windows
-//! of at least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, and twice that
-//! in a frame in which a tracked target begins to leave the frame. If the target is clearly visible, it is about a
-//! tenth of that.
+//! [`Target::most_work`] computes an upper bound of the work of an update. For [`Paper`], boxes of at least 8x8 pixels
+//! and windows of at least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, or
+//! twice that in a frame in which the target begins to leave the frame. A clearly visible target takes about a tenth.
 //!
 //! # Features
 //!
@@ -82,8 +81,7 @@
 #![cfg_attr(test, allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_sign_loss))]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-// The crate's rule on inlining. Flash and stack are the scarce memory of firmware, so the code decides, not the
-// compiler:
+// Rules for inlining. Flash and stack are scarce in firmware, so attributes decide, not the compiler:
 //
 // - `#[inline(never)]`: several callers share one copy of the function in flash. With `cfg_attr(smr_small, ...)` only
 //   where every byte of code counts: on bare metal and in WebAssembly (see build.rs). Elsewhere the compiler may inline

@@ -1,4 +1,4 @@
-//! **Unstable**: gives `host-sim` and the tests access to the inside of the trackers. It is behind the feature
+//! **Unstable**: access to the inside of the trackers, for `host-sim` and the tests. It is behind the feature
 //! `unstable` and may change in any version. Firmware does not need it.
 
 use crate::image::{FineRect, Frame};
@@ -6,29 +6,27 @@ use crate::track::paper::{self, Paper};
 use crate::track::robust::{Robust, Workspace};
 use crate::track::{UpdateError, robust};
 
-/// The bytes of the refiner's weights, layer by layer.
+/// The weights of the refiner (a small network that corrects the box) as bytes, layer by layer.
 #[cfg(feature = "refiner")]
 pub const REFINER_WEIGHTS: &[u8] = robust::REFINER_WEIGHTS;
 pub use crate::kernels::{CutTable, Scorer, check};
 pub use crate::track::paper::search::{Peak, Peaks, Window};
 
-/// The box of the place and scale that the filter follows, before the refiner corrects it; `None` before the first
-/// lock.
+/// The box that the correlation filter follows, before the refiner corrects it; `None` before the first lock.
 #[must_use]
 pub fn followed(target: &Robust) -> Option<FineRect> {
     target.followed()
 }
 
-/// The filter's weights in units of 2^-16 / 16384, cell by cell and [`CHANNELS`](crate::robust::CHANNELS) in each; none
-/// before the first lock.
+/// The weights of the correlation filter, in units of 2^-30: [`CHANNELS`](crate::robust::CHANNELS) for each cell, cell
+/// by cell. Empty before the first lock.
 #[must_use]
 pub fn weights(target: &Robust) -> &[i32] {
     target.weights()
 }
 
-/// The features of the search window as the next update will see them in this frame: cell by cell, row by row,
-/// [`CHANNELS`](crate::robust::CHANNELS) bytes in each. The window has the filter's cells and `Config::reach` more on
-/// each side.
+/// The features that the next update would compute from `frame`, row by row: [`CHANNELS`](crate::robust::CHANNELS)
+/// bytes for each cell of the search window, which exceeds the filter by `Config::reach` cells on each side.
 ///
 /// # Errors
 /// As [`Target::update`](crate::Target::update). Cancels an update under way in this workspace.
@@ -36,8 +34,8 @@ pub fn features<'a>(target: &Robust, workspace: &'a mut Workspace, frame: &Frame
     target.features(workspace, frame)
 }
 
-/// The filter's responses to these features, in units of 1/16384, row by row: up to `Config::reach` cells from the
-/// middle to each side, without the distance penalty. The rest is 0.
+/// The correlation filter's responses to the [`features`], in units of 1/16384, row by row: up to `Config::reach` cells
+/// from the middle to each side, without the distance penalty. Entries beyond the reach are 0.
 ///
 /// # Errors
 /// As [`features`].
@@ -49,8 +47,8 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The filter's response where the last finished update found the target, in units of 1/16384: about 1 if the target
-/// looks as before.
+/// The correlation filter's response where the last finished update found the target, in units of 1/16384: about 16384
+/// if the target looks as before.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
@@ -62,8 +60,9 @@ pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SP
     target.offsets()
 }
 
-/// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. `None` before the
-/// first lock, or if a pixel of the box is not in memory.
+/// The score of the box at (`x`, `y`) with the present template and alpha, computed by
+/// [`Backend::Scalar`](crate::similarity::Backend::Scalar). `None` before the first lock, or if a pixel of the box is
+/// not in memory.
 #[must_use]
 pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target: &Paper<PIXELS, SPAN>,

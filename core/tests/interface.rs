@@ -8,7 +8,7 @@ const WIDTH: u16 = 90;
 const HEIGHT: u16 = 70;
 const SIDE: u16 = 12;
 
-/// A tracker with room for every window in this frame, with 20 pixels of padding on each side.
+/// A tracker with enough memory for a window of the whole frame with 20 pixels of padding on each side.
 type Follower = Tracker<Paper<144, { WIDTH as usize + 40 }>>;
 
 fn noise(x: i32, y: i32, seed: u32) -> u8 {
@@ -49,7 +49,6 @@ fn locked(config: Config, place: (i32, i32)) -> Follower {
     tracker
 }
 
-/// Returns the configuration with a change.
 fn with(mut config: Config, change: impl FnOnce(&mut Config)) -> Config {
     change(&mut config);
     config
@@ -59,7 +58,7 @@ fn update(tracker: &mut Follower, seed: u32, places: &[(i32, i32)]) -> Answer {
     tracker.update(&frame(&picture(seed, places))).expect("a frame of the same size")
 }
 
-/// Finds the target, and returns true if its first pixel is in the template then.
+/// Updates with the target at `place`. Returns true if the template then contains the target's first pixel.
 fn learns(tracker: &mut Follower, seed: u32, place: (i32, i32)) -> bool {
     let answer = update(tracker, seed, &[place]);
     assert_eq!((answer.bbox, answer.state), (at(place), State::Tracking));
@@ -87,7 +86,7 @@ fn a_camera_updates_up_to_the_edge() {
     }
 }
 
-/// The runner-up is searched if the ratio is above 1. So it shows which ratio applied.
+/// The runner-up is searched only if the gate's ratio is above 1, so its presence shows which ratio applied.
 #[test]
 fn returning_takes_more_until_a_lost_target_is_found_again() {
     let mut tracker = locked(Config::paper(), (10, 30));
@@ -108,7 +107,7 @@ fn returning_takes_more_until_a_lost_target_is_found_again() {
     assert!(!step(11, (22, 30), State::Tracking), "as if it had never been outside");
 }
 
-/// `edge` is set before the peak is accepted or not.
+/// A peak outside the frame sets `edge` even if the gate refuses it.
 #[test]
 fn a_peak_outside_that_is_not_accepted_counts_until_the_target_is_found_again() {
     let config =
@@ -125,7 +124,7 @@ fn a_peak_that_is_no_larger_than_the_runner_up_is_not_accepted() {
     let twins = [(30, 30), (42, 30)];
     let answer = update(&mut locked(Config::paper(), (30, 30)), 1, &twins);
     assert_eq!((answer.state, answer.runner_up_ratio), (State::Lost, Some(answer.ratio)));
-    // Offsets in the neighbourhood are not the runner-up.
+    // Offsets in the peak's neighbourhood cannot be the runner-up.
     for (neighbourhood, state) in [(11, State::Lost), (12, State::Tracking)] {
         let config = with(Config::paper(), |config| config.neighbourhood = neighbourhood);
         assert_eq!(update(&mut locked(config, (30, 30)), 1, &twins).state, state);
@@ -153,7 +152,7 @@ fn a_lead_of_many_pixels_is_enough_in_every_state() {
     }
 }
 
-/// 320 pixels and 2 * 20 of padding have 360 positions for a box of 1 pixel, 359 for a box of 2.
+/// With 20 pixels of padding on both sides, 320 pixels have 360 positions for a box 1 pixel wide, 359 for 2 pixels.
 #[test]
 fn a_capacity_that_cannot_hold_the_window_is_refused_when_locking() {
     let pixels = vec![7; 320 * 240];
@@ -190,7 +189,7 @@ fn margins_are_kept_inside_the_picture() {
 
 const TARGET: Rect = Rect::new(60, 40, 24, 24);
 
-/// Noise of middle gray levels, `light` levels brighter; if `uneven`, every seventh pixel one level more.
+/// Noise of gray levels 40 to 167, plus `light`; if `uneven`, every seventh pixel is one level brighter.
 fn lit(light: u8, uneven: bool) -> Vec<u8> {
     let mut state = 3_u32;
     let noise = std::iter::repeat_with(move || {
@@ -215,13 +214,13 @@ fn states(config: Config) -> Vec<(Rect, State)> {
 #[test]
 fn two_gray_levels_of_light_after_a_still_scene_do_not_move_the_box() {
     assert_eq!(states(Config::camera()), [(TARGET, State::Tracking); 2]);
-    // With the paper's rule alpha falls to one gray level, and no pixel of the target counts.
+    // By the paper's rule alpha falls to one gray level, so after the change of light no pixel of the target matches.
     let paper = states(Config::paper());
     assert_eq!(paper[0], (TARGET, State::Tracking));
     assert_ne!(paper[1], (TARGET, State::Tracking));
 }
 
-/// Without a least alpha hardly any pixel matches. A peak by chance is not accepted.
+/// With `least_threshold` 0 hardly any pixel matches. The gate refuses the accidental peak.
 #[test]
 fn a_peak_of_a_few_pixels_is_not_accepted() {
     let config = with(Config::camera(), |config| config.least_threshold = 0);
@@ -229,7 +228,7 @@ fn a_peak_of_a_few_pixels_is_not_accepted() {
     assert_ne!(states(with(config, |config| config.least_ratio = 0))[1].0, TARGET);
 }
 
-/// The bytes of target and workspace in the row of the README that begins with `beginning`.
+/// The sizes in bytes of target and workspace, from the README's table row that begins with `beginning`.
 fn row(beginning: &str) -> (usize, usize) {
     let readme = include_str!("../README.md");
     let row = readme.lines().find(|line| line.starts_with(beginning)).unwrap_or_else(|| panic!("no row {beginning}"));

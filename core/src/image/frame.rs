@@ -11,11 +11,11 @@ errors! {
     }
 }
 
-/// One frame of the camera: its size, and the pixels in memory: all, one part, or two parts.
+/// A camera frame: its size, and one or two images with all or parts of its pixels.
 ///
-/// [`Frame::whole`] is for whole frames. Firmware that reads out only the windows of the tracker uses
-/// [`Frame::of_window`] and, for a second window, [`Frame::and_window`]; [`Frame::part`] and [`Frame::and_part`] take
-/// rows with gaps. Coordinates are always those of the whole frame.
+/// [`Frame::whole`] is for whole frames. Firmware that reads out only the tracker's windows uses [`Frame::of_window`]
+/// and [`Frame::and_window`], or for rows with gaps [`Frame::part`] and [`Frame::and_part`]. Coordinates are always
+/// those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -37,7 +37,7 @@ pub struct Frame<'a> {
     height: u16,
 }
 
-/// An image, and the place of its top left pixel in the frame.
+/// An image, and the position of its top left pixel in the frame.
 #[derive(Clone, Copy, Debug)]
 struct Part<'a> {
     image: Image<'a>,
@@ -68,7 +68,7 @@ impl<'a> Frame<'a> {
         Self { first: Part { image, x: 0, y: 0 }, second: None, width: image.width(), height: image.height() }
     }
 
-    /// A `width` x `height` frame of which only `image` is in memory. Its top left pixel is pixel (`x`, `y`) of the
+    /// A `width` x `height` frame of which only `image` is in memory, with its top left pixel at (`x`, `y`) of the
     /// frame.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// This frame with `image` as its second part, in place of an earlier second part.
+    /// Adds `image` with its top left pixel at (`x`, `y`) as the second part. Replaces an earlier second part.
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.
@@ -91,17 +91,17 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// A frame of the `size` (width, height) of which only the `pixels` of `window` are in memory, row after row.
+    /// A `width` x `height` frame of which only the `pixels` of `window` are in memory, row by row without gaps.
     ///
     /// # Errors
-    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or has more pixels.
+    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or `pixels` is too short
+    /// for it.
     pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, Error> {
         let (x, y) = place(window)?;
         Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
     }
 
-    /// This frame with the `pixels` of a second `window`, from
-    /// [`Tracker::sweep_window`](crate::Tracker::sweep_window).
+    /// Adds the `pixels` of a second window: that of [`Tracker::sweep_window`](crate::Tracker::sweep_window).
     ///
     /// # Errors
     /// As [`Frame::of_window`].
@@ -131,7 +131,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The top left corner of a window inside a frame.
+/// The top left corner of `window`, if its coordinates fit a `u16`.
 fn place(window: Rect) -> Result<(u16, u16), FrameError> {
     u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok()).ok_or(FrameError::OutsideFrame)
 }

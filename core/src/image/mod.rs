@@ -1,7 +1,7 @@
-//! The input: a borrowed 8-bit [`Image`], the [`Frame`] of which one or two images are in memory, rectangles, and
-//! [`readout`] of a camera's lines.
+//! The input: a borrowed 8-bit [`Image`], a [`Frame`] made of one or two images, rectangles, and the [`readout`] of a
+//! camera's lines.
 //!
-//! Sizes are checked when an image or frame is made. Reads after that cannot fail.
+//! Constructors check all sizes, so later reads cannot fail.
 
 mod frame;
 pub mod readout;

@@ -1,8 +1,8 @@
-//! Reads a camera's lines, as they come and in the camera's pixel format, into the gray windows that a tracker needs.
+//! Converts a camera's lines, as they arrive, from its pixel format into the gray windows that a tracker reads.
 //!
-//! A camera sends a line at a time, often in color. There is no need for a gray copy of the whole frame:
-//! [`Tracker::window`] says which pixels the next update reads, and a [`Readout`] keeps only those. It does not hold
-//! the pixels, so an interrupt and the main loop can share both in a `static`:
+//! A camera sends one line at a time, often in color. No gray copy of the whole frame is needed: [`Tracker::window`]
+//! returns the pixels that the next update reads, and a [`Readout`] keeps only those. The caller owns the pixel buffer,
+//! so an interrupt and the main loop can share readout and buffer in a `static`:
 //!
 //! ```
 //! use smr_core::readout::{Format, Readout, ReadoutError};
@@ -10,7 +10,7 @@
 //! use std::sync::Mutex; // in firmware, for example that of `critical-section`
 //!
 //! const SIZE: (u16, u16) = (320, 240);
-//! /// The frame that is coming, and its gray pixels.
+//! /// The frame that the camera is sending, and the buffer for its gray pixels.
 //! static COMING: Mutex<Option<Readout>> = Mutex::new(None);
 //! static PIXELS: Mutex<[u8; 100_000]> = Mutex::new([0; 100_000]); // a static of its own: all zeroes, so no flash
 //!
@@ -25,7 +25,7 @@
 //! let mut tracker = Tracker::<Robust>::new();
 //! let target = Rect::new(100, 80, 40, 48);
 //! for number in 0..3 {
-//!     // Only what the call reads is converted and kept.
+//!     // Converts and keeps only the pixels that the call reads.
 //!     let window = tracker.window().unwrap_or_else(|| tracker.lock_window(Rect::new(0, 0, SIZE.0, SIZE.1), target));
 //!     let mut readout = Readout::new(Format::Yuyv, SIZE, window)?;
 //!     if let Some(second) = tracker.sweep_window() {
@@ -48,7 +48,7 @@
 //!
 //! # Cost
 //!
-//! Instructions a gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`examples/kernels` in QEMU):
+//! Instructions per gray pixel on a Cortex-M4, with all calls for a row of 64 pixels (`examples/kernels` in QEMU):
 //!
 //! | gray 8 | YUYV, UYVY | RGB565, low byte first | high byte first | Bayer (two lines) | packed 10 bits |
 //! |---|---|---|---|---|---|
@@ -63,7 +63,7 @@ use super::{Frame, Rect};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Format {
-    /// One byte a pixel, gray.
+    /// One gray byte per pixel.
     Gray8,
     /// Two bytes a pixel: Y U Y V. Gray is Y.
     Yuyv,
@@ -74,12 +74,12 @@ pub enum Format {
     Rgb565Be,
     /// Two bytes a pixel as in [`Format::Rgb565Be`], but the low byte first.
     Rgb565Le,
-    /// One byte a pixel behind a mosaic of color filters, in any order of the filters. Each 2x2 pixels become one gray
-    /// pixel, so the gray frame has half the width and half the height: `((a + b) / 2 + (c + d + 1) / 2) / 2` of a and
-    /// b in the upper line, c and d below.
+    /// Bayer mosaic of color filters in any order, one byte per pixel. Each 2x2 block becomes one gray pixel, which is
+    /// `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower. So the gray frame
+    /// has half the width and half the height.
     Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high eight bits of each, then the low two bits of
-    /// all four, which are left out.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes with the high eight bits of each pixel, then
+    /// one with the low two bits of all four, which is ignored.
     Gray10,
 }
 
@@ -88,7 +88,7 @@ impl Format {
     pub const ALL: [Self; 7] =
         [Self::Gray8, Self::Yuyv, Self::Uyvy, Self::Rgb565Be, Self::Rgb565Le, Self::Bayer8, Self::Gray10];
 
-    /// Width and height of the gray frame of a sensor with this many columns and lines.
+    /// (width, height) of the gray frame from a sensor of (`columns`, `lines`) pixels.
     #[must_use]
     pub const fn gray_size(self, (columns, lines): (u16, u16)) -> (u16, u16) {
         match self {
@@ -97,7 +97,7 @@ impl Format {
         }
     }
 
-    /// Bytes of a line with this many columns.
+    /// The length in bytes of a line of `columns` pixels.
     #[must_use]
     pub const fn line_bytes(self, columns: u16) -> usize {
         let columns = columns as usize;
@@ -108,20 +108,20 @@ impl Format {
         }
     }
 
-    /// Lines of the sensor that make one gray row.
+    /// The number of sensor lines that become one gray row.
     const fn lines_a_row(self) -> u16 {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
-    /// The first of the sensor's lines in a window, and the one after the last. The window is inside the frame, so both
-    /// fit.
+    /// The sensor lines of `window`: the first, and one past the last. Both fit a `u16`, because the window is inside
+    /// the frame.
     fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
         let lines = self.lines_a_row();
         (top.saturating_mul(lines), top.saturating_add(window.height).saturating_mul(lines))
     }
 
-    /// Converts the pixels of line `y` that are in a window.
+    /// Converts the pixels of sensor line `y` that lie in `window`.
     fn push(self, y: u16, bytes: &[u8], window: Rect, pixels: &mut [u8]) {
         let (start, end) = self.lines_of(window);
         if !(start..end).contains(&y) {
@@ -134,8 +134,8 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts gray pixels from column `x` on. `line` is long enough. `is_upper`: it is the first of the lines that
-    /// make a gray row.
+    /// Converts pixels of `line`, which is long enough, from column `x` on. `is_upper`: the line is the first of those
+    /// that become one gray row.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
@@ -151,19 +151,18 @@ impl Format {
                     *gray = mean.to_le_bytes()[0];
                 }
             }
-            // Groups of four high bytes and one byte of low bits.
+            // Each group: four bytes of high bits, one byte of low bits.
             Self::Gray10 => fill(gray, (x..).map(|x| line.get(x / 4 * 5 + x % 4).copied().unwrap_or(0))),
         }
     }
 }
 
-/// Writes gray levels until either side ends.
 #[inline(always)] // one loop for each format
 fn fill(gray: &mut [u8], levels: impl Iterator<Item = u8>) {
     gray.iter_mut().zip(levels).for_each(|(gray, level)| *gray = level);
 }
 
-/// The gray level of five bits red, six green and five blue. The weights add up to 65536, so the sum fits 24 bits.
+/// The gray level of an RGB565 pixel. The weights add up to 65536, so the sum fits 24 bits.
 fn luma(rgb: u16) -> u8 {
     let (red, green, blue) = (u32::from(rgb >> 11), u32::from(rgb >> 5 & 63), u32::from(rgb & 31));
     let (red, green, blue) = (red << 3 | red >> 2, green << 2 | green >> 4, blue << 3 | blue >> 2);
@@ -178,24 +177,24 @@ errors! {
         WindowOutsideFrame => "the window has no pixels, or is not wholly inside the frame",
         /// The buffer has fewer bytes than the windows have pixels.
         BufferTooSmall => "the buffer has fewer bytes than the windows have pixels",
-        /// The line came before, or a later one did.
+        /// The line arrived twice, or after a later line.
         LineOutOfOrder(line: u16) => "line {line} came twice, or after a later line",
         /// The line has fewer bytes than the format needs.
         LineTooShort(line: u16) => "line {line} has fewer bytes than its format needs",
-        /// The sensor has no such line.
+        /// The line is below the last line of the sensor.
         LineOutsideFrame(line: u16) => "line {line} is below the last line of the frame",
-        /// The line is in a window but did not come: a later line came, or the frame ended.
+        /// A line of a window is missing: a later line arrived first, or the frame ended.
         LineMissing(line: u16) => "line {line} is in the window and did not come",
     }
 }
 
-/// A frame that a camera is sending: one or two windows, and the lines of them that have come.
+/// A frame that a camera is sending: its windows, and the lines that have arrived.
 ///
 /// Windows are in pixels of the gray frame ([`Format::gray_size`]), lines are those of the sensor. Lines outside the
-/// windows may be left out. The gray pixels are in a buffer of the caller: those of the first window, row by row, then
-/// those of the second. See the [module](self) for an example.
+/// windows may be skipped. The caller's buffer receives the gray pixels of the first window, row by row, then those of
+/// the second. See the [module](self) for an example.
 ///
-/// Cost: only pixels in the windows are converted. A line that is in no window costs a few comparisons.
+/// Cost: converts only pixels in the windows. A line in no window costs a few comparisons.
 #[derive(Clone, Copy, Debug)]
 pub struct Readout {
     format: Format,
@@ -203,14 +202,14 @@ pub struct Readout {
     lines: u16,
     first: Rect,
     second: Option<Rect>,
-    /// The next line. All lines before it have come, or are in no window. The C interface keeps it where an interrupt
-    /// can change it without the rest.
+    /// The next line: all earlier ones have arrived or lie in no window. Public for the C interface, which stores it
+    /// where an interrupt may change it.
     #[doc(hidden)]
     pub next: u16,
 }
 
 impl Readout {
-    /// Begins a frame of a sensor with this many columns and lines.
+    /// Begins a frame of a sensor of (`columns`, `lines`) pixels, to be read in `window`.
     ///
     /// # Errors
     /// [`ReadoutError::WindowOutsideFrame`].
@@ -218,8 +217,7 @@ impl Readout {
         Self { format, columns, lines, first: window, second: None, next: 0 }.inside(window)
     }
 
-    /// Adds a second window, for [`Tracker::sweep_window`](crate::Tracker::sweep_window). Call it before the first
-    /// line.
+    /// Adds a second window, that of [`Tracker::sweep_window`](crate::Tracker::sweep_window), before the first line.
     ///
     /// # Errors
     /// As [`Readout::new`]; [`ReadoutError::LineOutOfOrder`] after the first line.
@@ -240,19 +238,18 @@ impl Readout {
         self.format.gray_size((self.columns, self.lines))
     }
 
-    /// Bytes that the gray pixels of the windows take.
+    /// The size of the buffer for the windows, in bytes: one for each gray pixel.
     #[must_use]
     pub fn pixels(&self) -> usize {
         area(self.first).saturating_add(self.second.map_or(0, area))
     }
 
-    /// Takes line `y` of the sensor. Bytes beyond the line's length are ignored. `pixels` is only used if the line is in
-    /// a window.
+    /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window. Ignores
+    /// bytes beyond the line's length.
     ///
-    /// # Errors
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`],
-    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped, and
-    /// [`ReadoutError::BufferTooSmall`]. The frame is then as it was before the call.
+    /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped,
+    /// [`ReadoutError::BufferTooSmall`]. The readout is then unchanged.
     pub fn push_line(&mut self, y: u16, bytes: &[u8], pixels: &mut [u8]) -> Result<(), ReadoutError> {
         if y >= self.lines {
             return Err(ReadoutError::LineOutsideFrame(y));
@@ -277,7 +274,7 @@ impl Readout {
         Ok(())
     }
 
-    /// Takes all lines of a frame that is in memory. Each line begins `stride` bytes after the one before.
+    /// Converts all remaining lines of a frame in memory, whose lines begin `stride` bytes apart.
     ///
     /// # Errors
     /// As [`Readout::push_line`]: a frame that ends early has lines that are too short.
@@ -289,26 +286,24 @@ impl Readout {
         Ok(())
     }
 
-    /// True if all lines of the windows have come. Later lines do not touch the pixels.
+    /// True if all lines of the windows have arrived. Later lines do not change the buffer.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.next_needed().is_none()
     }
 
-    /// The frame with its windows, for a lock or an update. Lines below the windows need not have come.
+    /// The frame with its windows, for a lock or an update. Lines below the windows need not have arrived.
     ///
-    /// # Errors
-    /// [`ReadoutError::LineMissing`] with the first line of a window that has not come,
-    /// [`ReadoutError::BufferTooSmall`].
+    /// [`ReadoutError::LineMissing`] with the first missing line of a window, [`ReadoutError::BufferTooSmall`].
     pub fn frame<'a>(&self, pixels: &'a [u8]) -> Result<Frame<'a>, ReadoutError> {
         self.next_needed().map_or(Ok(()), |line| Err(ReadoutError::LineMissing(line)))?;
-        let too_small = |_| ReadoutError::BufferTooSmall; // nothing else: the windows are inside the frame
+        let too_small = |_| ReadoutError::BufferTooSmall; // the only possible error: the windows are inside the frame
         let frame = Frame::of_window(pixels, self.first, self.gray_size()).map_err(too_small)?;
         let Some(window) = self.second else { return Ok(frame) };
         frame.and_window(pixels.get(area(self.first)..).unwrap_or_default(), window).map_err(too_small)
     }
 
-    /// The first line of the windows that has not come.
+    /// The first line of the windows that has not arrived.
     fn next_needed(&self) -> Option<u16> {
         let of = |window: Rect| {
             let (start, end) = self.format.lines_of(window);
@@ -319,7 +314,6 @@ impl Readout {
     }
 }
 
-/// Pixels of a window.
 fn area(window: Rect) -> usize {
     usize::from(window.width) * usize::from(window.height)
 }
@@ -329,7 +323,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The gray level at (x, y), computed as the documentation says.
+    /// The expected gray level at (x, y), by the formulas in the documentation of [`Format`].
     fn gray(format: Format, bytes: &[u8], stride: usize, x: usize, y: usize) -> u8 {
         let at = |x: usize, y: usize| u32::from(bytes[y * stride + x]);
         let luma = |rgb: u32| {
@@ -371,7 +365,7 @@ mod tests {
             if all_lines {
                 readout.push_frame(&bytes, stride, &mut pixels).unwrap();
             }
-            // Lines in no window may be left out.
+            // Lines in no window may be skipped.
             while let Some(y) = readout.next_needed() {
                 readout.push_line(y, &bytes[usize::from(y) * stride..], &mut pixels).unwrap();
             }
@@ -396,7 +390,7 @@ mod tests {
         use ReadoutError::{BufferTooSmall, LineMissing, LineOutOfOrder, LineOutsideFrame, LineTooShort};
         let (mut readout, mut pixels, line) = (readout(), [0; 12], [7; 8]);
         assert_eq!(readout.frame(&pixels).err(), Some(LineMissing(1)));
-        // Line 0 is in no window. Below the window lines may be left out, and need no buffer.
+        // Line 0 is in no window. Lines below the window may be skipped, and need no buffer.
         for (y, bytes, room, result, missing) in [
             (2, 8, 12, Err(LineMissing(1)), Some(1)),
             (1, 8, 11, Err(BufferTooSmall), Some(1)),

@@ -40,7 +40,7 @@ impl Rect {
         self.y.saturating_add(self.height as i32)
     }
 
-    /// Pixels in the rectangle.
+    /// The number of pixels: width * height.
     #[must_use]
     pub const fn area(self) -> u32 {
         self.width as u32 * self.height as u32
@@ -74,7 +74,7 @@ impl Rect {
     }
 }
 
-/// to - from; 0 if it is negative or does not fit a `u16`.
+/// `to - from`; 0 if negative or too large for a `u16`.
 fn extent(from: i32, to: i32) -> u16 {
     u16::try_from(to.saturating_sub(from)).unwrap_or(0)
 }
@@ -90,13 +90,13 @@ fn extent(from: i32, to: i32) -> u16 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FineRect {
-    /// Left edge.
+    /// Left edge, in units of 1/256 pixel.
     pub x: i32,
-    /// Top edge.
+    /// Top edge, in units of 1/256 pixel.
     pub y: i32,
-    /// Width.
+    /// Width, in units of 1/256 pixel.
     pub width: u32,
-    /// Height.
+    /// Height, in units of 1/256 pixel.
     pub height: u32,
 }
 

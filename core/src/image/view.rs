@@ -92,7 +92,7 @@ impl<'a> Image<'a> {
     /// All rows from the top, `width` pixels each.
     pub fn rows(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let width = usize::from(self.width);
-        // The stride is never 0. `max` lets the compiler drop the panic of `chunks`.
+        // `max` changes nothing, but lets the compiler drop the panic of `chunks` for a stride of 0.
         self.pixels
             .chunks(self.stride.max(1))
             .take(usize::from(self.height))
@@ -135,14 +135,14 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
-    /// An image of `height` times the same row: the first `width` pixels of `row`. `None` if it has fewer.
-    /// [`Image::rows`] does not work on it.
+    /// An image of `height` equal rows: the first `width` pixels of `row`. `None` if `row` is shorter. Its stride is 0,
+    /// so [`Image::rows`] does not work on it.
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })
     }
 
-    /// An image of the same shape on other bytes; `None` if `pixels` has fewer of them.
+    /// An image of the same size and stride over other bytes; `None` if `pixels` is too short.
     pub(crate) fn like<'b>(&self, pixels: &'b [u8]) -> Option<Image<'b>> {
         let Self { width, height, stride, .. } = *self;
         (pixels.len() >= self.pixels.len()).then_some(Image { pixels, width, height, stride })
@@ -153,7 +153,7 @@ impl<'a> Image<'a> {
     }
 }
 
-/// `at`, if `size` pixels from there on are among `all` pixels, and `size` is not 0.
+/// `at`, if `at..at + size` is not empty and lies within `0..all`.
 fn place(at: i32, size: u16, all: u16) -> Option<usize> {
     let last = all.checked_sub(size)?;
     usize::try_from(at).ok().filter(|&at| at <= last.into() && size > 0)

@@ -1,4 +1,4 @@
-//! The camera model: from a place in the picture to an angle from the optical axis, and back.
+//! The camera model: converts positions in the picture to angles, and turns of the camera to motion of the picture.
 
 use super::error::{PursuitConfigError, first_broken};
 use crate::FineRect;

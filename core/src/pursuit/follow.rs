@@ -1,4 +1,4 @@
-//! The configuration of the pursuit, and its way frame by frame: from the answer of the tracker to the pulses of the servos.
+//! The pursuit frame by frame, from the tracker's answer to the servos' pulses, and its configuration.
 
 use super::camera::Camera;
 use super::error::{FollowError, PursuitConfigError, PursuitError, first_broken};
@@ -9,10 +9,10 @@ use core::fmt;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
-/// The number of turns of the head that are remembered: the last one, and one for each frame of the longest delay.
+/// The length of the history of turns: the last turn, and one for each frame of the longest delay.
 const TURNS: usize = 4;
 
-/// The configuration of a [`Pursuit`], which checks it. See the [module's example](super).
+/// The configuration of a [`Pursuit`]. The [module](super) has an example.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PursuitConfig {
@@ -28,8 +28,8 @@ pub struct PursuitConfig {
     pub tilt_servo: Servo,
     /// The time for which the head holds still after the target is lost, before it turns home. `f32::MAX`: never.
     pub hold_seconds: f32,
-    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3. 1 if the next frame is exposed
-    /// before the servos have turned. The tracker is told the motion of the picture with this delay.
+    /// The delay from a command to the frame that shows its effect, in frames, 0 to 3: 1 if the next frame is exposed
+    /// before the servos have turned. [`Pursuit::follow`] reports the motion of the picture with this delay.
     pub delay_frames: u8,
 }
 
@@ -48,13 +48,13 @@ impl PursuitConfig {
     }
 }
 
-/// The angles that the head was last commanded to. Right and up are positive; 0 is the 0 of the servos.
+/// The angles that the head was last commanded to, in the coordinates of [`Axis`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
-    /// The pan angle.
+    /// Pan angle; right is positive.
     pub pan_radians: f32,
-    /// The tilt angle.
+    /// Tilt angle; up is positive.
     pub tilt_radians: f32,
 }
 
@@ -73,18 +73,16 @@ pub struct Followed<C> {
     pub commanded: C,
 }
 
-/// Keeps the target centred. Owns the pins of the pan servo, the tilt servo and the lock indicator.
-///
-/// See the [module's example](super).
+/// Keeps the target centred. Owns the pins of the pan servo, the tilt servo and the lock indicator. The [module](super)
+/// has an example.
 pub struct Pursuit<P, T, L> {
     camera: Camera,
     pub(super) pan: Joint<P>,
     pub(super) tilt: Joint<T>,
     pub(super) indicator: L,
     hold_seconds: f32,
-    /// The time since a target was last seen.
     lost_seconds: f32,
-    /// The turns of the head by the last commands, right and up, in radians; the last one first.
+    /// The latest turns of the head, right and up, in radians; the most recent one first.
     turns: [(f32, f32); TURNS],
     delay_frames: u8,
 }
@@ -104,12 +102,11 @@ impl<P, T, L> fmt::Debug for Pursuit<P, T, L> {
 }
 
 impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
-    /// A pursuit whose head is assumed to be at home. The first call of [`Pursuit::follow`], [`Pursuit::steer`] or
-    /// [`Pursuit::wait`] writes the pins. The true position of the servos is unknown, so they go to their first angle
-    /// at full speed.
+    /// A pursuit that assumes the head at home. The servos' true position is unknown, so the first call of
+    /// [`Pursuit::follow`], [`Pursuit::steer`] or [`Pursuit::wait`] turns them at full speed.
     ///
     /// # Errors
-    /// [`PursuitConfigError`], if a number of the configuration cannot be used.
+    /// [`PursuitConfigError`] if a value of the configuration is invalid.
     pub fn new(config: PursuitConfig, pan: P, tilt: T, indicator: L) -> Result<Self, PursuitConfigError> {
         config.check()?;
         Ok(Self {
@@ -124,11 +121,9 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         })
     }
 
-    /// Updates the tracker with a frame, steers by the answer, and tells the tracker how far the turn of the head moves
-    /// the picture. `elapsed_seconds` is the time since the last frame.
-    ///
-    /// If a pin fails, the result holds the answer and the error, and the tracker is told about the turn of the other
-    /// axis.
+    /// Updates the tracker with a frame, steers by the answer, and reports to the tracker the motion of the picture by
+    /// the turn of the head. `elapsed_seconds` is the time since the last frame. If a pin fails, the result contains
+    /// the answer and the error; the other axis still turns.
     ///
     /// # Errors
     /// [`FollowError`]. No pin was written then, and the tracker is unchanged.
@@ -149,7 +144,7 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker
     /// yourself, for example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
     ///
-    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, this is
+    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, it does as in
     /// [`Pursuit::wait`]. The indicator is on in the states tracking and leaving.
     ///
     /// # Errors
@@ -175,16 +170,16 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     pub fn wait(&mut self, elapsed_seconds: f32) -> Commanded<P, T, L> {
         check_elapsed(elapsed_seconds, PursuitError::ElapsedTime)?;
         self.lost_seconds = (self.lost_seconds + elapsed_seconds).min(f32::MAX);
-        // The time of this step after the end of the hold.
+        // The part of the elapsed time after the end of the hold.
         let homeward_seconds = (self.lost_seconds - self.hold_seconds).max(0.0).min(elapsed_seconds);
         let pan = self.pan.axis.homeward(self.pan.radians, homeward_seconds);
         let tilt = self.tilt.axis.homeward(self.tilt.radians, homeward_seconds);
         self.turn_to(pan, tilt, false)
     }
 
-    /// The motion of the picture until the next frame because the head turns: right and down, in units of 1/256 pixel.
-    /// It is the argument of [`Target::moved`]. It results from the command that was given
-    /// [`PursuitConfig::delay_frames`] before the last.
+    /// The motion of the picture from this frame to the next by the turn of the head: right and down, in units of 1/256
+    /// pixel, as [`Target::moved`] takes it. The command given [`PursuitConfig::delay_frames`] before the last one
+    /// causes it.
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! An axis of the head: from the error to the next angle, and from the angle to the servo's PWM duty.
+//! An axis of the head: computes the next angle from the error, and the servo's PWM duty from the angle.
 
 use super::error::{PursuitConfigError, first_broken};
 use core::f32::consts::TAU;
@@ -20,9 +20,10 @@ pub struct Axis {
     pub max_radians: f32,
     /// The angle at the start. The axis returns to it when the target stays lost.
     pub home_radians: f32,
-    /// Speed per error, in radians per second per radian; more than 0. At 30 frames per second 10 is 1/3 per frame.
+    /// Speed per error, in 1/s; more than 0. At 30 frames per second, 10 turns the axis by 1/3 of the error in each
+    /// frame.
     pub gain_per_second: f32,
-    /// Errors up to this are ignored: the axis holds still; at least 0. A pixel is 1 / focal length.
+    /// The largest error at which the axis holds still; at least 0. One pixel is 1 / focal length.
     pub deadband_radians: f32,
     /// The largest speed; more than 0. Choose one that the servo can follow under its load.
     pub slew_radians_per_second: f32,
@@ -37,7 +38,7 @@ impl Axis {
             return from_radians;
         }
         let speed = within(self.gain_per_second * error_radians, self.slew_radians_per_second);
-        // A late frame must not overshoot.
+        // The turn never exceeds the error, so a late frame causes no overshoot.
         let step = within(speed * elapsed_seconds, error_radians.abs());
         self.limited(from_radians + step)
     }
@@ -74,10 +75,8 @@ fn within(value: f32, bound: f32) -> f32 {
 }
 
 /// The pulses of a hobby servo in microseconds. Measure them once for your servo and its linkage.
-///
-/// If the servo is mounted the other way round, the pulse at the minimum is the longer one. The resolution is that of
-/// the pin's timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7
-/// degrees).
+/// If the servo is mounted reversed, the pulse at the minimum is the longer one. The resolution is that of the pin's
+/// timer: at a period of 20,000 microseconds a 16-bit duty resolves 0.3 microseconds, an 8-bit duty 78 (7 degrees).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Servo {
@@ -126,7 +125,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next step is not
+    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next turn is not
     /// larger.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());

@@ -1,7 +1,7 @@
 //! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
 //!
-//! It converts a box to an angle ([`Camera`]), the angle to a step ([`Axis`]), and the step to a pulse ([`Servo`]). It
-//! is the only module that uses floats (f32).
+//! [`Camera`] converts a box to an angle, [`Axis`] the angle to a turn, [`Servo`] the turn to a pulse. Only this module
+//! uses floats (f32).
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};

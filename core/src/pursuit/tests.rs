@@ -25,7 +25,7 @@ const fn servo(at_min: u16, at_max: u16, period: u16) -> Servo {
     Servo { pulse_at_min_microseconds: at_min, pulse_at_max_microseconds: at_max, period_microseconds: period }
 }
 
-/// Frames of 160x120 pixels; the tilt servo is mounted the other way round.
+/// A camera of 160x120 pixels. The tilt servo is mounted reversed.
 fn config() -> PursuitConfig {
     PursuitConfig {
         camera: Camera::centred(160.0, 160, 120),
@@ -38,7 +38,7 @@ fn config() -> PursuitConfig {
     }
 }
 
-/// A pin that keeps what is written, in PWM steps or as 0 and 1. If it has an error, the first write fails.
+/// A mock pin that records PWM duties, or digital levels as 0 and 1. If `error` is set, the first write fails.
 struct Pin {
     max_duty: u16,
     error: Option<ErrorKind>,
@@ -76,18 +76,18 @@ impl OutputPin for Pin {
 
 type Pins = Pursuit<Pin, Pin, Pin>;
 
-/// A pursuit whose pan, tilt and indicator pins fail at first if they have an error.
+/// A pursuit whose mock pins (pan, tilt, indicator) fail at the first write if they have an error.
 fn pursuit(config: PursuitConfig, errors: [Option<ErrorKind>; 3], max_duty: u16) -> Result<Pins, PursuitConfigError> {
     let [pan, tilt, indicator] = errors.map(|error| Pin { max_duty, error, written: Vec::new() });
     Pursuit::new(config, pan, tilt, indicator)
 }
 
-/// The values written to the pins of pan, tilt and the indicator since the last call.
+/// Takes the values written to the pan, tilt and indicator pins since the last call.
 fn written(pursuit: &mut Pins) -> [Vec<u16>; 3] {
     [&mut pursuit.pan.pin, &mut pursuit.tilt.pin, &mut pursuit.indicator].map(|pin| core::mem::take(&mut pin.written))
 }
 
-/// The answer with a 20x20 box whose middle is at (`x`, `y`).
+/// An answer with a 20x20 box centred at (`x`, `y`).
 fn answer(state: State, x: i32, y: i32) -> Answer {
     let bbox = Rect::new(x - 10, y - 10, 20, 20);
     Answer {
@@ -114,12 +114,13 @@ fn the_pulses_of_each_frame_are_exact() {
         (Some(Leaving), (80, 92), 0.1, [1598, 1598, 1]),
         (Some(Uncertain), (48, 60), 0.1, [1500, 1598, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The slew rate allows 2 radians/s * 0.25 s = 0.5 radians, 250 microseconds. The next step ends at the limits.
+        // The slew rate allows 2 radians/s * 0.25 s = 0.5 radians, 250 microseconds. The second turn ends at the
+        // limits.
         (Some(Tracking), far, 0.25, [1750, 1250, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The hold of 1 second, then 0.25 s at 0.5 radians/s. At home the head stays.
+        // The head holds still for 1 second, then turns home at 0.5 radians/s.
         (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
         (Some(Lost), far_right, 0.5, [1750, 1500, 0]),
         (Some(Lost), far_right, 0.5, [1750, 1500, 0]),
@@ -127,7 +128,7 @@ fn the_pulses_of_each_frame_are_exact() {
         (None, anywhere, 0.5, [1563, 1500, 0]),
         (None, anywhere, 0.5, [1500, 1500, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The hold ends 0.5 seconds before the end of a frame, and starts anew.
+        // The hold ends 0.5 seconds before the end of the frame. After a new sighting it begins again.
         (Some(Tracking), far_right, 0.25, [1750, 1500, 1]),
         (None, anywhere, 1.5, [1625, 1500, 0]),
         (Some(Tracking), far_right, 0.25, [1875, 1500, 1]),
@@ -163,7 +164,7 @@ fn an_invalid_time_writes_no_pin() {
 #[test]
 fn the_error_of_each_pin_is_passed_on_and_the_others_are_written() {
     let [pan, tilt, led] = [NotConnected, BrokenPipe, TimedOut].map(Some);
-    // Of several errors the first. An axis that was not written does not make up for it by a leap.
+    // The first of several errors is returned. After a failed write an axis does not catch up by a larger turn.
     for (errors, word, error, (pan_radians, tilt_radians)) in [
         ([pan, None, None], "pan", PursuitError::Pan(MockError::Io(NotConnected)), (0.5, 1.0)),
         ([None, tilt, None], "tilt", PursuitError::Tilt(MockError::Io(BrokenPipe)), (1.0, 0.5)),
@@ -212,7 +213,7 @@ fn angles_steps_and_duties_are_exact() {
     assert_eq!(camera.error_radians(Rect::new(70, 50, 20, 20).into()), (0.0, 0.0));
     let (right, up) = camera.error_radians(Rect::new(80, 40, 20, 20).into());
     assert!(right > 0.0 && right == up, "right and up are positive");
-    // A turn of the camera moves the picture the other way.
+    // A turn of the camera moves the picture in the opposite direction.
     assert_eq!(camera.picture_motion(0.1, 0.2), (-16 * 256, 32 * 256));
     assert_eq!(camera.picture_motion(f32::NAN, f32::INFINITY), (0, i32::MAX));
 
@@ -250,8 +251,8 @@ fn seen() -> Vec<u8> {
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
-/// The tracker is told how far the picture moves, after the delay, and its window moves with it. If a pin fails, the
-/// other axis still turns and the answer is returned.
+/// Checks that the tracker's window moves with the picture, after the delay. If a pin fails, the other axis still turns
+/// and the answer is returned.
 fn follows<T: Target>(target: T::Config, delay_frames: u8, fails: [bool; 3]) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
     let errors = fails.map(|fails| fails.then_some(NotConnected));
@@ -287,12 +288,12 @@ fn the_tracker_is_told_how_far_the_picture_moves() {
     let failing = [[true, false, false], [false, true, false], [false, false, true]].map(|fails| (0, fails));
     for (delay_frames, fails) in [(0, good), (1, good), (3, good)].into_iter().chain(failing) {
         follows::<Paper<1024, 161>>(small, delay_frames, fails);
-        // Without the refiner, whose larger window the frame's edge would cut.
+        // The refiner is off, because its larger window would be cut at the frame's edge.
         follows::<Robust>(robust::Config::robust(), delay_frames, fails);
     }
 }
 
-/// Axes with ordinary and extreme numbers; some products overflow.
+/// Axes with ordinary and extreme values; some products overflow.
 fn any_axis() -> impl Strategy<Value = Axis> {
     let rate = || prop_oneof![0.01..50.0f32, Just(f32::MIN_POSITIVE), Just(f32::MAX)];
     let deadband = prop_oneof![Just(0.0), 0.0..0.2f32, Just(f32::MAX)];
@@ -344,7 +345,7 @@ proptest! {
         }
     }
 
-    /// For every valid configuration, answer and time the pulses stay within the two of the servo.
+    /// For every valid configuration, answer and time, the pulses stay between the servo's two limits.
     #[test]
     fn no_pulse_leaves_its_limits(
         (pan, tilt) in (any_axis(), any_axis()),

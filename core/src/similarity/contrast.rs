@@ -1,5 +1,5 @@
-//! The contrast of a patch. `paper/gate.rs` and `robust/verification/lighting.rs` tell by it whether the patch can show the target at all: the
-//! picture of a covered lens cannot, even if its ratio is high.
+//! The contrast of a patch. By it `paper/gate.rs` and `robust/verification/lighting.rs` detect a covered lens, whose
+//! picture can have a high ratio but not the contrast of the target.
 
 use crate::image::Image;
 use crate::kernels::deviation;
@@ -9,17 +9,16 @@ use crate::kernels::deviation;
 pub(crate) struct Contrast {
     pub(crate) pixels: u32,
     pub(crate) mean: u32,
-    /// The sum of absolute deviations over all pixels.
     pub(crate) deviation: u32,
-    /// Pixels clipped at black or white.
+    /// Pixels clipped at 0 or 255.
     cut_off: u32,
 }
 
 impl Contrast {
-    /// The contrast of no pixels.
+    /// Stands for a contrast that is not known.
     pub(crate) const NONE: Self = Self { pixels: 0, mean: 0, deviation: 0, cut_off: 0 };
 
-    /// The contrast of at most 65537 pixels: 256 times their sum is less than 2^32.
+    /// Computes the contrast of at most 65537 pixels. No overflow: 256 times the sum of their levels is less than 2^32.
     #[inline(never)]
     pub(crate) fn of(pixels: Image<'_>) -> Self {
         let from = |level| {
@@ -34,26 +33,26 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
-    /// True if the patch has enough contrast and not too many clipped pixels for any target of as many pixels: no
-    /// target deviates by more than half the range on average, and none has fewer than 0 clipped pixels.
+    /// True if the patch can show every target of its size: it has a quarter of the largest possible contrast, and at
+    /// most half of its pixels are clipped.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
     }
 
-    /// True if the patch has at least a quarter of the contrast of `target`, which has as many pixels.
+    /// True if the patch has at least a quarter of the contrast of `target`, which has the same number of pixels.
     pub(crate) const fn has_contrast_of(&self, target: Self) -> bool {
         SHOWN * self.deviation >= target.deviation
     }
 
-    /// True if more than half of all pixels are clipped, beyond those clipped in `target`, which has as many pixels.
+    /// True if the patch has more clipped pixels than `target` has and half of all pixels. Both have the same size.
     pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
         self.cut_off > self.pixels / 2 + target.cut_off
     }
 }
 
-/// The largest mean absolute deviation that a picture can have: half its pixels are 0, the others 255.
+/// The largest mean absolute deviation of a picture, rounded up: half of its pixels are 0, half are 255.
 const MOST_DEVIATION: u32 = 128;
-/// The target may have at most this many times the contrast of the patch.
+/// A patch can show the target if it has at least 1 / `SHOWN` of the target's contrast.
 pub(crate) const SHOWN: u32 = 4;
 
 #[cfg(test)]
@@ -83,7 +82,7 @@ mod tests {
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (127, 32768 * 127 + 32767 * 128, 65535));
         let contrast = of(&board[..65536], 256, 256);
         assert_eq!((contrast.mean, contrast.deviation, contrast.cut_off), (128, 32768 * 255, 65536));
-        // In the first half each pixel deviates by nearly as much as possible.
+        // In the first row each pixel deviates by nearly the most possible.
         let mut rows = [255; 257 * 255];
         rows[..257].fill(0);
         let contrast = of(&rows, 257, 255);

@@ -29,7 +29,7 @@ pub(crate) fn score_at(frame: &Frame<'_>, template: Image<'_>, x: i32, y: i32, s
     score_at_least(frame, template, x, y, scorer, 0)
 }
 
-/// The score if it is at least `floor` and all pixels that are needed are in memory.
+/// The score of `template` at (`x`, `y`), if it is at least `floor` and the box's part of the frame is in memory.
 pub(crate) fn score_at_least(
     frame: &Frame<'_>,
     template: Image<'_>,
@@ -45,7 +45,7 @@ pub(crate) fn score_at_least(
     }
 }
 
-/// The score for a box that reaches outside the frame.
+/// The score of a box that is partly or wholly outside the frame.
 #[cold]
 #[inline(never)] // keeps it out of the usual case, which is inlined
 fn score_at_border(

@@ -6,7 +6,7 @@
 use crate::kernels::{self, CutTable};
 use core::fmt;
 
-/// p by difference: entry d is 65535 * exp(-d / scale), rounded to the nearest integer. 512 bytes.
+/// A table of the similarity p: entry d is 65535 * exp(-d / scale), rounded to the nearest integer. 512 bytes.
 ///
 /// The unit is 1/65535 ([`Table::ONE`]): 1.0 is exact, and an entry fits in 16 bits. A score is the sum of at most
 /// [`Table::MAX_PIXELS`] = 65537 entries, and 65537 * 65535 = 2^32 - 1: it never overflows a `u32`.
@@ -25,7 +25,7 @@ pub struct Table {
     entries: [u16; 256],
 }
 
-/// Prints one entry, which tells the scale: 256 would be a kilobyte of log.
+/// Prints one entry, which identifies the scale. All 256 would be a kilobyte of log.
 #[cfg(feature = "defmt")]
 impl defmt::Format for Table {
     fn format(&self, to: defmt::Formatter<'_>) {
@@ -33,7 +33,7 @@ impl defmt::Format for Table {
     }
 }
 
-/// The one copy of [`Table::PAPER`] in flash. A constant that is borrowed has a copy in every crate.
+/// The only copy of [`Table::PAPER`] in flash. The constant itself would be copied into every crate that borrows it.
 pub(crate) static PAPER: Table = Table::PAPER;
 
 impl Table {
@@ -43,11 +43,11 @@ impl Table {
     /// The most pixels whose similarities a score can sum: 65537.
     pub const MAX_PIXELS: usize = kernels::MAX_PIXELS;
 
-    /// The scales that [`Table::new`] takes, from the steepest to the flattest.
+    /// The scales that [`Table::new`] accepts, from the steepest to the flattest.
     pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
 
-    /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has the similarity exp(-d /
-    /// 255).
+    /// The paper's table: intensities run from 0 to 1, so pixels that differ by d gray levels have the similarity
+    /// exp(-d / 255).
     pub const PAPER: Self = Self::exponential(255);
 
     /// The table of exp(-d / scale), for a scale of 1 (almost only equal pixels are similar) to 4096 (almost all are).
@@ -61,7 +61,7 @@ impl Table {
         Ok(Self::exponential(scale))
     }
 
-    /// p of a difference of `difference` gray levels, in units of 1/65535.
+    /// The similarity p of two pixels that differ by `difference` gray levels, in units of 1/65535.
     #[must_use]
     #[inline]
     #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
@@ -69,7 +69,7 @@ impl Table {
         self.entries[difference as usize]
     }
 
-    /// All 256 entries, by difference.
+    /// All 256 entries, indexed by the difference in gray levels.
     #[must_use]
     pub const fn entries(&self) -> &[u16; 256] {
         &self.entries
@@ -81,11 +81,12 @@ impl Table {
         table
     }
 
-    /// Entry d is 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits, by one multiplication after the other.
+    /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication for each
+    /// entry.
     ///
-    /// Each multiplication adds a loss of less than 2^-64 to the loss before it. So r^255 is too small by less than
-    /// 2^-55, and 65535 * r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between
-    /// two integers (a test tries all of them). So the rounding is correct.
+    /// Each multiplication adds an error of less than 2^-64. So r^255 is too small by less than 2^-55, and 65535 *
+    /// r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a
+    /// test tries all of them), so the rounding is correct.
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // d < 256; every quotient is below 2^16
     const fn fill(&mut self, scale: u16) {
         const HALF: u128 = 1 << 63;
@@ -102,7 +103,7 @@ impl Table {
 }
 
 impl CutTable {
-    /// The entries of `table` for differences below `threshold` (0..=256), 0 for all others.
+    /// The entries of `table` for differences below `threshold` (0..=256); 0 for larger differences.
     #[cfg(any(test, feature = "unstable"))]
     #[must_use]
     pub fn new(table: &Table, threshold: u16) -> Self {
@@ -111,7 +112,7 @@ impl CutTable {
         cut
     }
 
-    /// Changes the table in place, to the entries of `table` below `threshold`.
+    /// Sets the entries to those of `table` for differences below `threshold`, and to 0 for larger ones.
     #[inline(always)]
     pub(crate) fn set(&mut self, table: &Table, threshold: u16) {
         self.cut(table.entries(), threshold);
@@ -159,8 +160,8 @@ impl core::error::Error for TableError {}
 mod tests {
     use super::*;
 
-    /// An f64 is off by less than 2^-33 here, and `fill` by 2^-39. No entry of any scale is within 2^-28 of the middle of two integers, so an f64
-    /// settles each.
+    /// Compares with `f64`, whose error here is below 2^-33; that of `fill` is below 2^-39. No entry of any scale is
+    /// within 2^-28 of the middle between two integers, so both round to the same integer.
     #[test]
     fn every_entry_is_the_correctly_rounded_exponential() {
         for scale in Table::SCALES {

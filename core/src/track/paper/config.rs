@@ -17,7 +17,7 @@ pub struct Fraction {
 }
 
 impl Fraction {
-    /// `numerator / denominator`.
+    /// The fraction `numerator / denominator`.
     #[must_use]
     pub const fn new(numerator: u16, denominator: u16) -> Self {
         Self { numerator, denominator }
@@ -26,7 +26,7 @@ impl Fraction {
     /// `value` times the fraction, rounded up. A denominator of 0 counts as 1.
     #[must_use]
     pub fn ceil_of(self, value: u8) -> u32 {
-        // At most 255 * 65535 < 2^24.
+        // No overflow: at most 255 * 65535 < 2^24.
         (u32::from(value) * u32::from(self.numerator)).div_ceil(u32::from(self.denominator).max(1))
     }
 
@@ -51,11 +51,11 @@ impl Fraction {
 pub struct Margins {
     /// Columns to the left of the box.
     pub left: u16,
-    /// Rows above it.
+    /// Rows above the box.
     pub top: u16,
-    /// Columns to the right of it.
+    /// Columns to the right of the box.
     pub right: u16,
-    /// Rows below it.
+    /// Rows below the box.
     pub bottom: u16,
 }
 
@@ -79,9 +79,9 @@ settings! {
     /// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
     /// what you need.
     ///
-    /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The state
-    /// of the target and the place of the peak decide which of `gate_tracking`, `gate_leaving`, `gate_returning` and
-    /// `gate_lost` is r.
+    /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. r is
+    /// one of `gate_tracking`, `gate_leaving`, `gate_returning` and `gate_lost`, by the state of the target and the
+    /// position of the peak.
     ///
     /// ```
     /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
@@ -102,27 +102,29 @@ settings! {
         /// scored to its last pixel.
         pruning: bool,
     }
-    /// The next threshold alpha as a part of the largest difference of two pixels of template and box.
+    /// The factor of the threshold: alpha is `k` times the largest change of a pixel in the last update of the
+    /// template.
     k: Fraction, 1..=65535;
     /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0
     /// is accepted.
     gate_tracking: Fraction, 0..=65535;
-    /// The ratio that is needed if the box at the peak is partly outside the frame.
+    /// The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
     gate_leaving: Fraction, 0..=65535;
-    /// The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
+    /// The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is
+    /// found again.
     gate_returning: Fraction, 0..=65535;
-    /// The ratio that is needed to find a lost target again.
+    /// The ratio of peak and runner-up that is needed to find a lost target again.
     gate_lost: Fraction, 0..=65535;
-    /// The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
+    /// The lead of the peak over the runner-up that is enough whatever their ratio is, in fully similar pixels.
     gate_lead: u16, 0..=65535;
-    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off
-    /// the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute
-    /// deviation), and at most half of all pixels more than the template has may be 0 or 255.
+    /// The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns
+    /// off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean
+    /// absolute deviation), and its pixels at 0 or 255 may exceed those of the template by at most half of all pixels.
     least_ratio: u16, 0..=65535;
     /// alpha of the first update, in gray levels. Pixels that differ by less are similar.
     first_threshold: u8, 1..=255;
-    /// The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no
-    /// pixel counts once the light changes.
+    /// The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene
+    /// no pixel matches once the light changes.
     least_threshold: u8, 0..=255;
     /// The width of the black border around the frame, in pixels: how far a box may leave the frame.
     padding: u16, 0..=65535;
@@ -134,8 +136,8 @@ settings! {
     window_limit: Radius, 0..=65535;
     /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
     neighbourhood: u16, 0..=65535;
-    /// The runner-up is searched in every frame, which takes several times as long, not only where the gate's
-    /// decision depends on it.
+    /// The runner-up is searched in every frame, not only if the gate's decision depends on it. This takes several
+    /// times as long.
     runner_up_always: bool, 0..=1;
     /// The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
     update_zone: Margins, 0..=65535;
@@ -202,7 +204,7 @@ impl Config {
         Self { window, window_limit, ..camera }
     }
 
-    /// Checks the numbers, as [`Target::with`](crate::Target::with) does.
+    /// Checks all values, as [`Target::with`](crate::Target::with) does.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`] or [`ConfigError::LimitBelowWindow`].
@@ -216,7 +218,7 @@ impl Config {
 }
 
 impl Default for Config {
-    /// [`Config::camera`].
+    /// Returns [`Config::camera`].
     fn default() -> Self {
         Self::camera()
     }

@@ -1,4 +1,5 @@
-//! The gate: accepts or refuses the peak of a search by its lead over the runner-up, and by its contrast, which a covered lens lacks.
+//! The gate: accepts or refuses the peak of a search, by its lead over the runner-up and by the contrast of its patch
+//! (the picture of a covered lens has none).
 
 use super::config::{Config, Fraction};
 use super::search::{Peak, Peaks, Wanted};
@@ -10,7 +11,7 @@ use crate::track::State;
 use core::cmp::Ordering;
 
 impl Track {
-    /// The gate: true if the peak exceeds the runner-up enough to enter `state`.
+    /// True if the peak exceeds the runner-up enough for the target to enter `state`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn passes(&self, peaks: &Peaks, state: State, config: &Config) -> bool {
         let peak = peaks.peak.score;
@@ -21,7 +22,7 @@ impl Track {
         stands_out && ratio(peak, self.target.area()) >= config.least_ratio
     }
 
-    /// The result that a search must have for the tracker to go on from `state`.
+    /// The goal of a search that lets the gate decide whether the target enters `state`.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn wanted(&self, state: State, config: &Config) -> Wanted {
         let ratio = self.ratio(state, config);
@@ -33,7 +34,7 @@ impl Track {
         }
     }
 
-    /// True if the decision on `peak` needs a result for which the search was not started.
+    /// True if the gate's decision on `peak` needs more than the finished search was asked for.
     pub(super) fn asks_for_more(&self, peak: &Peak, config: &Config) -> bool {
         match (self.wanted(State::Tracking, config), self.wanted(self.at(peak).1, config)) {
             (Wanted::RunnerUp(_), _) | (_, Wanted::Peak) => false,
@@ -67,8 +68,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// Gives a pair for each state: whether the search includes the runner-up from the start, and whether a second search
-/// for it may follow.
+/// Yields for each state of a target: whether its search includes the runner-up from the start, and whether a second
+/// search for the runner-up may follow.
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

@@ -8,7 +8,7 @@ use crate::track::saved::{Reader, Refusal, Saved, Writer, around};
 use crate::track::settings::Numbers;
 use crate::track::{Quality, RestoreError, SaveError, State};
 
-/// Bytes of the track and of the threshold.
+/// The size of the saved track and threshold in bytes.
 const TRACK: usize = 24;
 
 /// The size in bytes of a saved target with a template of `pixels` pixels.
@@ -41,7 +41,7 @@ pub(super) fn save<const PIXELS: usize>(
     Ok(to.finish())
 }
 
-/// A reader of the state, if the configuration is the one that the target was saved with.
+/// Returns a reader of the saved state. Refuses bytes that were saved with another configuration.
 pub(super) fn reader<'a>(config: &Config, bytes: &'a [u8]) -> Result<Reader<'a>, Refusal> {
     Reader::new(bytes, &Saved::of(config, &config.numbers()))
 }

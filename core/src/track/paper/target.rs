@@ -1,4 +1,4 @@
-//! The calls of a target of the paper's tracker. An update is: window, search, gate, template, answer.
+//! The target of the paper's tracker and its calls. An update: window, search, gate, template, answer.
 
 use super::config::Config;
 use super::gate::{ratio, searches};
@@ -18,10 +18,9 @@ use crate::track::{
 };
 use core::fmt;
 
-/// A target of the paper's tracker.
-///
-/// `PIXELS` is the largest area of a box, `SPAN` the most offsets of the window on an axis. A target takes `PIXELS`
-/// bytes, its [`Workspace`] `PIXELS + 20 * SPAN` bytes, both plus a constant. [`Target`] has an example.
+/// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the largest number of offsets of the
+/// window on an axis. Memory: `PIXELS` bytes, and `PIXELS + 20 * SPAN` for its [`Workspace`], both plus a constant.
+/// [`Target`] has an example.
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Slot<Config>,
@@ -36,15 +35,14 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         Config::camera_within(if SPAN > 160 { 80 } else { (SPAN.saturating_sub(1) / 2) as u16 })
     };
 
-    /// A target that is not locked, with [`Config::camera`] for windows that fit `SPAN`. All its bytes are 0, so that a
-    /// `static` takes no flash. For another configuration see [`Target::with`] and [`Target::configure`].
+    /// A target that is not locked, with [`Config::camera`] limited to windows that fit `SPAN`. All its bytes are 0, so
+    /// a `static` takes no flash. For another configuration see [`Target::with`] and [`Target::configure`].
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
         Self { config: Slot::Empty, track: Slot::Empty, template: Template::new() }
     }
 
-    /// The configuration that was set, or the default.
     #[cfg_attr(smr_small, inline(never))]
     fn configured(config: &Slot<Config>) -> &Config {
         config.or(&Self::DEFAULT)
@@ -78,7 +76,7 @@ impl<const PIXELS: usize, const SPAN: usize> Paper<PIXELS, SPAN> {
         let (pixels, threshold, before) = (track.target.area(), self.template.threshold(), track.state);
         let (target, state) = track.at(&peaks.peak);
         let passes = track.passes(&peaks, state, self.config());
-        // A box partly outside the frame has no patch and is not checked.
+        // The contrast of a box partly outside the frame is not checked: it has no patch.
         let patch = if passes && self.config().least_ratio > 0 { frame.patch(target) } else { None };
         let seen = patch.map_or(Contrast::NONE, Contrast::of);
         let track = track.after(&peaks.peak, passes && (patch.is_none() || self.template.is_shown_by(seen)));
@@ -121,7 +119,7 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
 
     const SAVED_SIZE: usize = saved::size(PIXELS);
 
-    /// The most work for the largest window that the configuration and `SPAN` allow.
+    /// The most work in the largest window that the configuration and `SPAN` allow.
     fn most_work(config: &Config, width: u16, height: u16) -> MostWork {
         let axis = |radius: u16| (2 * usize::from(radius) + 1).min(SPAN);
         let window = (axis(config.window_limit.x), axis(config.window_limit.y));
@@ -264,7 +262,7 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
         }
     }
 
-    /// `commit_lock` does all work of a lock.
+    /// A lock is one step: `commit_lock`.
     fn step_lock(&mut self, _: &mut Self::Workspace, _: &Frame<'_>, _: &Seal) -> bool {
         true
     }
@@ -289,18 +287,18 @@ impl<const PIXELS: usize, const SPAN: usize> Steps for Paper<PIXELS, SPAN> {
     }
 }
 
-/// Stands for the result of an empty window. No search has one.
+/// Stands for the result of a search in an empty window, which does not exist.
 const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: None };
 
-/// Scratch memory for an update of any number of targets, one at a time: `PIXELS` bytes of ranges, `20 * SPAN` bytes of maxima and bounds, and a table.
+/// Scratch memory for updates of any number of targets, one at a time: `PIXELS + 20 * SPAN` bytes, and a table.
 ///
 /// ```
 /// // Firmware often keeps it in a static.
 /// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
 /// ```
-// Fields with padding come before the vectors in `search`. In the other order the compiler builds the value on the
-// stack and copies it instead of zeroing it in place.
+// The vectors in `search` come last. In another order the compiler builds the value on the stack and copies it, instead
+// of zeroing it in place.
 #[repr(C)]
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,
@@ -322,8 +320,7 @@ impl<const PIXELS: usize, const SPAN: usize> Workspace<PIXELS, SPAN> {
         }
     }
 
-    /// The peak and the runner-up of the last search, for checks, even if the gate refused the peak. `None` while a
-    /// search is under way. The result of an update is its [`Answer`].
+    /// The peak and the runner-up of the last search, even if the gate refused the peak; `None` during a search.
     pub(crate) fn peaks(&self) -> Option<Peaks> {
         self.search.peaks(&self.window)
     }

@@ -6,14 +6,14 @@ use crate::kernels::{replace, rolled};
 use crate::similarity::{Contrast, Table};
 use heapless::Vec;
 
-/// Up to `PIXELS` gray pixels, their shape, and their threshold.
+/// The template: up to `PIXELS` gray pixels, their width and height, and the threshold.
 pub(crate) struct Template<const PIXELS: usize> {
     pixels: Vec<u8, PIXELS>,
     width: u16,
     height: u16,
     /// ceil(alpha), 0 to 256. For an integer d, d < alpha is the same as d < ceil(alpha).
     threshold: u16,
-    /// The contrast of the pixels, or [`Contrast::NONE`] until it is needed.
+    /// The contrast of the pixels; [`Contrast::NONE`] until it is computed.
     pub(super) contrast: Contrast,
 }
 
@@ -32,7 +32,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Sets the pixels (at most `PIXELS`), their shape and their threshold.
+    /// Sets the pixels (at most `PIXELS`), their width and height, and the threshold.
     pub(crate) fn restore(&mut self, pixels: &[u8], (width, height): (u16, u16), threshold: u16) {
         self.contrast = Contrast::NONE;
         self.pixels.clear();
@@ -40,11 +40,11 @@ impl<const PIXELS: usize> Template<PIXELS> {
         (self.width, self.height, self.threshold) = (width, height, threshold);
     }
 
-    /// Appends pixels; there is room for them.
+    /// Appends pixels, which fit.
     #[cfg_attr(smr_small, inline(never))]
     fn append(&mut self, pixels: &[u8]) {
         if cfg!(target_os = "none") {
-            // Nothing else there needs the `memcpy` of `extend_from_slice`.
+            // Saves flash: no other code on bare metal needs the `memcpy` of `extend_from_slice`.
             for &pixel in rolled(pixels.iter()) {
                 let _ = self.pixels.push(pixel);
             }
@@ -54,9 +54,8 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 
     /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|. `contrast` is that of
-    /// `patch`, or [`Contrast::NONE`] if it is not known.
-    ///
-    /// If no pixel changed, alpha stays: with an alpha of 0 no pixel would ever count again.
+    /// `patch`, or [`Contrast::NONE`] if not known. If no pixel changed, alpha stays: with an alpha of 0 no pixel would
+    /// ever match again.
     pub(crate) fn update(&mut self, patch: Image<'_>, contrast: Contrast, config: &Config) {
         let mut largest = 0;
         let columns = usize::from(self.width);
@@ -81,7 +80,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// ceil(k * `largest_change`), at most 256: then every pixel counts.
+/// ceil(alpha) = ceil(k * `largest_change`); at most 256, at which every pixel matches.
 fn threshold(largest_change: u8, config: &Config) -> u16 {
     u16::try_from(config.k.ceil_of(largest_change)).unwrap_or(256).min(256)
 }

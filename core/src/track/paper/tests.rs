@@ -1,4 +1,4 @@
-//! The paper's tracker: states and decisions, bounds of the work, limits.
+//! Tests of the paper's tracker: states, decisions of the gate, the work of a search, limits.
 
 use super::{Config, Fraction, Paper, Radius, Workspace};
 use crate::track::Target;
@@ -23,7 +23,6 @@ impl Picture {
         Self { width, height, pixels: drawn((width, height), level) }
     }
 
-    /// Unique for each seed.
     fn noise(width: u16, height: u16, seed: u32) -> Self {
         let mut state = seed | 1;
         Self::of(width, height, |_, _| {
@@ -39,7 +38,7 @@ impl Picture {
     }
 }
 
-/// A target of 12x12 pixels on noise.
+/// A target of 12x12 pixels at (`left`, `top`) on noise.
 fn scene(seed: u32, left: i32, top: i32) -> Picture {
     let (ground, target) = (Picture::noise(64, 48, seed).pixels, Picture::noise(12, 12, 99).pixels);
     Picture::of(64, 48, |x, y| match (x - left, y - top) {
@@ -85,15 +84,14 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
 }
 
-/// Frames in which no offset can be excluded come close to the computed bound.
+/// If no offset can be excluded, the work comes close to the computed bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];
-    // All blocks of 4x4 have the same range. The template is within it, but no pixel matches.
+    // All blocks of 4x4 pixels have the same range. The template lies within it, but no pixel matches.
     let of = |level: fn(i32, i32) -> u8| Picture::of(160, 120, level);
     let stripes = [of(|_, _| 150), of(|x, y| if (x + y) % 2 == 0 { 100 } else { 200 })];
-    // One pixel of eight matches, wherever the box is. So the bound of each group falls, to the score of all offsets
-    // and no further.
+    // One pixel of eight matches at every offset, so the bound of each group of offsets falls exactly to their score.
     let dots = [of(|x, y| if (x + y) % 8 == 0 { 150 } else { 250 }), of(|_, _| 150)];
     let mut closest = 0.0_f64;
     for (radius, pruning, runner_up_always) in
@@ -121,7 +119,7 @@ fn the_most_work_is_nearly_done() {
     assert!(closest > 0.995, "{closest}");
 }
 
-/// The work is within the factor 1.25 of the documentation, or twice that if the window is searched twice.
+/// Checks the factor 1.25 of the crate's documentation, or twice that if the window is searched twice.
 #[test]
 fn the_most_work_is_what_the_documentation_says() {
     for (side, radius) in (8..=64).flat_map(|side| (4..=80).map(move |radius| (side, radius))) {
@@ -221,7 +219,7 @@ fn a_covered_lens_leaves_box_template_and_alpha() {
     }
 }
 
-/// The part in the padding has no contrast.
+/// The check of the contrast skips a box that is partly outside the frame.
 #[test]
 fn a_box_partly_outside_the_frame_may_have_no_contrast() {
     let config = Config { first_threshold: 255, gate_leaving: Fraction::new(0, 1), ..small_config() };

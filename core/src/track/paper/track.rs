@@ -5,7 +5,7 @@ use super::search::{Peak, Radius, Window};
 use crate::image::Rect;
 use crate::track::{LockError, Quality, State};
 
-/// The memory of a target in addition to its template.
+/// The state of a target apart from its template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Track {
     pub(super) target: Rect,
@@ -49,7 +49,7 @@ impl Track {
         self.search_window(config).pixels(self.target.width, self.target.height, self.bounds)
     }
 
-    /// Moves the box by units of 1/256 pixel, rounded to pixels; it stays in the padded frame.
+    /// Moves the box by units of 1/256 pixel, rounded to whole pixels, within the padded frame.
     pub(super) fn moved(&mut self, right: i32, down: i32, padding: u16) {
         let by = |units: i32| units.saturating_add(128) >> 8;
         let (x, y) = (self.target.x.saturating_add(by(right)), self.target.y.saturating_add(by(down)));
@@ -68,7 +68,7 @@ impl Track {
         Rect { x: into(x, self.bounds.width, width), y: into(y, self.bounds.height, height), ..self.target }
     }
 
-    /// The track after a search that found this peak, which was accepted or refused.
+    /// The track after a search that found `peak`, which the gate accepted or refused.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn after(&self, peak: &Peak, accepted: bool) -> Self {
         let (target, state) = self.at(peak);
@@ -81,7 +81,7 @@ impl Track {
         }
     }
 
-    /// The box at `peak`, and the state of a target there.
+    /// The box at `peak`, and the state of a target in it.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn at(&self, peak: &Peak) -> (Rect, State) {
         let target = Rect { x: peak.x, y: peak.y, ..self.target };
