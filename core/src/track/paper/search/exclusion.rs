@@ -2,13 +2,13 @@
 //!
 //! 1. Over the offsets of a group, template pixel t is compared with the pixels of one 4x4 block of the frame. Each of
 //!    its differences is at least d(t) = max(low - t, t - high, 0), where low..=high is the range of the block.
-//! 2. The similarity p does not rise with the difference. So sum p(d(t)) is an upper bound of the score of every offset
-//!    of the group. It stays one if some rows of the template are left out and counted as p = 1.
+//! 2. The similarity p does not rise with the difference, so sum p(d(t)) is an upper bound of the score of every offset
+//!    of the group. It remains one if some rows of the template are left out and counted as p = 1.
 //!
 //! Memory: the ranges fill a buffer of `PIXELS` bytes. The window is divided into tiles that fit, and a tile is done in
 //! 1, 2 or 4 passes, each over every (second, fourth) row of the frame. A group whose bound falls below the needed
-//! score is skipped from then on. If the bound of a group falls so slowly that the group will not be excluded, it is no
-//! longer bounded and its offsets are scored. A pass computes only the ranges under the rectangle of the other groups.
+//! score is excluded. A group whose bound falls too slowly is not bounded any further, and its offsets are scored. Each
+//! pass computes only the ranges under the rectangle around the other groups.
 
 use super::window::Window;
 use crate::image::{Frame, Image, Rect};
@@ -19,36 +19,36 @@ use core::ops::Range;
 /// Offsets of a group on each axis.
 pub(super) const SIDE: usize = 4;
 
-/// Bytes of a word. Each row of ranges begins with one.
+/// Bytes of a machine word, to which each row of ranges is aligned.
 const WORD: usize = 4;
 
 pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
-    /// The minima of the blocks in the first half, row by row. The maxima in the second half.
+    /// The minima of the blocks, row by row, in the first half; their maxima in the second half.
     bytes: Words<PIXELS>,
-    /// The upper bound of each group of the tile; 0 if the group is excluded.
+    /// The upper bound of the scores in each group of the tile; 0 if the group is excluded.
     bounds: [[u32; 3]; SPAN],
     shape: Shape,
     remaining: Remaining,
 }
 
-/// Bytes that begin at a multiple of four.
+/// Bytes aligned to words.
 #[repr(align(4))]
 struct Words<const BYTES: usize>([u8; BYTES]);
 
 /// The division of a window into tiles and passes, for one size of template and window.
 #[derive(Clone, Copy)]
 struct Shape {
-    /// Pixels of the template.
+    /// Size of the template in pixels.
     width: usize,
     height: usize,
-    /// Offsets of the largest tile.
+    /// Size of the largest tile in offsets.
     columns: usize,
     rows: usize,
-    /// The number of passes is 2 to the power of this: 1, 2 or 4. A pass holds every (second, fourth) row.
+    /// 0, 1 or 2: a pass over a tile covers every row of ranges, every second or every fourth.
     log2_passes: u32,
 }
 
-/// The smallest rectangle of whole groups around those that remain: the first and the last on each axis.
+/// The bounding rectangle of the groups that remain: index of the first and the last group on each axis.
 #[derive(Clone, Copy)]
 struct Remaining {
     columns: [u16; 2],
@@ -57,10 +57,10 @@ struct Remaining {
 
 impl Remaining {
     const NONE: Self = Self { columns: [u16::MAX, 0], rows: [u16::MAX, 0] };
-    /// All groups of a tile. The rectangle is cut off at the end of the tile.
+    /// All groups of a tile: [`Ranges::rest`] clips the rectangle to the tile.
     const ALL: Self = Self { columns: [0, u16::MAX], rows: [0, u16::MAX] };
 
-    /// Includes the group that begins at an offset of the tile.
+    /// Extends the rectangle to the group that begins at this offset of the tile.
     #[allow(clippy::cast_possible_truncation)] // a window has at most 131071 offsets on an axis
     #[cfg_attr(smr_small, inline(never))] // keeps its registers out of its caller
     fn add(&mut self, (column, row): (usize, usize)) {
@@ -71,7 +71,7 @@ impl Remaining {
     }
 }
 
-/// A rectangle of offsets. `column` and `row` count from the first offset of the window.
+/// A rectangle of offsets; its `column` and `row` are relative to the first offset of the window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Tile {
     pub(super) column: usize,
@@ -86,15 +86,15 @@ impl Tile {
         self.columns.div_ceil(SIDE) * self.rows.div_ceil(SIDE)
     }
 
-    /// The first offset of a group that no earlier group contains, counted from the first offset of the tile.
+    /// The first offset of a group that no earlier group contains, relative to the tile.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn new_in_group(&self, group: usize) -> (usize, usize) {
         let across = self.columns.div_ceil(SIDE).max(1);
         (group % across * SIDE, group / across * SIDE)
     }
 
-    /// The first offset of a group, counted from the first offset of the tile. The last group of a row or column
-    /// overlaps the one before it, so that it ends with the tile.
+    /// The first offset of a group, relative to the tile. The last group of a row or column ends with the tile, so it
+    /// may overlap the group before it.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
         let (column, row) = self.new_in_group(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
@@ -113,7 +113,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         }
     }
 
-    /// Divides a window for a template. False if groups are impossible (fewer than 4 rows or columns) or do not pay.
+    /// Divides `window` into tiles. False if that is impossible (fewer than 4 rows or columns) or would save no work.
     pub(super) fn divide(&mut self, window: &Window, template: Image<'_>) -> bool {
         let shape = Shape::of((template.width(), template.height()), window.size(), PIXELS, 3 * SPAN);
         self.shape = shape.unwrap_or(self.shape);
@@ -124,8 +124,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.log2_passes
     }
 
-    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows are
-    /// left.
+    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows
+    /// remain.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
@@ -133,8 +133,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The most comparisons for the groups of a window, without the offsets. Per tile: 2 for each range, the pixels of
-    /// the template for each group, and one word per group when the tile is begun, in each pass, and while offsets are
+    /// The most comparisons for bounding the groups of a window, without scoring offsets. Per tile: 2 for each range;
+    /// for each group the pixels of the template, and one word at the start, in each pass, and while offsets are
     /// scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
@@ -150,19 +150,19 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         most.sum()
     }
 
-    /// Sets the bound of every group of `tile` to `pixels` fully similar pixels. All groups remain.
+    /// Sets the bound of every group of `tile` to the score of `pixels` equal pixels. No group is excluded.
     pub(super) fn begin_tile(&mut self, tile: &Tile, pixels: u32) {
         let bounds = self.bounds.as_flattened_mut();
         rolled(bounds.iter_mut().take(tile.groups())).for_each(|bound| *bound = pixels * u32::from(Table::ONE));
         self.remaining = Remaining::ALL;
     }
 
-    /// Begins to bound the groups of a pass, whose ranges are computed. No group remains yet.
+    /// Begins to bound the groups in a pass. [`Self::bound_group`] adds those that remain.
     pub(super) const fn begin_groups(&mut self) {
         self.remaining = Remaining::NONE;
     }
 
-    /// The rest of `tile`: the rectangle in which groups remain; `None` if there are none.
+    /// The part of `tile` around the groups that remain, called its rest; `None` if all groups are excluded.
     pub(super) fn rest(&self, tile: &Tile) -> Option<Tile> {
         let side = |[first, last]: [u16; 2], all: usize| {
             let (from, end) = (SIDE * usize::from(first), SIDE * usize::from(last) + SIDE);
@@ -173,7 +173,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Some(Tile { column: tile.column + column, row: tile.row + row, columns, rows })
     }
 
-    /// The rows of ranges that a pass needs for the `rest` of `tile`, numbered within the pass.
+    /// The rows of ranges that a pass needs for `rest`, the remaining part of `tile`. Rows are counted within the pass.
     pub(super) fn rows(&self, tile: &Tile, rest: &Tile, pass: usize) -> Range<usize> {
         let first = rest.row - tile.row;
         let [first, end] = [first, first + self.shape.rows_of(rest.rows)]
@@ -181,7 +181,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         first..end
     }
 
-    /// The pixels under the offsets of a tile or of its rest; `None` if some are outside the frame or not in memory.
+    /// The pixels of the frame for the ranges of `rest`; `None` if some are outside the frame or not in memory.
     pub(super) fn pixels<'a>(&self, frame: &Frame<'a>, window: &Window, rest: &Tile) -> Option<Image<'a>> {
         if cfg!(all(target_os = "none", not(smr_helium))) {
             return None; // each row finds its own pixels, which takes little time and less flash
@@ -192,8 +192,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         frame.patch(Rect::new(x, y, side(width), side(height)))
     }
 
-    /// Computes up to `most` rows of ranges for the `rest` of `tile` from row `row` on, if the backend can compute
-    /// several at a time. Returns the number of rows. `pixels` are those of the rest.
+    /// Computes up to `most` rows of ranges for `rest`, the remaining part of `tile`, from row `row` on. Returns their
+    /// number; 0 if the backend computes only single rows. `pixels` are the result of [`Self::pixels`].
     pub(super) fn compute_rows(
         &mut self,
         pixels: Image<'_>,
@@ -220,7 +220,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(self.shape.columns_of(rest.columns)).unwrap_or(u32::MAX / 2)
     }
 
-    /// Computes a row of ranges for the `rest` of `tile`; returns their number. `pixels` are those of the rest.
+    /// Computes a row of ranges for `rest`, the remaining part of `tile`, and returns their number.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
@@ -245,8 +245,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(width).unwrap_or(u32::MAX / 2)
     }
 
-    /// Lowers the bound of a group by the rows of this pass, and sets it to 0 if it falls below `needed`, which is at
-    /// least 1. Returns the most pixels that were compared.
+    /// Lowers the bound of a group by the template rows of this pass, and sets it to 0 if it falls below `needed`,
+    /// which is at least 1. Returns an upper bound of the compared pixels.
     #[inline(always)]
     pub(super) fn bound_group(
         &mut self,
@@ -258,7 +258,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         scorer: &Scorer<'_>,
     ) -> u32 {
         let (column, row) = tile.group(group);
-        // The first row of the template that belongs to this pass, and the row of ranges that it is compared with.
+        // The first row of the template in this pass, and the start of the ranges that it is compared with.
         let passes = self.passes();
         let first = pass.wrapping_sub(row) & (passes - 1);
         let stride = self.shape.stride_of(tile.columns);
@@ -271,7 +271,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
             let is_whole = cfg!(not(smr_small)) && passes == 1; // saves a division
             let template = if is_whole { template } else { template.every(first, passes)? };
             let pixels = u32::from(template.width()) * u32::from(template.height());
-            // So far these rows counted as fully similar. Replaces that by their own bound.
+            // So far the template rows of this pass counted as fully similar. Replaces that part by their own bound.
             let others = *bound - pixels * u32::from(Table::ONE);
             let score = scorer.bound(&blocks, template, needed.saturating_sub(others));
             *bound = score.map_or(0, |score| others + score);
@@ -283,13 +283,12 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         self.bounds.as_flattened_mut().get_mut(group).and_then(lower).unwrap_or(0)
     }
 
-    /// True if a group is to be bounded in this pass: it is not excluded, and it [`is_promising`].
+    /// True if a group is to be bounded in this pass: see [`is_promising`].
     pub(super) fn may_fall_below(&self, group: usize, needed: u32, area: u32, pass: usize) -> bool {
         let bound = self.bounds.as_flattened().get(group);
         bound.is_some_and(|&bound| is_promising(bound, needed, area, pass, self.passes()))
     }
 
-    /// True if the bound of a group is at least `needed`.
     pub(super) fn reaches(&self, group: usize, needed: u32) -> bool {
         self.bounds.as_flattened().get(group).is_some_and(|&bound| bound >= needed)
     }
@@ -303,7 +302,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 
 impl Shape {
     /// The largest tiles whose ranges fit into `capacity` bytes and that have at most `groups` groups. `None` if there
-    /// are none or if they do not pay.
+    /// are none, or if [`Self::pays`] is false.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
@@ -340,12 +339,12 @@ impl Shape {
         16 * ranges <= self.columns * self.rows * self.width * self.height
     }
 
-    /// Ranges in a row of a tile with `columns` columns of offsets.
+    /// The number of ranges in a row of a tile that is `columns` offsets wide.
     const fn columns_of(&self, columns: usize) -> usize {
         (self.width + columns).saturating_sub(SIDE)
     }
 
-    /// Bytes of a row of ranges, in whole words.
+    /// The bytes of a row of ranges, rounded up to whole words.
     const fn stride_of(&self, columns: usize) -> usize {
         self.columns_of(columns).next_multiple_of(WORD)
     }
@@ -355,33 +354,32 @@ impl Shape {
     }
 }
 
-/// The first of `most` offsets from `from` on, and their number. If fewer than 4 of `all` are left, the first one is
-/// earlier.
+/// (first, count) of a tile on an axis of `all` offsets: up to `most` offsets from `from` on. A tile has at least 4, so
+/// the last one may start earlier.
 #[cfg_attr(smr_small, inline(never))]
 fn side_from(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));
     (from.min(all.saturating_sub(size)), size)
 }
 
-/// True if a group with this bound after `done` of `passes` may still be excluded: it is not excluded yet, and its
-/// bound falls below `needed` if each pass left takes as much from it as those done, and a quarter more. A group that
-/// is not promising is no longer bounded. So a search in which nothing can be excluded ends its passes after the first
-/// one.
+/// True if a group with this `bound` after `done` of `passes` may still be excluded: it reaches `needed` now, but would
+/// fall below by the end if each pass lowered it by 5/4 of the mean so far. Other groups are not bounded any further,
+/// so a search that can exclude nothing stops bounding after the first pass.
 fn is_promising(bound: u32, needed: u32, area: u32, done: usize, passes: usize) -> bool {
-    // The unit is chosen so that 20 times a score fits.
+    // In units of 32, so that 20 times a loss fits a `u32`.
     let lost = |score: u32| (area * u32::from(Table::ONE)).saturating_sub(score) >> 5;
     #[allow(clippy::cast_possible_truncation)] // at most 4 passes
     let (taken, allowed) = (lost(bound) * 5 * passes as u32, lost(needed) * 4 * done as u32);
     bound >= needed && taken >= allowed
 }
 
-/// The bytes for minima, and for maxima, of a buffer of `capacity` bytes: whole words.
+/// Half of a buffer of `capacity` bytes, in whole words: one half is for minima, one for maxima.
 const fn half(capacity: usize) -> usize {
     capacity / 2 / WORD * WORD
 }
 
-/// Computes the ranges of the `width` blocks whose top left pixels are (`x`, `y`), (`x` + 1, `y`), and so on. `pixels`
-/// are those from (`x`, `y`) on, if they are known. Pixels outside the frame are 0.
+/// Computes the ranges of `width` blocks with the top left pixels (`x`, `y`), (`x` + 1, `y`), and so on. `pixels` begin
+/// at (`x`, `y`), if known. Pixels outside the frame are 0.
 #[inline(always)]
 fn ranges_at(
     frame: &Frame<'_>,

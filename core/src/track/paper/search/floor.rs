@@ -1,11 +1,11 @@
-//! The best offset so far, and the least score that an offset needs to change the result. An offset below it can be
+//! The best offset so far, and the least score with which an offset can change the result. Lower offsets can be
 //! skipped.
 //!
 //! If the runner-up is wanted, the least score is bounded by a floor:
 //!
 //! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
-//! 2. So for any final peak the runner-up is at least the smaller score of such a pair. The largest of these is the
-//!    floor.
+//! 2. So for any final peak the runner-up is at least the smaller score of such a pair. The floor is the largest
+//!    smaller score over all pairs.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
 use super::runner_up::Maxima;
@@ -15,12 +15,12 @@ use core::cmp::Ordering;
 pub(super) struct Leaders<const SPAN: usize> {
     best: Option<Peak>,
     beside: Beside,
-    /// The result of [`Self::needed`].
     needed: u32,
     maxima: Maxima<SPAN>,
 }
 
-/// The second goal of a search, and its progress: nothing, an equal peak outside the neighbourhood, or the runner-up.
+/// The second goal of a search and its progress: none, an equal of the peak outside its neighbourhood, or the
+/// runner-up.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,
@@ -28,8 +28,8 @@ enum Beside {
     RunnerUp { neighbourhood: u16, floor: u32 },
 }
 
-/// The bounding box of the offsets that have the peak's score. Each of its sides touches one of them, so the box
-/// suffices to decide whether one lies outside the peak's neighbourhood.
+/// The bounding box of the offsets with the peak's score. Each side touches one of them, so the box suffices to decide
+/// whether any lies outside the peak's neighbourhood.
 #[derive(Clone, Copy)]
 struct Equals {
     neighbourhood: u16,
@@ -49,7 +49,7 @@ impl Equals {
         (self.top, self.bottom) = (self.top.min(other.y), self.bottom.max(other.y));
     }
 
-    /// True if some offset is outside the neighbourhood, whichever of them becomes the peak.
+    /// True if some offset is outside the peak's neighbourhood, whichever of the equal offsets is the peak.
     fn are_apart(&self) -> bool {
         self.right.abs_diff(self.left).max(self.bottom.abs_diff(self.top)) > 2 * u32::from(self.neighbourhood)
     }
@@ -127,7 +127,6 @@ impl<const SPAN: usize> Leaders<SPAN> {
         self.set_needed();
     }
 
-    /// Computes `needed` after a change of the peak or the floor.
     fn set_needed(&mut self) {
         let best = self.best.map_or(0, |best| best.score);
         self.needed = match self.beside {
@@ -136,7 +135,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor by pairs among all offsets noted so far. (`note` only sees pairs with the peak.)
+    /// Raises the floor by all pairs of offsets noted so far. (`note` compares only pairs with the peak.)
     pub(super) fn raise_floor(&mut self) {
         if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);
@@ -165,7 +164,8 @@ mod tests {
     use crate::Rect;
     use crate::track::paper::search::Radius;
 
-    /// The floor is just below the peak. An offset with the peak's score that loses the tie is the runner-up.
+    /// A floor just below the peak admits an offset with the peak's score, which loses the tie and becomes the
+    /// runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(leaders.needed_at(&window, 10, 20), 4);
         leaders.note(&window, Peak { x: 10, y: 20, score: 4 });
         assert_eq!(leaders.peaks(&window).and_then(|peaks| peaks.runner_up), Some(4));
-        // The runner-up equals the peak: only a larger score changes something.
+        // The runner-up equals the peak, so only a larger score changes the result.
         assert_eq!(leaders.needed_at(&window, 10, 25), 5);
     }
 }

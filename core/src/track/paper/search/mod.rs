@@ -11,7 +11,7 @@
 //! | `exclusion.rs` | excludes groups of 4x4 offsets by the ranges of their pixels |
 //! | `progress.rs` | the progress of a search and its budget; scores an offset |
 //! | `tiles.rs` | excludes or scores the groups of a window |
-//! | `scan.rs` | the order of these, in steps; the descent from the last position to a small SAD; the scouts |
+//! | `scan.rs` | the stages of a search and its steps; the descent from the last position to a small SAD; the scouts |
 //! | `most_work.rs` | the most comparisons of a search |
 
 mod exclusion;

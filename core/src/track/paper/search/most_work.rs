@@ -1,9 +1,9 @@
-//! The most comparisons of a search: those of a search that excludes no offset. They are counted as in `scan.rs`.
+//! The most comparisons of a search: reached if no offset can be excluded. They are counted as in `scan.rs`.
 
 use super::exclusion::{Ranges, SIDE};
 use super::scan::{MOST_STEPS, SAD_STEP, first_step_of};
 
-/// The size of a search.
+/// The sizes that determine the work of a search.
 pub(crate) struct Extent {
     /// Offsets on each axis.
     pub(crate) window: (usize, usize),
@@ -26,8 +26,8 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The most comparisons for the SAD of the last position, the descent, the score where it ends, and the score of
-    /// the last position.
+    /// The most comparisons of the descent: the SAD of the last position, the steps, the scores of the final and the
+    /// last position.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -46,15 +46,16 @@ impl Extent {
         self.offsets() * self.pixels() + groups
     }
 
-    /// The most comparisons for the runner-up: nine scouts and the whole window once. The floor is raised at the start,
-    /// then each time for at most 1/32 of the work since; the maxima are read once more at the end.
+    /// The most comparisons for the runner-up: nine scouts, the whole window once, and reading the maxima of rows and
+    /// columns: at the start, at the end, and to raise the floor (at most 1/32 of the work).
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// The most comparisons of a search with or without the runner-up, and of a second one for it if `again`.
+    /// The most comparisons of a search with or without the runner-up, and if `again` of a second one for the
+    /// runner-up.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
@@ -66,7 +67,7 @@ impl Extent {
     }
 
     /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
-    /// words.
+    /// words of working memory.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

@@ -1,4 +1,4 @@
-//! The progress of a search, its budget, and what all of its stages do: score an offset and raise the floor.
+//! The state of a search (progress, budget), and the operations of all stages: scoring an offset, raising the floor.
 
 use super::exclusion::{Ranges, Tile};
 use super::floor::Leaders;
@@ -18,17 +18,16 @@ pub(crate) struct Scene<'a> {
 pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
     pub(super) leaders: Leaders<SPAN>,
     pub(super) ranges: Ranges<PIXELS, SPAN>,
-    /// The present tile.
     pub(super) tile: Tile,
     pub(super) stage: Stage,
     pub(super) place: Place,
     pub(super) descent: Descent,
     pub(super) pruning: bool,
-    /// The offsets of the present row of a group that may matter: see [`Scorer::candidates`].
+    /// Bit mask of the offsets in the present row of a group that can change the result: see [`Scorer::candidates`].
     pub(super) candidates: u8,
-    /// Comparisons that the present step may make.
+    /// The budget of the present step, in comparisons.
     pub(super) granted: u32,
-    /// Comparisons in the present step.
+    /// Comparisons made in the present step.
     pub(super) work: u32,
     /// Comparisons since the floor was raised last, without those of the present step (modulo 2^32).
     pub(super) since_floor: u32,
@@ -39,35 +38,34 @@ pub(crate) struct Search<const PIXELS: usize, const SPAN: usize> {
 #[repr(u8)] // `Done` is 0, so that a workspace in a `static` begins as zeroes
 pub(super) enum Stage {
     Done,
-    /// The SAD of the last position.
+    /// Computes the SAD of the last position.
     LastPosition,
     Descent,
     Scouts,
-    /// Rows of ranges.
+    /// Computes rows of ranges.
     Ranges,
-    /// The bounds of groups.
+    /// Bounds groups of offsets, and excludes them.
     Exclude,
-    /// The offsets of groups that were not excluded.
+    /// Scores the offsets of groups that were not excluded.
     Refine,
-    /// All offsets, where there are no groups.
+    /// Scores every offset, if there are no groups.
     Offsets,
 }
 
-/// The place that the present stage has reached.
+/// The position of a search within its present stage.
 pub(super) struct Place {
-    /// The first offset of the tile, or the present offset where there are no groups.
+    /// The first offset of the tile, or the present offset if there are no groups.
     pub(super) column: usize,
     pub(super) row: usize,
-    /// The next neighbour, scout, row of ranges, or group.
+    /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
     pub(super) next: usize,
-    /// The next offset of the present group.
+    /// Index of the next offset in the present group.
     pub(super) offset: u8,
-    /// The pass over the tile.
     pub(super) pass: u8,
 }
 
 impl Place {
-    /// The start of the tile at (`column`, `row`) of the window, or that offset itself where there are no groups.
+    /// The start of the tile at (`column`, `row`) of the window, or that offset itself if there are no groups.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }
@@ -76,10 +74,10 @@ impl Place {
 /// The descent: moves to the least SAD among the centre and its 8 neighbours at distance `step`, then halves `step`.
 #[derive(Clone, Copy)]
 pub(super) struct Descent {
-    /// The position around which the descent looks.
+    /// The position whose neighbours are compared.
     pub(super) x: i32,
     pub(super) y: i32,
-    /// The position with the least SAD so far, and that SAD.
+    /// The position with the least SAD so far. `distance` is its SAD.
     pub(super) best: (i32, i32),
     pub(super) distance: u32,
     pub(super) step: u8,
@@ -103,7 +101,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// True if the step ends here.
     pub(super) fn is_spent(&self) -> bool {
         self.work >= self.granted
     }

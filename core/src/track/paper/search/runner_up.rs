@@ -1,4 +1,4 @@
-//! The runner-up from one maximum per row and one per column of the window.
+//! Finds the runner-up from one maximum per row and one per column of the window.
 //!
 //! 1. The neighbourhood of the peak is a square. The offsets outside it are whole rows (above and below) and whole
 //!    columns (left and right).
@@ -21,13 +21,12 @@ struct Row<const SPAN: usize> {
 }
 
 impl<const SPAN: usize> Row<SPAN> {
-    /// All maxima are 0.
     fn reset(&mut self, len: usize) {
         self.len = len;
         rolled(self.maxima.iter_mut().take(len)).for_each(|maximum| *maximum = 0);
     }
 
-    /// The maxima in use. There is room for all: `lock` refuses a window of more than `SPAN` offsets on an axis.
+    /// The maxima in use. All fit, because `lock` refuses a window of more than `SPAN` offsets on an axis.
     fn all(&self) -> &[u32] {
         self.maxima.get(..self.len).unwrap_or_default()
     }
@@ -39,7 +38,6 @@ impl<const SPAN: usize> Maxima<SPAN> {
         Self { columns: Row { maxima: [0; SPAN], len: 0 }, rows: Row { maxima: [0; SPAN], len: 0 } }
     }
 
-    /// Sets all maxima of `window` to 0.
     pub(super) fn reset(&mut self, window: &Window) {
         let (columns, rows) = window.size();
         self.columns.reset(columns);

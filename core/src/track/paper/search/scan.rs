@@ -3,10 +3,10 @@
 //! 1. A descent of the SAD from the last position, then the score where it ends: a good score early excludes more.
 //! 2. For the runner-up: the scores of nine offsets far apart, the scouts.
 //! 3. Tile by tile, pass by pass: groups of 4x4 offsets are excluded by ranges (`exclusion.rs`).
-//! 4. The offsets of the remaining groups are scored. A backend that can bounds four offsets at a time first. The score
-//!    of an offset is given up as soon as it cannot reach the needed score.
+//! 4. The offsets of the remaining groups are scored. Some backends first bound four offsets at a time. Scoring stops
+//!    as soon as an offset cannot reach the needed score.
 //!
-//! The result does not depend on the order, nor on how the work is divided into steps.
+//! The result depends neither on the order nor on the steps.
 
 use super::progress::{Descent, Place, Scene, Search, Stage, axes};
 use super::window::{Wanted, Window};
@@ -21,7 +21,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = if pruning { Stage::LastPosition } else { Stage::Offsets };
     }
 
-    /// Starts a second search of the window, for the runner-up. The peak is known.
+    /// Starts a second search of the window, for the runner-up, with the known peak.
     pub(crate) fn begin_runner_up(&mut self, scene: &Scene<'_>, neighbourhood: u16) {
         let peak = self.leaders.best();
         self.leaders.reset(&scene.window, Wanted::RunnerUp(neighbourhood));
@@ -31,15 +31,15 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.begin_scouts();
     }
 
-    /// Continues for about `work` comparisons (at least 1) and returns how many were made. These are counted:
+    /// Continues for about `work` comparisons (at least 1) and returns their number. It counts:
     ///
-    /// - 1 for a byte of the template against a byte of the frame, even if scoring stopped before it, or a bound
-    ///   excluded the offset;
+    /// - 1 for each template pixel at each offset or group, even if scoring stopped early or a bound excluded the
+    ///   offset;
     /// - 2 for each range;
     /// - 1 for each word of working memory read in a pass over groups or maxima.
     ///
     /// A step exceeds `work` by at most one offset, group or row of ranges, and 7 * `SPAN` words: a pass over the
-    /// groups (3), one over the maxima to raise the floor (2), one for the runner-up (2).
+    /// groups (3), over the maxima to raise the floor (2), and over the maxima for the runner-up (2).
     #[inline(never)]
     pub(crate) fn step(&mut self, scene: &Scene<'_>, work: u32) -> u32 {
         self.since_floor = self.since_floor.wrapping_add(self.work);
@@ -56,7 +56,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 Stage::Done => {}
             }
             if self.is_done() && self.leaders.looks_for_runner_up() {
-                self.spend(axes(scene)); // `found` reads the maxima
+                self.spend(axes(scene)); // `peaks` reads the maxima
             }
         }
         self.work
@@ -67,9 +67,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Scouts;
     }
 
-    /// Scores a scout: one of nine offsets, the corners, the middles of the edges and the centre. If two of them are
-    /// far enough apart, they give the runner-up a floor. Only in windows of at least 288 offsets: nine scouts are 1/32
-    /// of them.
+    /// Scores a scout, one of nine offsets: corners, middles of the edges, centre. Two that are far enough apart set a
+    /// floor for the runner-up. Only in windows of at least 288 offsets, of which nine are 1/32.
     fn scout(&mut self, scene: &Scene<'_>) {
         let (columns, rows) = scene.window.size();
         let number = self.place.next;
@@ -96,7 +95,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Begins the descent at the last position. If there is no descent, it ends at the last position at once.
+    /// Begins the descent at the last position. In a small window, or with the box partly outside the frame, it ends at
+    /// once.
     pub(super) fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
@@ -109,16 +109,16 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Compares the next neighbour, row by row. After the last one the next step of the descent begins, or the descent
-    /// ends.
+    /// Compares the next neighbour, row by row. After the last one moves to the best and halves the step; at step 0
+    /// scores it.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
             if self.leaders.needed() == 0 {
-                // If all offsets score 0, the last position is the peak. Groups that cannot score more are excluded
-                // below.
+                // If all offsets score 0, the last position must be the peak, so its score is noted before any group is
+                // excluded.
                 let (x, y) = scene.window.centre();
                 self.score(scene, x, y);
             }
@@ -164,14 +164,14 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
     }
 }
 
-/// Rows from one row that a SAD reads to the next.
+/// The row step of a SAD: it reads every fourth row.
 pub(super) const SAD_STEP: u16 = 4;
 
 /// The most steps of a descent. The first one is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that
 /// the ranges are faster.
 pub(super) const MOST_STEPS: usize = 4;
 
-/// The `number`-th of -`step`, 0 and `step`.
+/// Element `number` of (-`step`, 0, `step`).
 fn third(number: usize, step: u8) -> i32 {
     match number {
         0 => -i32::from(step),

@@ -65,7 +65,8 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// Pixels of a template that fills the search's working memory exactly or nearly, so that tiles are small.
+/// The capacity of the search: exactly the pixels of the largest template, so that windows are divided into small
+/// tiles.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {
@@ -110,7 +111,7 @@ impl Case {
         (frame, template)
     }
 
-    /// The result by the definitions, from the scores of all offsets.
+    /// The result by definition, from the scores of all offsets.
     fn expected(&self, wanted: Wanted, score: impl Fn(i32, i32) -> u32) -> Peaks {
         let all = || self.window.ys().flat_map(|y| self.window.xs().map(move |x| (x, y)));
         let peaks = all().map(|(x, y)| Peak { x, y, score: score(x, y) });
@@ -133,7 +134,7 @@ impl Case {
 }
 
 impl Case {
-    /// Little more than scoring every offset, also if none can be excluded.
+    /// A bound of the work that is little more than scoring every offset, even if none can be excluded.
     fn most_work(&self) -> u64 {
         let (columns, rows) = self.window.size();
         let (offsets, pixels) = ((columns * rows) as u64, u64::from(self.template.0) * u64::from(self.template.1));
@@ -145,7 +146,7 @@ impl Case {
     }
 }
 
-/// The way in which a search is run.
+/// The options of a search.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     pruning: bool,

@@ -1,5 +1,5 @@
-//! The offsets of a window, tile by tile and pass by pass: groups of 4x4 offsets are excluded by ranges (`exclusion.rs`),
-//! and the offsets of the others are scored.
+//! Searches a window tile by tile and pass by pass: excludes groups of 4x4 offsets by ranges (`exclusion.rs`), and
+//! scores the offsets of the remaining groups.
 
 use super::exclusion::{SIDE, Tile};
 use super::progress::{Place, Scene, Search, Stage, area, axes, words};
@@ -48,7 +48,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = Stage::Exclude;
     }
 
-    /// Computes several rows of ranges at once, as many as the grant allows, if the backend can. Returns their number.
+    /// Computes as many rows of ranges at once as the grant allows, if the backend can. Returns their number.
     fn compute_several(
         &mut self,
         scene: &Scene<'_>,
@@ -104,8 +104,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 (self.place.next, self.place.offset) = (group, 0);
             }
             let new = self.tile.new_in_group(group);
-            // Raise the floor at the first remaining group of each row, unless that costs more than 1/32 of the work
-            // since.
+            // Raises the floor at the first remaining group of each row, if that costs at most 1/32 of the work since
+            // the last time.
             let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
             if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
                 self.raise_floor(scene);
@@ -125,7 +125,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 
     /// Scores the present offset of a group, unless an earlier group or tile contains it. At the first offset of each
-    /// row of four, finds out which of them may matter.
+    /// row of four, determines which of the four can change the result.
     fn score_in_group(&mut self, scene: &Scene<'_>, group: (usize, usize), new: (usize, usize)) {
         let Place { column: first_column, row: first_row, offset, .. } = self.place;
         let new = (
@@ -149,8 +149,8 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The offsets among the `wanted` from (`x`, `y`) to the right that may matter: see [`Scorer::candidates`]. The
-    /// best offset so far is known and left out.
+    /// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that can change the result: see
+    /// [`Scorer::candidates`]. Leaves out the best offset so far, which is scored already.
     fn candidates(&self, scene: &Scene<'_>, (x, y): (i32, i32), mut wanted: u8) -> u8 {
         if let Some(best) = self.leaders.best()
             && best.y == y
@@ -178,9 +178,9 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
     }
 }
 
-/// The `wanted` ones of four offsets, from (`x`, `y`) to the right, that may score `needed`. Pixels of the template that
-/// lie in the frame at all four have a bound, those outside at all four are compared with the padding, and the others
-/// count as fully similar. `None` if there is nothing to bound.
+/// The offsets of `wanted` (a bit mask of four, from (`x`, `y`) to the right) that may score `needed`. Template pixels
+/// inside the frame at all four are bounded, those outside at all four are compared with the padding, and the others
+/// count as fully similar. `None` if nothing can be excluded.
 fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) -> Option<u8> {
     let Scene { frame, template, scorer, .. } = scene;
     let four = Rect::new(x, y, template.width().saturating_add(3), template.height());
@@ -198,5 +198,5 @@ fn candidates(scene: &Scene<'_>, (x, y): (i32, i32), needed: u32, wanted: u8) ->
     Some(scorer.candidates(frame.patch(seen)?, template.crop(at_all)?, needed, wanted))
 }
 
-/// Offsets of a group.
+/// The number of offsets in a group.
 const OFFSETS: u8 = 16;

@@ -1,4 +1,5 @@
-//! The search window: the positions that the box may take in the next frame. The goal of a search in it, its result, the tie rule.
+//! The search window (all positions of the box in the next frame), the goal and the result of a search, and the tie
+//! rule.
 
 use crate::image::Rect;
 use core::ops::RangeInclusive;
@@ -7,9 +8,9 @@ use core::ops::RangeInclusive;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Radius {
-    /// To the left and to the right.
+    /// Pixels to the left and to the right.
     pub x: u16,
-    /// Up and down.
+    /// Pixels up and down.
     pub y: u16,
 }
 
@@ -40,7 +41,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// The window of a single position.
+    /// A window of one position, (0, 0).
     pub(crate) const NONE: Self = Self { centre_x: 0, centre_y: 0, left: 0, right: 0, top: 0, bottom: 0 };
 
     /// The window of `radius` around `target`, in a frame of the size of `bounds` with `padding` pixels around it.
@@ -51,13 +52,13 @@ impl Window {
         Self { centre_x: target.x, centre_y: target.y, left, right, top, bottom }
     }
 
-    /// The left edges that the box may take.
+    /// The x coordinates of the box's left edge.
     #[must_use]
     pub const fn xs(&self) -> RangeInclusive<i32> {
         self.left..=self.right
     }
 
-    /// The top edges that the box may take.
+    /// The y coordinates of the box's top edge.
     #[must_use]
     pub const fn ys(&self) -> RangeInclusive<i32> {
         self.top..=self.bottom
@@ -71,7 +72,6 @@ impl Window {
         (count(self.left, self.right), count(self.top, self.bottom))
     }
 
-    /// True if the box may take this position.
     pub(super) fn contains(&self, x: i32, y: i32) -> bool {
         self.xs().contains(&x) && self.ys().contains(&y)
     }
@@ -81,14 +81,13 @@ impl Window {
         (self.centre_x, self.centre_y)
     }
 
-    /// The position in this column and row of the window.
     pub(super) fn position(&self, column: usize, row: usize) -> (i32, i32) {
         // A window has at most 2 * 65535 + 1 positions on an axis.
         #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
         (self.left.saturating_add(column as i32), self.top.saturating_add(row as i32))
     }
 
-    /// The most positions on each axis that a window of `radius` can have for a box of this size, at any place.
+    /// The largest (columns, rows) of a window of `radius` around a box of this size, anywhere in the frame.
     pub(crate) fn largest_size(target: Rect, radius: Radius, bounds: Rect, padding: u16) -> (usize, usize) {
         let most = |radius: u16, frame: u16, size: u16| {
             let all = (usize::from(frame) + 2 * usize::from(padding)).saturating_sub(usize::from(size)) + 1;
@@ -106,7 +105,7 @@ impl Window {
     }
 }
 
-/// The score of one offset.
+/// An offset and its score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Peak {
@@ -119,7 +118,7 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// True if this offset is the peak rather than `other`: by the score, then by the tie rule.
+    /// True if this offset wins over `other`: by a larger score, or at equal scores by the tie rule.
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline)]
     pub(super) fn beats(&self, other: &Self, window: &Window) -> bool {
@@ -139,7 +138,7 @@ impl Peak {
     }
 }
 
-/// The goal of a search. The number is the radius of the peak's neighbourhood in pixels.
+/// The goal of a search. The value of a variant is the radius of the peak's neighbourhood in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     /// The peak alone.
@@ -162,7 +161,7 @@ pub struct Peaks {
     pub runner_up: Option<u32>,
 }
 
-/// The first pixel and the number of pixels on one axis; at least one pixel.
+/// (first, count) of the frame's pixels that the box covers on an axis; at least one pixel.
 #[cfg_attr(smr_small, inline(never))]
 fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     let frame = i32::from(frame);
@@ -171,7 +170,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// The first and the last position on one axis, for any `at`: never empty, never beyond the padding.
+/// (first, last) position of the window on an axis. Never empty, and never beyond the padding, even if `at` is.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);
