@@ -1,4 +1,4 @@
-//! The answer of an update: the target's box, and how reliable it is; and the most work of a tracker, for planning deadlines.
+//! The answer of an update (box, state, confidence), and the most work of a tracker.
 
 use crate::image::{FineRect, Rect};
 
@@ -31,14 +31,13 @@ impl State {
     /// All states, in the order of their codes.
     pub const ALL: [Self; 4] = [Self::Tracking, Self::Leaving, Self::Uncertain, Self::Lost];
 
-    /// The number that stands for this state in saved targets, in flight records and in the C interface. It never
-    /// changes.
+    /// The code of this state in saved targets, flight records and the C interface. It never changes.
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The state with this [`code`](Self::code).
+    /// The state with this [`code`](Self::code); `None` if there is none.
     #[must_use]
     pub const fn from_code(code: u8) -> Option<Self> {
         match code {
@@ -63,17 +62,19 @@ pub struct Answer {
     /// The tracker's judgement of the box.
     pub state: State,
     /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 the early template's agreement and 1/3 the filter's response, which counts in full from 1/2 on.
+    /// mean of 2/3 of the early template's agreement and 1/3 of the filter's response (of which 1/2 or more counts as
+    /// 1).
     pub confidence: u16,
     /// Similarity of the target in the box and the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
     /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no
-    /// decision depended on it ([`runner_up_always`](crate::paper::Config::runner_up_always)), and always from [`Robust`](crate::Robust).
+    /// decision depended on it (see [`runner_up_always`](crate::paper::Config::runner_up_always)), and always from
+    /// [`Robust`](crate::Robust).
     pub runner_up_ratio: Option<u16>,
-    /// The threshold of this frame: alpha, rounded up to whole gray levels. A pixel counted if it differed by less.
-    /// `None` from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
+    /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
+    /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
     pub alpha: Option<u16>,
     /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from
     /// [`Paper`](crate::Paper).
@@ -82,8 +83,8 @@ pub struct Answer {
     pub found_again: bool,
 }
 
-/// The most work of a tracker for any frame, in the units of [`Tracker::update_step`](crate::Tracker::update_step). Computed by
-/// [`Target::most_work`](crate::Target::most_work).
+/// The most work of a tracker for any frame, in the units of [`Tracker::update_step`](crate::Tracker::update_step).
+/// [`Target::most_work`](crate::Target::most_work) computes it.
 ///
 /// ```
 /// use smr_core::{Paper, Robust, Target, paper, robust};
@@ -106,7 +107,7 @@ pub struct MostWork {
     pub update: u64,
     /// The most work of a lock.
     pub lock: u64,
-    /// The most work by which a step exceeds its grant: its last piece of work cannot be divided. The last step of a
-    /// call makes one more pass over the template and the weights.
+    /// The most work by which a step exceeds its grant, because its last piece of work cannot be divided. The last step
+    /// of a call makes one more pass over the template and the weights.
     pub beyond_a_step: u32,
 }

@@ -1,17 +1,17 @@
 //! Errors: one small enum per operation, the same for both trackers.
 
 errors! {
-    /// Why a configuration was refused.
+    /// The reason why a configuration was refused.
     ConfigError {
-        /// A number of a setting is outside its range.
+        /// A value of a setting is outside its range.
         OutOfRange {
             /// The name of the setting.
             name: &'static str,
-            /// The lowest value.
+            /// The lowest allowed value.
             lowest: u16,
-            /// The highest value.
+            /// The highest allowed value.
             highest: u16,
-            /// The number.
+            /// The refused value.
             found: u16,
         } => "{name} is {lowest} to {highest}, not {found}",
         /// `window_limit` is smaller than `window`.
@@ -20,20 +20,20 @@ errors! {
         UncertainBelowLost => "uncertain_below is smaller than lost_below",
         /// `window` has more offsets on an axis than the tracker's `SPAN`. Only from [`Paper`](crate::Paper).
         WindowTooLarge => "the window has more offsets on an axis than this tracker has room for",
-        /// The configuration has the refiner on, in a build without the feature `refiner`.
+        /// The refiner is on, in a build without the feature `refiner`.
         RefinerNotBuiltIn => "the refiner is on, and this build is without it (feature refiner)",
         /// No setting has this name: see [`Settings::SETTINGS`](crate::Settings::SETTINGS).
         UnknownSetting => "no setting of this tracker has this name",
-        /// A setting has another count of numbers.
+        /// A setting takes another count of values.
         WrongCount {
             /// The name of the setting.
             name: &'static str,
-            /// Its count of numbers.
+            /// The count of values that the setting takes.
             count: usize,
         } => "{name} takes {count} numbers",
     }
 
-    /// Why a box was not locked.
+    /// The reason why a box was not locked.
     LockError {
         /// The box has no pixels.
         BoxEmpty => "the box has no pixels: width and height must be at least 1",
@@ -48,18 +48,18 @@ errors! {
         LockWindowNotInMemory => "the lock window is not wholly in memory",
     }
 
-    /// Why a frame was not searched.
+    /// The reason why a frame was not searched.
     UpdateError {
         /// There is no target yet: call `lock` first.
         NotLocked => "there is no target yet: lock first",
         /// The frame has another size than the one that was locked on.
         FrameSizeChanged => "the frame has another size than the one that was locked on",
-        /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not wholly
-        /// in memory.
+        /// [`Target::window`](crate::Target::window) or [`Target::sweep_window`](crate::Target::sweep_window) is not
+        /// wholly in memory.
         WindowNotInMemory => "the search window is not wholly in memory",
     }
 
-    /// Why a target was not saved.
+    /// The reason why a target was not saved.
     SaveError {
         /// There is no target yet: lock first.
         NotLocked => "there is no target yet: lock first",
@@ -68,7 +68,7 @@ errors! {
         BufferTooSmall => "the buffer is too small for the target",
     }
 
-    /// Why a target was not restored.
+    /// The reason why a target was not restored.
     RestoreError {
         /// The bytes are not those of a saved target.
         NotSaved => "these are not the bytes of a saved target",
@@ -80,8 +80,8 @@ errors! {
         Damaged => "the saved target is damaged: its checksum is wrong",
         /// The other tracker saved the target.
         OtherTracker => "the target was saved by the other tracker",
-        /// The target was saved with another configuration, so answers would differ. The name of the first setting that
-        /// differs.
+        /// The target was saved with another configuration, so answers would differ. Contains the name of the first
+        /// setting that differs.
         OtherConfig(name: &'static str) => "the target was saved with another configuration: {name} differs",
         /// The template has more pixels, or the window more offsets, than this tracker has room for.
         TooLarge => "the saved target is too large for this tracker",

@@ -1,10 +1,10 @@
-//! The quality of a target, which `lock` measures: how distinct the target is from itself at a shifted position.
+//! The quality of a target, which `lock` measures.
 
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// The quality of a target: its difference from itself at a shifted position. [`Target::lock`](crate::Target::lock)
-/// returns it.
+/// The quality of a target: its difference from itself at a shifted position, measured by
+/// [`Target::lock`](crate::Target::lock).
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///
@@ -24,13 +24,13 @@ use crate::similarity::{Backend, CutTable, Scorer, Table};
 pub struct Quality(u16);
 
 impl Quality {
-    /// A lower quality is poor. A flat target with noise of +-4 gray levels has about 700. Among the first boxes of 90
-    /// recordings the two lowest have 1128 (a face in the dark) and 16,866.
+    /// The limit below which a quality is poor. A flat target with noise of +-4 gray levels has about 700. Among the
+    /// first boxes of 90 recordings the two lowest have 1128 (a face in the dark) and 16,866.
     pub const POOR_BELOW: u16 = Table::ONE / 64;
 
     pub(super) const NONE: Self = Self(0);
 
-    /// 0 (the shifted target looks the same) to 65535 (no pixel matches).
+    /// The quality, from 0 (the shifted target looks the same) to 65535 (no pixel matches).
     #[must_use]
     pub const fn value(self) -> u16 {
         self.0
@@ -57,7 +57,7 @@ impl Quality {
     }
 }
 
-/// The ratio of a patch and the same patch shifted; 65535 if no pixel is left.
+/// The similarity matching ratio of a patch and itself shifted; 65535 if they do not overlap.
 fn ratio(patch: Image<'_>, (right, down): (u16, u16), scorer: &Scorer<'_>) -> u16 {
     let (width, height) = (patch.width() - right, patch.height() - down);
     let moved = patch.crop(Rect::new(right.into(), down.into(), width, height));

@@ -1,9 +1,8 @@
-//! A flight record: everything that a tracker saw and answered, as bytes. It can be run again, on any machine.
+//! A flight record: everything that a tracker saw and answered, as bytes that can be replayed on any machine.
 //!
-//! Firmware passes each step to a [`Recorder`], which writes bytes to a function of yours: to a file, flash, a serial
-//! line, a log. `host-sim replay FILE` runs the record through the same code and names the first difference; so does
-//! [`replay`] in a program of your own, on a chip, too. If the power fails, the record is valid up to its last complete
-//! entry.
+//! Firmware passes each event to a [`Recorder`], which passes bytes to your function: for a file, flash, a serial line
+//! or a log. `host-sim replay FILE`, or [`replay`] in your own program, runs the record through the same code and
+//! reports the first difference. After a power failure the record is valid up to its last complete entry.
 //!
 //! ```
 //! use smr_core::record::{Entry, Recorder, entries, replay};
@@ -38,12 +37,11 @@
 //! | lock | 36 + pixels of [`Target::lock_window`] |
 //! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
-//! The pixels are in the record because the answer depends on them. The window of [`Paper`](crate::Paper) is box + 2 * radius in
-//! width and height: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
-//! about 16 times the area of its target.
+//! The pixels are in the record because the answer depends on them. The window of [`Paper`](crate::Paper) is the box
+//! enlarged by the radius on each side: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window
+//! of [`Robust`](crate::Robust) is about 16 times the area of its target.
 //!
-//! The recorder keeps 64 bytes on the stack and needs no other memory. It takes the time of a CRC-32 over the bytes,
-//! and the time of the writer.
+//! The recorder needs 64 bytes of stack and no other memory, and the time of a CRC-32 over the bytes and of the writer.
 //!
 //! # The bytes, version 1
 //!
@@ -75,8 +73,8 @@
 //! The numbers of the configuration of each tracker:
 //!
 //! - `P`: the 256 entries of the table, then [`paper::Config`](crate::paper::Config)'s [`Settings::SETTINGS`]
-//! - `R`: the 256 entries of the table, then [`robust::Config`](crate::robust::Config)'s, with four numbers that are
-//!   always 1 after `sweep`; without the refiner its number is left out
+//! - `R`: the 256 entries of the table, then those of [`robust::Config`](crate::robust::Config), with four numbers that
+//!   are always 1 after `sweep`. The number of the refiner is left out if it is off
 //!
 //! A window without an answer is an update that was cancelled or did not end. A new `SMRB` may follow anywhere, even in
 //! the middle of an entry that was cut off: firmware that restarts appends to the record.
@@ -93,11 +91,11 @@ use super::update::SEAL;
 use super::{Answer, Settings, Target};
 use crate::image::{Frame, Image, Rect};
 
-/// The version of the bytes.
+/// The version of the format.
 pub const VERSION: u16 = 1;
-/// Bytes of an entry before its content; the last four are the length of the content.
+/// The size of an entry's head in bytes; its last four bytes are the length of the content.
 pub const HEAD: usize = 12;
-/// Bytes of an entry without its content.
+/// The size of an entry in bytes, without its content.
 pub const AROUND: usize = HEAD + 4;
 
 /// The kind of an entry: its first four bytes.
@@ -136,10 +134,9 @@ impl Tag {
     }
 }
 
-/// A target that can be recorded. Both trackers' targets can. Its configuration can be made of the numbers of a record:
-/// [`Settings::of_numbers`].
+/// A target that can be recorded: that of either tracker. [`Settings::of_numbers`] restores its configuration.
 pub trait Recorded: Target<Config: Settings> {
-    /// The tracker's letter in a record.
+    /// The letter of the tracker in a record, `P` or `R`.
     const TRACKER: u8 = <Self::Config as Numbers>::KIND as u8;
 }
 
@@ -172,19 +169,19 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         Ok(recorder)
     }
 
-    /// A recorder that goes on after `entries` entries; for C.
+    /// A recorder that continues after `entries` entries; for the C interface.
     #[doc(hidden)]
     pub const fn resume(entries: u32, write: W) -> Self {
         Self { write, entries, failed: false }
     }
 
-    /// The entries so far; for C.
+    /// The number of entries so far; for the C interface.
     #[doc(hidden)]
     pub const fn entries(&self) -> u32 {
         self.entries
     }
 
-    /// The first entry of a record; for C.
+    /// Writes the first entry of a record; for the C interface.
     ///
     /// # Errors
     /// The writer's.
@@ -208,14 +205,14 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         self.lock_of(frame, locked, target.lock_window(frame.bounds(), locked))
     }
 
-    /// [`Recorder::lock`] with what the target says; for C.
+    /// [`Recorder::lock`] with the target's lock window; for the C interface.
     ///
     /// # Errors
     /// The writer's.
     #[doc(hidden)]
     #[inline(never)] // one copy for both trackers
     pub fn lock_of(&mut self, frame: &Frame<'_>, locked: Rect, window: Rect) -> Result<(), E> {
-        // Without these pixels the lock has failed and changed nothing.
+        // If the window is not in memory, the lock has failed and changed nothing.
         let Some(pixels) = frame.patch(window) else { return Ok(()) };
         self.entry(Tag::Lock, 20 + window.area(), |entry| {
             entry.size(frame);
@@ -249,7 +246,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         self.window_of(frame, target.window().unwrap_or_default(), target.sweep_window().unwrap_or_default())
     }
 
-    /// [`Recorder::window`] with what the target says; for C.
+    /// [`Recorder::window`] with the target's windows; for the C interface.
     ///
     /// # Errors
     /// The writer's.
@@ -319,7 +316,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 }
 
-/// Bytes that an entry collects before it writes them.
+/// The size of the buffer that collects short writes, in bytes.
 const HELD: usize = 64;
 
 /// The entry that is being written. After an error it writes nothing more.
@@ -338,7 +335,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.hold(bytes);
     }
 
-    /// Adds bytes without adding them to the checksum.
+    /// Adds bytes that are not part of the checksum.
     fn hold(&mut self, bytes: &[u8]) {
         if bytes.len() > HELD - self.used.min(HELD) {
             self.flush();
@@ -380,7 +377,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
         self.u16(height);
     }
 
-    /// Adds a rectangle inside the frame: no number is negative.
+    /// Adds a rectangle that lies inside the frame, so no coordinate is negative.
     #[inline(never)] // one copy in flash
     fn rect(&mut self, rect: Rect) {
         for place in [rect.x, rect.y] {
@@ -392,12 +389,12 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Writing<'_, E, W> {
 
     #[inline(never)] // one copy in flash
     fn image(&mut self, image: &Image<'_>) {
-        // Not by `rows`: there the compiler keeps a division by the stride and its panic.
+        // Not `rows`: the compiler would keep a division by the stride and its panic.
         (0..image.height()).for_each(|y| self.put(image.row(y)));
     }
 }
 
-/// A writer to the log of defmt. `host-sim replay` finds its lines in the printed log, among all others.
+/// Writes to the log of defmt. `host-sim replay` finds the lines in the printed log among all others.
 ///
 /// ```rust,ignore
 /// let Ok(mut recorder) = Recorder::begin(tracker.target(), to_defmt);

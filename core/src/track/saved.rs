@@ -11,9 +11,9 @@
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
-//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). A target continues only with the
-//! settings with which it was saved, so they are saved to be compared. An error names the first one that differs. The
-//! table has 512 bytes, so only its checksum is saved.
+//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The settings are saved to be
+//! compared, because a target continues only with those with which it was saved. An error names the first one that
+//! differs. The table has 512 bytes, so only its checksum is saved.
 
 use super::checksum::Crc;
 use super::error::{RestoreError, SaveError};
@@ -24,12 +24,12 @@ const MAGIC: [u8; 3] = *b"SMR";
 const VERSION: u16 = 4;
 const HEAD: usize = 14;
 
-/// Bytes of a saved target without the state: the head, the `numbers` of the configuration, and the checksum.
+/// The size of a saved target without the state: the head, `numbers` values of the configuration, and the checksum.
 pub(super) const fn around(numbers: usize) -> usize {
     HEAD + 2 * numbers + 4
 }
 
-/// The configuration as a saved target holds it: tracker, table and numbers.
+/// The part of a configuration that a saved target contains.
 pub(super) struct Saved<'a> {
     kind: Kind,
     table: &'static Table,
@@ -48,7 +48,6 @@ impl<'a> Saved<'a> {
     }
 }
 
-/// Writes a saved target, number by number.
 pub(super) struct Writer<'a> {
     bytes: &'a mut [u8],
     at: usize,
@@ -93,7 +92,7 @@ impl<'a> Writer<'a> {
         self.put(&number.to_le_bytes());
     }
 
-    /// Writes the checksum and returns the number of bytes in all.
+    /// Appends the checksum and returns the total number of bytes.
     pub(super) fn finish(mut self) -> usize {
         let sum = Crc::of(self.bytes.get(..self.at).unwrap_or_default());
         self.u32(sum);
@@ -101,13 +100,13 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Reads bytes number by number. Each read gives `None` at the end of the bytes.
+/// Reads bytes value by value. Each read returns `None` at the end of the bytes.
 pub(super) struct Reader<'a> {
     pub(super) bytes: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of the state of a tracker with this configuration, if everything around the state is valid.
+    /// Checks head, configuration and checksum of a saved target, and returns a reader of its state.
     pub(super) fn new(bytes: &'a [u8], config: &Saved<'_>) -> Result<Self, Refusal> {
         let mut head = Reader { bytes };
         if head.take::<3>() != Some(MAGIC) {
@@ -178,16 +177,15 @@ impl<'a> Reader<'a> {
         self.take().map(i64::from_le_bytes)
     }
 
-    /// True if no bytes are left.
     pub(super) const fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 }
 
-/// Why a target was not restored, without the names of settings: a program that does not ask for them does not link them.
+/// The reason why a target was not restored. It has no name of a setting, so a program that asks for none links none.
 pub(super) enum Refusal {
     Error(RestoreError),
-    /// The place of the first number that differs.
+    /// Index of the first value of the configuration that differs.
     Setting(usize),
 }
 

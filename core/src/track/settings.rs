@@ -1,5 +1,5 @@
-//! The macro that defines settings: those of a tracker are in its `config.rs`. From them follow the fields of the
-//! configurations, names and ranges in every language, and the order of the numbers in a saved target and in a record.
+//! The macro `settings!`, with which each tracker's `config.rs` defines its settings. It generates the fields of the
+//! configuration, names and ranges for every language, and the order of values in saved targets and records.
 
 use super::ConfigError;
 use crate::similarity::Table;
@@ -9,13 +9,13 @@ use crate::similarity::Table;
 #[non_exhaustive]
 pub struct Setting {
     name: &'static str,
-    /// The type.
+    /// The type, which determines the count of values.
     pub shape: Shape,
     /// The lowest value. The denominator of a fraction is also at least 1.
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
-    /// Count of numbers before it in a record that are always 1.
+    /// The count of values before it in a record that are always 1.
     pub(super) ones: usize,
 }
 
@@ -24,18 +24,18 @@ pub struct Setting {
 pub enum Shape {
     /// A whole number.
     Number,
-    /// 0 or 1.
+    /// A switch: 0 or 1.
     Switch,
-    /// Numerator and denominator.
+    /// Two numbers: numerator and denominator.
     Fraction,
-    /// x and y.
+    /// Two numbers: x and y.
     Radius,
-    /// Left, top, right and bottom.
+    /// Four margins: left, top, right and bottom.
     Margins,
 }
 
 impl Shape {
-    /// The count of values.
+    /// The count of values: 1, 2 or 4.
     #[must_use]
     pub const fn count(self) -> usize {
         match self {
@@ -69,7 +69,7 @@ impl Setting {
         self.name
     }
 
-    /// Checks values of this setting.
+    /// Checks the count and the range of the `values` for this setting.
     ///
     /// # Errors
     /// [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`].
@@ -104,14 +104,15 @@ impl Setting {
 pub trait Settings: Numbers {
     /// All settings, in the order in which records and saved targets hold them.
     const SETTINGS: &'static [Setting];
-    /// A description of each, in one or two sentences.
+    /// A description of each setting, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
-    /// Sets a setting by its name. [`Target::with`](crate::Target::with) compares it with others.
+    /// Sets the values of a setting by its name. [`Target::with`](crate::Target::with) checks it against other
+    /// settings.
     ///
     /// # Errors
-    /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]. The configuration is
-    /// unchanged then.
+    /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]. The configuration
+    /// is then unchanged.
     fn set(&mut self, name: &str, values: &[u16]) -> Result<(), ConfigError> {
         let (setting, at) = find(Self::SETTINGS, name).ok_or(ConfigError::UnknownSetting)?;
         setting.check(values)?;
@@ -121,7 +122,7 @@ pub trait Settings: Numbers {
         Ok(())
     }
 
-    /// The values of a setting, then zeros; `None` if no setting has this name.
+    /// The values of a setting, padded with zeros; `None` if no setting has this name.
     fn get(&self, name: &str) -> Option<[u16; 4]> {
         let (setting, at) = find(Self::SETTINGS, name)?;
         let (mut values, numbers) = ([0; 4], self.numbers());
@@ -130,10 +131,11 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// A configuration from the numbers of a [record](crate::record), which follow the entries of the table there.
+    /// Restores a configuration from its values in a [record](crate::record), where they follow the entries of the
+    /// table.
     ///
     /// # Errors
-    /// [`ConfigError`] if they are not those of a valid configuration.
+    /// [`ConfigError`] if the values are not those of a valid configuration.
     fn of_numbers(table: &'static Table, numbers: &[u16]) -> Result<Self, ConfigError> {
         if ![Self::COUNT, Self::LEAST].contains(&numbers.len()) {
             return Err(ConfigError::WrongCount { name: "the configuration", count: Self::COUNT });
@@ -156,7 +158,7 @@ pub trait Settings: Numbers {
     }
 }
 
-/// A tracker, as saved targets name it.
+/// The letter of a tracker in saved targets and records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
@@ -164,35 +166,29 @@ pub enum Kind {
     Robust = b'R',
 }
 
-/// Numbers of a record that are always 1.
+/// The name that errors use for the values of a record that are always 1.
 const PARTS: &str = "parts";
 
-/// The numbers of a configuration that answers depend on, in the order of the record, without the table. The backend is
-/// none of them.
+/// The values of a configuration on which answers depend, in the order of the record. Table and backend are not among
+/// them.
 pub trait Numbers: Copy + Default {
-    /// An array of all numbers.
     type Array: AsRef<[u16]> + AsMut<[u16]>;
-    /// The count of numbers.
     const COUNT: usize;
-    /// The count in a record whose last number is 0: that number is left out.
+    /// The count of values in a record whose last value is 0, because that value is left out.
     const LEAST: usize;
-    /// The name of the setting that each number belongs to.
+    /// The name of the setting that each value belongs to.
     const NAMES: &'static [&'static str];
-    /// The tracker.
     const KIND: Kind;
 
-    /// The numbers.
     fn numbers(&self) -> Self::Array;
-    /// Sets the table and all numbers. They are in their ranges.
+    /// Sets the table and all values, which are in their ranges.
     fn put(&mut self, table: &'static Table, numbers: &Self::Array);
-    /// The table.
     fn table(&self) -> &'static Table;
-    /// See `check` of each configuration.
     fn check_all(&self) -> Result<(), ConfigError>;
 }
 
-/// Calls `add` with the numbers of a record: the entries of the table, then the others. The refiner's is left out if it is
-/// off, so that the record is the same as that of a build without it.
+/// Calls `add` with each value of a record: the entries of the table, then the configuration. The refiner's value is
+/// left out if it is off, so the record equals that of a build without the refiner.
 pub(super) fn recorded<C: Numbers>(config: &C, add: impl FnMut(u16)) {
     let numbers = config.numbers();
     let numbers = numbers.as_ref();
@@ -200,7 +196,7 @@ pub(super) fn recorded<C: Numbers>(config: &C, add: impl FnMut(u16)) {
     config.table().entries().iter().chain(numbers.iter().take(count)).copied().for_each(add);
 }
 
-/// The setting of this name, and the place of its first number.
+/// The setting with this name, and the index of its first value.
 fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, usize)> {
     let mut at = 0;
     settings.iter().find_map(|setting| {
@@ -211,7 +207,7 @@ fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, u
     })
 }
 
-/// The name of the setting that each number belongs to.
+/// The name of the setting that each value belongs to.
 #[allow(clippy::indexing_slicing)] // at compile time
 pub(super) const fn names<const COUNT: usize>(settings: &[Setting]) -> [&'static str; COUNT] {
     let (mut names, mut number, mut setting) = ([PARTS; COUNT], 0, 0);
@@ -227,7 +223,7 @@ pub(super) const fn names<const COUNT: usize>(settings: &[Setting]) -> [&'static
     names
 }
 
-/// Returns early unless a number is in its range.
+/// Returns early with an error if a value is outside its range.
 macro_rules! in_range {
     ($name:expr, $found:expr, $lowest:expr, $highest:expr) => {
         if $found < $lowest || $highest < $found {
@@ -241,7 +237,7 @@ macro_rules! in_range {
     };
 }
 
-/// The numbers of settings in an array: `flat!(config [] Type setting Type setting ...)`.
+/// The values of settings as an array: `flat!(config [] Type setting Type setting ...)`.
 macro_rules! flat {
     ($of:ident [$($all:expr,)*]) => { [$($all),*] };
     ($of:ident [$($all:expr,)*] after 4 $($rest:tt)*) => { flat!($of [$($all,)* 1, 1, 1, 1,] $($rest)*) };
@@ -259,7 +255,7 @@ macro_rules! flat {
     };
 }
 
-/// For each type of a setting: its shape, its value from numbers, and the check of a value.
+/// For each type of a setting: its shape, its conversion from values, and its check.
 #[rustfmt::skip] // a line for each
 macro_rules! of_type {
     (shape bool) => { Shape::Switch };
@@ -281,8 +277,8 @@ macro_rules! of_type {
     (check $full:ident $($rest:tt)*) => {};
 }
 
-/// Defines a configuration: fields that are no settings, then the settings with their types and ranges. `after N` says
-/// that N numbers that are always 1 precede a setting in the record.
+/// Defines a configuration: fields that are no settings, then settings with their types and ranges. `after N` means
+/// that N values that are always 1 precede a setting in a record.
 macro_rules! settings {
     (
         $kind:ident, $least:expr; $(#[$about:meta])*

@@ -7,7 +7,7 @@ use crate::image::{FineRect, Frame, Rect};
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
 /// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a
-/// time. For a single target, a [`Tracker`](crate::Tracker) holds both. The trait is sealed: only
+/// time. A [`Tracker`](crate::Tracker) holds one target and a workspace. The trait is sealed: only
 /// [`Paper`](crate::Paper) and [`Robust`](crate::Robust) implement it.
 ///
 /// ```
@@ -45,10 +45,10 @@ use crate::image::{FineRect, Frame, Rect};
 /// # Ok::<(), smr_core::Error>(())
 /// ```
 pub trait Target: Steps {
-    /// The configuration: the numbers of the method.
+    /// The configuration of the tracker.
     type Config: Copy;
 
-    /// The most bytes that [`Target::save`] writes.
+    /// The largest size of a saved target in bytes: see [`Target::save`].
     const SAVED_SIZE: usize;
 
     /// The most work of an update, a lock and a step for a box of `width` x `height` pixels, for any frame.
@@ -91,7 +91,7 @@ pub trait Target: Steps {
     #[doc(hidden)]
     fn set_config(&mut self, config: Self::Config);
 
-    /// The configuration.
+    /// The configuration in use.
     fn config(&self) -> &Self::Config;
 
     /// The pixels that [`Target::lock`] reads for `bbox` in a frame of the size of `bounds`. They lie inside the frame;
@@ -185,7 +185,7 @@ pub(super) fn lockable(bounds: Rect, bbox: Rect) -> Result<(), LockError> {
     if bounds.contains(bbox) { Ok(()) } else { Err(LockError::BoxOutsideFrame) }
 }
 
-/// A value or none. None is 0, which an `Option` does not promise, so a tracker in a `static` takes no flash.
+/// An option whose empty variant is 0, which `Option` does not guarantee. So a tracker in a `static` takes no flash.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(super) enum Slot<T> {

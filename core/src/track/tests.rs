@@ -1,4 +1,4 @@
-//! Both trackers, tested by the same code: their promises, motion of the camera, damaged bytes, misuse, settings, memory.
+//! Tests of both trackers by the same code: promises, camera motion, damaged bytes, misuse, settings, memory.
 
 mod promises;
 
@@ -47,7 +47,7 @@ fn picture(x: i32, y: i32) -> Vec<u8> {
     })
 }
 
-/// A picture with these levels.
+/// The pixels of a picture with the gray level `level(x, y)`.
 pub(super) fn drawn((width, height): (u16, u16), mut level: impl FnMut(i32, i32) -> u8) -> Vec<u8> {
     (0..height.into()).flat_map(|y| (0..width.into()).map(move |x| (x, y))).map(|(x, y)| level(x, y)).collect()
 }
@@ -73,7 +73,7 @@ pub(super) fn asked_for<'a, T: Target>(frame: &Frame<'a>, target: &T) -> Frame<'
     part.and_part(frame.patch(sweep).unwrap(), sweep.x as u16, sweep.y as u16).unwrap()
 }
 
-/// The target is visible, hidden, elsewhere, half outside, and back.
+/// Frames in which the target is visible, hidden, elsewhere, half outside, and back.
 fn frames() -> Vec<Vec<u8>> {
     let mut places = vec![(61, 41), (64, 43), (67, 44)];
     places.extend([(400, 400); 9]);
@@ -99,12 +99,12 @@ fn saved<T: Target>(target: &T) -> Vec<u8> {
     bytes
 }
 
-/// The robust tracker's configuration with all parts of this build.
+/// The configuration of the robust tracker, with the refiner if this build has it.
 pub(super) fn most_parts() -> robust::Config {
     robust::Config { refiner: cfg!(feature = "refiner"), ..robust::Config::robust() }
 }
 
-/// Runs every test for both trackers.
+/// Instantiates each generic test for both trackers.
 macro_rules! for_both {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
@@ -169,7 +169,7 @@ fn damaged_bytes_are_refused<T: Target>(config: T::Config) {
     for length in 0..bytes.len() {
         let error = other.restore(&bytes[..length]).unwrap_err();
         assert!(matches!(error, RestoreError::Truncated | RestoreError::NotSaved), "{length}: {error:?}");
-        // The power failed while a target was written over an older one, from the start or from the end.
+        // As if the power failed while a target was written over an older one, from the start or from the end.
         for torn in
             [[&bytes[..length], &older[length..]], [&older[..length], &bytes[length..]]].map(|torn| torn.concat())
         {
@@ -230,7 +230,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let bytes = saved(of_scene::<SmallPaper>(small_paper()).target());
     let mut robust = Robust::new();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
-    // Backend and pruning do not matter.
+    // Backend and pruning need not match.
     let mut slow = small_paper();
     (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
     assert_eq!(SmallPaper::with(slow).unwrap().restore(&bytes), Ok(()));
@@ -245,12 +245,12 @@ static OTHER_TABLE: Table = match Table::new(100) {
     Err(_) => panic!("in range"),
 };
 
-/// Changes each number of `config` by the name of its setting. The change is kept, also in a record, and a target that
-/// was saved before is refused with that name.
+/// Changes each value of `config` by the name of its setting. A record keeps the change, and a target that was saved
+/// before is refused with that name.
 fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: T::Config) {
     let bytes = saved(of_scene::<T>(config).target());
     let refusal = |config| T::with(config).unwrap().restore(&bytes).unwrap_err();
-    // Only with its feature can the refiner be on.
+    // The refiner can be on only in a build with its feature.
     let settings =
         T::Config::SETTINGS.iter().filter(|setting| setting.name() != "refiner" || cfg!(feature = "refiner"));
     for (setting, place) in settings.flat_map(|setting| (0..setting.shape.count()).map(move |place| (setting, place))) {
@@ -278,7 +278,7 @@ fn settings_have_names<T: Target<Config: Settings + Debug + PartialEq>>(config: 
     assert_eq!(refusal(other).to_string(), text);
 }
 
-/// The numbers of a record, without the table.
+/// The values of a configuration in a record, without the table.
 fn numbers_of<C: Settings>(config: &C) -> Vec<u16> {
     let mut numbers = vec![];
     recorded(config, |number| numbers.push(number));
@@ -327,8 +327,7 @@ fn the_preset_robust_is_the_same_in_every_build() {
     }
 }
 
-/// One checksum of everything that a user can see of the preset `robust`. It is the same in builds with and without the
-/// refiner.
+/// A checksum of everything that a user sees of the preset `robust`: equal in builds with and without the refiner.
 #[test]
 fn the_preset_robust_answers_the_same_in_every_build() {
     let mut sum = Crc::new();
@@ -353,7 +352,6 @@ fn the_preset_robust_answers_the_same_in_every_build() {
     assert_eq!((works.iter().sum::<u32>(), sum.finish()), (158_717_867, 1_597_886_336));
 }
 
-/// A target holds no scratch memory.
 #[test]
 fn a_second_target_takes_no_scratch() {
     let (paper, robust) = (size_of::<SmallPaper>(), size_of::<Robust>());

@@ -46,8 +46,8 @@ pub struct Tracker<T: Target> {
 }
 
 impl Tracker<Robust> {
-    /// A tracker without a target, with the default configuration: [`robust::Config::robust`]. All its bytes are 0. In a
-    /// `static` it takes neither stack nor flash:
+    /// A tracker without a target, with [`robust::Config::robust`]. All its bytes are 0, so in a `static` it takes
+    /// neither stack nor flash:
     ///
     /// ```
     /// use smr_core::{Robust, Tracker, robust::Config};
@@ -68,8 +68,8 @@ impl Tracker<Robust> {
 }
 
 impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
-    /// A tracker without a target, with [`paper::Config::camera`] for windows that fit `SPAN`. All its bytes are 0. In a
-    /// `static` it takes neither stack nor flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
+    /// A tracker without a target, with [`paper::Config::camera`] limited to windows that fit `SPAN`. All its bytes are
+    /// 0, so in a `static` it takes neither stack nor flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
@@ -77,7 +77,7 @@ impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
     }
 }
 
-/// Defines what a tracker and its target both say.
+/// Defines methods that return the result of the target's method of the same name.
 macro_rules! of_the_target {
     ($($name:ident: $type:ty),+) => {$(
         #[doc = concat!("See [`Target::", stringify!($name), "`].")]
@@ -88,7 +88,7 @@ macro_rules! of_the_target {
 }
 
 impl<T: Target> Tracker<T> {
-    /// A tracker without a target.
+    /// A tracker without a target, with this configuration.
     ///
     /// # Errors
     /// [`ConfigError`] if the configuration is invalid.
@@ -116,13 +116,13 @@ impl<T: Target> Tracker<T> {
         &self.target
     }
 
-    /// The workspace.
+    /// The workspace (scratch memory).
     #[must_use]
     pub const fn workspace(&self) -> &T::Workspace {
         &self.workspace
     }
 
-    /// Target and workspace, borrowed separately. Ends what is under way.
+    /// Borrows target and workspace separately. Ends an update or lock under way.
     pub fn parts(&mut self) -> (&mut T, &mut T::Workspace) {
         calls::end::<T>(&mut self.workspace);
         (&mut self.target, &mut self.workspace)
@@ -146,9 +146,10 @@ impl<T: Target> Tracker<T> {
         update::lock(&mut self.target, &mut self.workspace, frame, bbox)
     }
 
-    /// Locks in steps of bounded work: begins the lock, or goes on with it if `bbox` and the size of the frame are those
-    /// of the last step. The pixels must be the same in every step. `None` while work is left; there is no target
-    /// until then, because the first step forgets the previous one. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) does all work in one step.
+    /// Locks in steps of bounded work: begins a lock, or continues the one under way if `bbox` and the size of the
+    /// frame are the same. The pixels must be the same in every step. `None` while work remains; until then there is no
+    /// target, because the first step forgets the previous one. Units: see [`Tracker::update_step`].
+    /// [`Paper`](crate::Paper) needs one step.
     ///
     /// # Errors
     /// [`LockError`]. The target and the lock under way are then unchanged.
@@ -181,12 +182,11 @@ impl<T: Target> Tracker<T> {
         T::work(&self.workspace)
     }
 
-    /// Updates in steps of bounded work: begins an update, or goes on with the one under way. `None` while work is left.
+    /// Updates in steps of bounded work: begins an update, or continues the one under way. `None` while work remains.
     /// The answer does not depend on the steps. The pixels must be the same in every step.
     ///
-    /// An update under way is in the tracker; nothing else need be kept between two steps. Every other call that may
-    /// change the target ([`update`](Self::update), `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next
-    /// step begins a new one.
+    /// The tracker stores the update under way. Every other call that may change the target ([`update`](Self::update),
+    /// `lock`, `lock_step`, `moved`, `restore`, `configure`, `parts`) ends it, and the next step begins a new one.
     ///
     /// | | [`Paper`](crate::Paper) | [`Robust`](crate::Robust) |
     /// |---|---|---|
@@ -221,9 +221,10 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It asks after each 10,000 units of
-    /// work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000 units. Without an
-    /// answer, go on with the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
+    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It calls `expired` after
+    /// each 10,000 units of work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000
+    /// units. After `None`, continue with the same frame in the next period: `update_step_until(&frame, ||
+    /// Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

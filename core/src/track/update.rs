@@ -1,13 +1,13 @@
 //! Updates and locks in steps: one protocol for both trackers and for C.
 //!
-//! The workspace stores which call is under way and how far it has come. A call goes on only in a
-//! [`Tracker`](crate::Tracker), which owns target and workspace, or behind the handle of C, whose workspace notes who
-//! used it last; so it cannot go on with another target. Every other call that may change the target ends it.
+//! The workspace stores the call under way and its progress. So that a call cannot continue with another target, it
+//! continues only in a [`Tracker`](crate::Tracker), which owns target and workspace, or in the C interface, whose
+//! workspace stores its last user. Every other call that may change the target ends it.
 
 use super::{Answer, LockError, Quality, UpdateError};
 use crate::image::{Frame, Rect};
 
-/// The key to the sealed methods of [`Steps`]. Only this crate can make one, so only this crate can call them.
+/// The key to the sealed methods of [`Steps`]. Only this crate can create one, so only this crate can call them.
 #[derive(Debug)]
 pub struct Seal(());
 
@@ -24,12 +24,12 @@ enum Call {
     Lock([u16; 2], Rect),
 }
 
-/// The work that the present step may still do, and that of all steps so far, which is only reported. A unit is about one instruction
-/// of a Cortex-M4, or for the paper's tracker a comparison of two bytes.
+/// The work that the present step may still do, and the work of all steps so far, which is only reported. A unit is
+/// about one instruction of a Cortex-M4, or for the paper's tracker a comparison of two bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     granted: u32,
-    /// Saturates.
+    /// Saturates at `u32::MAX`.
     done: u32,
 }
 
@@ -48,7 +48,7 @@ impl Budget {
         self.granted == 0
     }
 
-    /// Counts work done. It may exceed the grant, because a piece of work cannot be divided.
+    /// Subtracts work from the grant. The work may exceed it, because a piece of work cannot be divided.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) const fn spend(&mut self, work: u32) {
         self.granted = self.granted.saturating_sub(work);
@@ -61,7 +61,7 @@ impl Budget {
     }
 }
 
-/// A count as units of work.
+/// Converts a count to units of work.
 pub(super) fn units(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
@@ -85,7 +85,6 @@ pub struct UnderWay {
 impl UnderWay {
     pub(super) const NOTHING: Self = Self { call: Call::Nothing, budget: Budget::NOTHING };
 
-    /// Ends the update or lock under way.
     pub(super) const fn end(&mut self) {
         self.call = Call::Nothing;
     }
@@ -126,19 +125,19 @@ pub trait Steps: Sized {
     #[doc(hidden)]
     fn check_lock(&self, frame: &Frame<'_>, bbox: Rect, _: &Seal) -> Result<(), LockError>;
 
-    /// Begins an update. The frame was checked.
+    /// Begins an update with a checked frame.
     #[doc(hidden)]
     fn start(&mut self, workspace: &mut Self::Workspace, _: &Seal);
 
-    /// Begins a lock and forgets the previous target. The frame was checked.
+    /// Begins a lock in a checked frame, and forgets the previous target.
     #[doc(hidden)]
     fn start_lock(&mut self, workspace: &mut Self::Workspace, bounds: Rect, bbox: Rect, _: &Seal);
 
-    /// Continues an update until the grant is spent. True if only `commit` is left.
+    /// Continues an update until the grant is spent. True if only `commit` remains.
     #[doc(hidden)]
     fn step(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
 
-    /// Continues a lock until the grant is spent. True if only `commit_lock` is left.
+    /// Continues a lock until the grant is spent. True if only `commit_lock` remains.
     #[doc(hidden)]
     fn step_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> bool;
 
@@ -151,13 +150,13 @@ pub trait Steps: Sized {
     fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
-/// The stages of a call, one by one, for C: it writes the answer where the caller wants it, so the stack has no second
-/// one.
+/// The stages of a call one by one, for the C interface: it writes the answer to the caller's memory without a copy on
+/// the stack.
 #[doc(hidden)]
 pub mod calls {
     use super::{Answer, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
 
-    /// Begins an update if none is under way, and continues it for about `work` units. True if only [`commit`] is left.
+    /// Begins an update if none is under way, and continues it for about `work` units. True if only [`commit`] remains.
     ///
     /// # Errors
     /// As [`Target::update`](crate::Target::update).
@@ -175,7 +174,7 @@ pub mod calls {
     }
 
     /// Begins a lock on `bbox` if none is under way, and continues it for about `work` units. True if only
-    /// [`commit_lock`] is left.
+    /// [`commit_lock`] remains.
     ///
     /// # Errors
     /// As [`Target::lock`](crate::Target::lock).
@@ -232,7 +231,6 @@ pub mod calls {
     }
 }
 
-/// Does a whole update.
 pub(super) fn update<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,
@@ -243,7 +241,6 @@ pub(super) fn update<T: Steps>(
     Ok(calls::commit(target, workspace, frame))
 }
 
-/// Does a whole lock.
 pub(super) fn lock<T: Steps>(
     target: &mut T,
     workspace: &mut T::Workspace,

@@ -1,4 +1,4 @@
-//! The entries of a record, checked.
+//! Parses and checks the entries of a record.
 
 use super::{AROUND, HEAD, Tag, VERSION};
 use crate::image::{FineRect, Frame, Image, Rect};
@@ -8,7 +8,7 @@ use crate::track::saved::Reader;
 use crate::track::{Answer, Settings, State};
 use core::{fmt, mem};
 
-/// Numbers of a table of similarities, and more than the other numbers of a configuration.
+/// The entries of a table of similarities, and an upper bound of the other values of a configuration.
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
@@ -21,8 +21,8 @@ pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
 }
 
-/// The entry that `bytes` begin with, for a record that is not in memory as a whole. They must be a whole entry: see
-/// [`HEAD`] for its length.
+/// Parses the entry at the start of `bytes`, for a record that is not wholly in memory. `bytes` must contain the whole
+/// entry, whose length is in its [`HEAD`].
 ///
 /// # Errors
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
@@ -33,7 +33,7 @@ pub fn first(bytes: &[u8]) -> Result<Found<'_>, Damage> {
     Ok(Found { at: 0, size: AROUND + content.len(), number, entry })
 }
 
-/// An iterator over the entries of a record: see [`entries`]. It ends after damage.
+/// An iterator over the entries of a record: see [`entries`]. It ends after the first damage.
 #[derive(Clone, Debug)]
 pub struct Entries<'a> {
     record: &'a [u8],
@@ -46,20 +46,20 @@ pub struct Entries<'a> {
 /// An entry, and its place in the record.
 #[derive(Clone, Copy, Debug)]
 pub struct Found<'a> {
-    /// Its first byte in the record.
+    /// Offset of the entry in the record, in bytes.
     pub at: usize,
-    /// Its bytes.
+    /// Size of the entry in bytes.
     pub size: usize,
-    /// Its number since the last beginning.
+    /// Sequence number: 0 for [`Entry::Begin`], then 1, 2, 3, ...
     pub number: u32,
-    /// The event.
+    /// The content of the entry.
     pub entry: Entry<'a>,
 }
 
 /// An event of a flight.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
-    /// A tracker was made.
+    /// A tracker was created.
     Begin(Begin<'a>),
     /// A lock on `bbox`, which read `window` of the frame.
     Lock {
@@ -67,14 +67,14 @@ pub enum Entry<'a> {
         frame: Frame<'a>,
         /// The pixels that were read.
         window: Rect,
-        /// The box.
+        /// The box that was locked.
         bbox: Rect,
     },
-    /// A turn of the camera, in 1/256 pixel.
+    /// A motion of the picture because the camera turned, in units of 1/256 pixel.
     Moved {
-        /// To the right.
+        /// Motion to the right.
         right: i32,
-        /// Down.
+        /// Motion down.
         down: i32,
     },
     /// An update is about to begin.
@@ -83,7 +83,7 @@ pub enum Entry<'a> {
         frame: Frame<'a>,
         /// The pixels that the update reads.
         window: Rect,
-        /// The rectangle around the windows of the sweep, if the update may read it.
+        /// The rectangle around the windows of the sweep for a lost target, if the update may read it.
         sweep: Option<Rect>,
     },
     /// The answer of the update.
@@ -95,7 +95,7 @@ pub enum Entry<'a> {
 /// The tracker that a record begins with.
 #[derive(Clone, Copy)]
 pub struct Begin<'a> {
-    /// Its letter, [`Recorded::TRACKER`](super::Recorded::TRACKER).
+    /// The tracker's letter, [`Recorded::TRACKER`](super::Recorded::TRACKER).
     pub tracker: u8,
     numbers: &'a [u8],
 }
@@ -131,7 +131,7 @@ impl Begin<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Damage {
-    /// A byte of the record.
+    /// Offset in the record, in bytes.
     pub at: usize,
     /// The kind of damage.
     pub flaw: Flaw,
@@ -142,13 +142,13 @@ pub struct Damage {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Flaw {
-    /// A number of bytes that are no entry; the record goes on after them.
+    /// This many bytes are no entry; the record continues after them.
     NoEntry(usize),
     /// The entry with this number is missing.
     Missing(u32),
     /// The record is of this version, not of [`VERSION`].
     OtherVersion(u16),
-    /// The content of an entry is not that of its kind.
+    /// The content of an entry is invalid for its tag.
     Content,
 }
 
@@ -169,7 +169,7 @@ impl fmt::Display for Damage {
 impl core::error::Error for Damage {}
 
 impl Entries<'_> {
-    /// The bytes before the last entry, or at the end of the record, that are no entry.
+    /// The number of bytes before the last entry, or at the end of the record, that belong to no entry.
     #[must_use]
     pub const fn cut_off(&self) -> usize {
         self.cut_off
@@ -218,7 +218,7 @@ impl<'a> Iterator for Entries<'a> {
     }
 }
 
-/// Tag, number and content of the entry that begins here; `None` if no whole one does.
+/// (tag, number, content) of the entry at the start of `bytes`; `None` if it is incomplete or damaged.
 #[inline(never)]
 fn whole(bytes: &[u8]) -> Option<(Tag, u32, &[u8])> {
     let mut head = Reader { bytes };
@@ -269,7 +269,7 @@ fn entry<'a>(tag: Tag, from: &mut Reader<'a>) -> Option<Entry<'a>> {
     })
 }
 
-/// The content of an entry, number by number; `None` at the end.
+/// Reads the content of an entry, value by value; `None` at the end.
 impl<'a> Reader<'a> {
     fn size(&mut self) -> Option<(u16, u16)> {
         Some((self.u16()?, self.u16()?))
@@ -281,7 +281,7 @@ impl<'a> Reader<'a> {
         Some(Rect::new(x.into(), y.into(), width, height))
     }
 
-    /// The next pixels, as the part of a frame in this window, with its top left corner.
+    /// The next pixels as the image of `window`, with its top left corner.
     fn part(&mut self, window: Rect) -> Option<(Image<'a>, u16, u16)> {
         let pixels = self.slice(usize::try_from(window.area()).ok()?)?;
         let image = Image::new(pixels, window.width, window.height).ok()?;

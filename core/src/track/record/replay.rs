@@ -1,4 +1,4 @@
-//! A record, run through a tracker again.
+//! Replays a record through a tracker.
 
 use super::Recorded;
 use super::read::{Begin, Damage, Entry, Found, entries};
@@ -6,15 +6,15 @@ use crate::image::{Frame, Rect};
 use crate::track::{Answer, ConfigError, LockError, RestoreError, Target, Tracker, UpdateError};
 use core::fmt;
 
-/// Counts of what was replayed.
+/// The counts of replayed entries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Replayed {
-    /// Beginnings.
+    /// Entries that begin a record.
     pub flights: u32,
-    /// Locks.
+    /// Locks on a box.
     pub locks: u32,
-    /// Answers, all as they were recorded.
+    /// Answers, all equal to the recorded ones.
     pub answers: u32,
 }
 
@@ -24,11 +24,11 @@ pub struct Replayed {
 pub enum Stop {
     /// The record is damaged.
     Damage(Damage),
-    /// Something else happened than was recorded.
+    /// The replay differs from the record.
     Difference {
-        /// The first byte of the entry.
+        /// Offset of the entry in the record, in bytes.
         at: usize,
-        /// The number of the entry since the last beginning.
+        /// Sequence number of the entry, from 0 at its beginning.
         number: u32,
         /// The difference.
         difference: Difference,
@@ -42,19 +42,19 @@ errors! {
         Numbers => "the configuration is not one of this tracker and version, or its table is another",
         /// The configuration is refused.
         Config(error: ConfigError) => "configuration: {error}",
-        /// A lock reads other pixels: recorded, replayed.
+        /// A lock reads other pixels: (recorded window, replayed window).
         LockWindow(recorded: Rect, replayed: Rect) => "lock window: recorded {recorded:?}, replayed {replayed:?}",
         /// A lock fails.
         Lock(error: LockError) => "lock: {error}",
-        /// An update reads other pixels: recorded, replayed.
+        /// An update reads other pixels: (recorded window, replayed window).
         Window(recorded: Option<Rect>, replayed: Option<Rect>) => "window: recorded {recorded:?}, replayed {replayed:?}",
-        /// An update has another second window: recorded, replayed.
+        /// An update has another second window: (recorded, replayed).
         SweepWindow(recorded: Option<Rect>, replayed: Option<Rect>) => "sweep window: recorded {recorded:?}, replayed {replayed:?}",
         /// An update fails.
         Update(error: UpdateError) => "update: {error}",
-        /// Another answer: recorded, replayed.
+        /// The answers differ: (recorded, replayed).
         Answer(recorded: Answer, replayed: Answer) => "answer: recorded {recorded:?}, replayed {replayed:?}",
-        /// An answer without a window before it.
+        /// The record has an answer without a window before it.
         NoWindow => "an answer without a window before it",
         /// A saved target is refused.
         Restored(error: RestoreError) => "saved target: {error}",
@@ -74,12 +74,11 @@ impl core::error::Error for Stop {}
 
 /// Runs `record` through `tracker` and compares every answer with the recorded one.
 ///
-/// `update` does each update: by [`Tracker::update`], in steps, or restored from a saved target before it. Each
-/// beginning in the record gives the tracker the recorded configuration (see [`Begin::config`](super::Begin::config)).
-/// The [module](super) has an example.
+/// `update` computes each answer, for example by [`Tracker::update`] or in steps. Each beginning in the record
+/// configures the tracker anew: see [`Begin::config`](super::Begin::config). The [module](super) has an example.
 ///
 /// # Errors
-/// The first difference, or the damage. The tracker is then where the record was left.
+/// [`Stop`]: the first difference or damage. The tracker keeps the state that it has reached.
 pub fn replay<T: Recorded>(
     record: &[u8],
     tracker: &mut Tracker<T>,
@@ -100,30 +99,30 @@ pub fn replay<T: Recorded>(
     Ok(replayed)
 }
 
-/// Runs entries through a tracker, one after the other: [`replay`], for a caller who wants to see each.
+/// Replays single entries: [`replay`], for a caller that needs to see each.
 #[derive(Debug)]
 pub struct Player<'a, T: Target> {
     rest: T::Config,
-    /// The frame of an update that has no answer so far.
+    /// The frame of an update that has no answer yet.
     window: Option<Frame<'a>>,
 }
 
 impl<'a, T: Recorded> Player<'a, T> {
-    /// A player of trackers with the `rest` of a configuration: see [`Begin::config`](super::Begin::config).
+    /// A player with the settings that a record lacks (`rest`): see [`Begin::config`](super::Begin::config).
     pub const fn new(rest: T::Config) -> Self {
         Self { rest, window: None }
     }
 
-    /// The frame of the update that was begun and has no answer yet.
+    /// The frame of the update that has begun and has no answer yet.
     #[must_use]
     pub const fn window(&self) -> Option<&Frame<'a>> {
         self.window.as_ref()
     }
 
-    /// Does with `tracker` what the entry says, and compares what follows.
+    /// Applies `entry` to `tracker`, and compares the result with the recorded one.
     ///
     /// # Errors
-    /// Something else follows than was recorded.
+    /// [`Difference`] if the result is not the recorded one.
     pub fn play(
         &mut self,
         tracker: &mut Tracker<T>,
@@ -154,13 +153,13 @@ impl<'a, T: Recorded> Player<'a, T> {
     }
 }
 
-#[inline(never)] // else the stack of an update would have that of this, too
+#[inline(never)] // keeps its stack out of that of an update
 fn configure<T: Recorded>(tracker: &mut Tracker<T>, begin: &Begin<'_>, rest: &T::Config) -> Result<(), Difference> {
     let config = begin.config(rest).ok_or(Difference::Numbers)?;
     tracker.configure(config).map_err(Difference::Config)
 }
 
-#[inline(never)] // as above
+#[inline(never)] // as `configure`
 fn restore<T: Recorded>(tracker: &mut Tracker<T>, saved: &[u8]) -> Result<(), Difference> {
     tracker.restore(saved).map_err(Difference::Restored)
 }

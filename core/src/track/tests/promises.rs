@@ -1,17 +1,17 @@
-//! The promises of both trackers, in random films: an answer does not depend on how its frame comes, and nothing leaves its bounds.
+//! Tests both trackers in random films: no answer depends on how its frame arrives, and no value leaves its bounds.
 
 use super::*;
 use crate::MostWork;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 
-/// The pattern of a target, of its background, or of an occluder of both.
+/// The texture of a target, of its background, or of a cover over both.
 #[derive(Clone, Copy, Debug)]
 enum Look {
     Flat(i32),
     Tiles(i32),
     Slopes,
-    /// Black and white, as different as possible from one frame to the next.
+    /// A checkerboard of black and white, inverted in each frame.
     Board(i32),
 }
 
@@ -31,16 +31,16 @@ impl Look {
     }
 }
 
-/// Frames of one kind: 1 + `more`.
+/// A sequence of 1 + `more` similar frames.
 #[derive(Clone, Debug, Default)]
 struct Shot {
     more: i32,
     cover: Option<Look>,
-    /// The target jumps here, in 1/256 of the frame.
+    /// The position to which the target jumps, in 1/256 of the frame.
     jump: Option<(i32, i32)>,
-    /// Its move in each frame in pixels, and its growth in percent.
+    /// The motion of the target per frame in pixels, and its growth in percent.
     step: (i32, i32, i32),
-    /// Percent more light.
+    /// The change of brightness in percent.
     light: i32,
     grain: i32,
 }
@@ -55,7 +55,7 @@ struct Film {
 }
 
 impl Film {
-    /// The first frame, on which the trackers lock, and all others.
+    /// The first frame, on which the trackers lock, and the frames of all shots.
     fn frames(&self) -> Vec<Vec<u8>> {
         let (mut place, mut zoom, mut frames) = ((self.target.x, self.target.y), 100, vec![]);
         for shot in [&Shot::default()].into_iter().chain(&self.shots) {
@@ -109,7 +109,7 @@ prop_compose! {
 }
 
 prop_compose! {
-    /// The target is followed, hidden, and back.
+    /// A film in which the target is visible, hidden, and back.
     fn film(most: u32)(
         size in prop_oneof![9 => (30..=170_u16, 30..=130_u16), 1 => (1..=9_u16, 1..=9_u16), 1 => (1..=4_u16, 200..=900_u16)],
         sides in prop_oneof![4 => [20..100_u32, 20..100_u32], 1 => [1..=256_u32, 1..=256_u32]],
@@ -126,28 +126,29 @@ prop_compose! {
     }
 }
 
-/// The box, cut on the right and below until it has at most `most` pixels.
+/// `target`, cut on the right and below to at most `most` pixels.
 fn at_most(most: u32, target: Rect) -> Rect {
     let width = target.width.min(most.min(65_535) as u16);
     Rect { width, height: target.height.min((most / u32::from(width)).min(65_535) as u16), ..target }
 }
 
-/// The way in which one of two trackers gets a frame; the other gets it whole, in one update.
+/// The way in which the second of two trackers gets a frame. The first gets it whole, in one update.
 #[derive(Clone, Debug, Default)]
 struct Way {
-    /// The work of a step.
+    /// The work granted to each step.
     grant: u32,
-    /// A step goes on until a deadline, which has passed when it is asked for this often.
+    /// If set, each step lasts until a deadline, which expires at this many checks.
     until: Option<u32>,
-    /// Only the windows that the tracker asks for are in memory.
+    /// Only the windows that the tracker reads are in memory.
     part: bool,
-    /// Only its bytes are left, as after a loss of power.
+    /// The tracker is restored from saved bytes, as after a loss of power.
     restored: bool,
-    /// Another target was updated in its workspace.
+    /// Another target is updated in the same workspace before.
     shared: bool,
-    /// Both are told of this turn of the camera.
+    /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// Another update or a lock does this part in 256 of its work, and the call of this number ends it.
+    /// (part, index, is a lock): a lock or update does part / 256 of its work, and is ended by the call with this
+    /// index.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -163,7 +164,7 @@ prop_compose! {
     }
 }
 
-/// A tracker as the films need it.
+/// The parameters and checks of a tracker under test.
 pub(super) trait Filmed: Target<Config: Debug> {
     const FILMS: u32;
     /// The most pixels of a target.
@@ -171,7 +172,7 @@ pub(super) trait Filmed: Target<Config: Debug> {
 
     fn configs() -> BoxedStrategy<Self::Config>;
 
-    /// Checks what only this tracker promises of an answer.
+    /// Checks the promises that only this tracker makes for an answer.
     fn believe(tracker: &Tracker<Self>, first: Rect, bounds: Rect, answer: &Answer);
 }
 
@@ -241,7 +242,7 @@ impl Filmed for Robust {
     }
 
     fn believe(tracker: &Tracker<Self>, _: Rect, bounds: Rect, answer: &Answer) {
-        // The middle stays on the frame, so the box touches it.
+        // The centre of the box stays on the frame, so the box overlaps or touches it.
         let Rect { x, y, width, height } = answer.bbox;
         let around = Rect::new(x - 1, y - 1, width.saturating_add(2), height.saturating_add(2));
         assert!(!answer.bbox.is_empty() && !around.intersection(bounds).is_empty());
@@ -250,7 +251,7 @@ impl Filmed for Robust {
     }
 }
 
-/// The calls that end what is under way.
+/// The number of calls that end an update or lock under way: see [`call`].
 const CALLS: usize = 8;
 
 fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, first: Rect, bytes: &[u8]) {
@@ -267,7 +268,8 @@ fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, f
     }
 }
 
-/// Makes the steps of a call. Each makes progress and does at most so much beyond its grant, and all of them at most the most work.
+/// Repeats `step` until the call is done. Each step must make progress and exceed its grant by at most `beyond`; all
+/// steps together may do `most` work.
 fn stepped<T: Filmed, A>(
     tracker: &mut Tracker<T>,
     (grant, beyond, most): (u32, u64, u64),
@@ -282,7 +284,7 @@ fn stepped<T: Filmed, A>(
         if let Some(done) = done {
             return done;
         }
-        // An offset that has been scored costs nothing.
+        // A step that meets a scored offset costs nothing.
         idle += u32::from(work == before);
         assert!(idle < 3, "every step makes progress");
         refused(tracker);
@@ -291,7 +293,7 @@ fn stepped<T: Filmed, A>(
     }
 }
 
-/// Frames with all pixels of the window in memory but one row or column, and with none of the second window.
+/// Frames that lack one row or column of the window, or the whole second window.
 fn lacking<'a>(frame: &Frame<'a>, window: Rect, second: Option<Rect>) -> Vec<Frame<'a>> {
     let Rect { x, y, width, height } = window;
     let [left, top] = [Rect { x: x + 1, width: width - 1, ..window }, Rect { y: y + 1, height: height - 1, ..window }];
@@ -300,7 +302,7 @@ fn lacking<'a>(frame: &Frame<'a>, window: Rect, second: Option<Rect>) -> Vec<Fra
     less.into_iter().chain(first).filter(|part| !part.is_empty()).map(|part| cut(frame, part)).collect()
 }
 
-/// Two trackers of one target, and another target in the workspace of the second.
+/// Two trackers of one target. The second shares its workspace with another target.
 struct Twins<'a, T: Target> {
     film: &'a Film,
     most: MostWork,
@@ -338,7 +340,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         twins
     }
 
-    /// Checks that both trackers are equal, bit for bit.
+    /// Checks that both trackers are equal, bit for bit, and their windows inside the frame.
     fn agree(&self) {
         assert!(saved(self.plain.target()) == saved(self.other.target()));
         let bounds = Rect::new(0, 0, self.film.size.0, self.film.size.1);
@@ -347,7 +349,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         }
     }
 
-    /// Begins a call with another frame, and ends it by another call.
+    /// Begins a call with another frame, and ends it by the call with index `number`.
     fn interrupt(&mut self, frame: &Frame<'_>, elsewhere: &Frame<'_>, (part, number, locks): (u32, usize, bool)) {
         let Self { plain, other, film: Film { target: first, .. }, .. } = self;
         let (bytes, grant) = (saved(other.target()), plain.work() / 256 * part);
@@ -432,7 +434,7 @@ fn promises_hold<T: Filmed>(config: T::Config, film: &Film, grant: u32, ways: &[
 
 pub(super) fn promises_hold_in_films<T: Filmed>(_: T::Config) {
     let films = (T::configs(), film(T::PIXELS), grant(), prop::collection::vec(way(), 1..9));
-    // A film takes some time, so a failing one is made smaller for 20 seconds only.
+    // A film takes long, so the search for a smaller failing one is limited to 20 seconds.
     let numbers = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(T::FILMS) };
     let numbers = ProptestConfig { max_shrink_time: 20_000, ..numbers };
     let ran = TestRunner::new(numbers).run(&films, |(config, film, grant, ways)| {
