@@ -1,7 +1,6 @@
 //! Chooses the fastest instruction set of a 32-bit processor and sets it as a cfg: `smr_helium`, `smr_dsp`, or
 //! `smr_swar` if it has neither. 64-bit processors and WebAssembly with SIMD need no cfg. On bare metal and in
-//! WebAssembly, where every byte of code counts, cfg `smr_small` keeps functions from being inlined into several
-//! callers.
+//! WebAssembly, where every byte of code counts, cfg `smr_small` prevents inlining into several callers.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -6,12 +6,11 @@
 //! score = sum of exp(-|F - G| / 255) over the pixels with |F - G| < alpha
 //!
 //! The offset with the largest **score** is the **peak**. Its patch becomes the next template. alpha is the
-//! **threshold**: a pixel that differs more adds 0, however much it differs. So a hand in front of the target costs
-//! only the pixels it hides. The method is that of Dundar, Jin and Culurciello, "Visual Tracking with Similarity
-//! Matching Ratio" (VISAPP 2013).
+//! **threshold**: a pixel that differs more adds 0. So a hand in front of the target costs only the pixels it hides.
+//! From Dundar, Jin and Culurciello, "Visual Tracking with Similarity Matching Ratio" (VISAPP 2013).
 //!
-//! The crate is `no_std`, allocates nothing, and uses integers only (except in `pursuit`). The same frames give the
-//! same answers, bit for bit, on every platform.
+//! The crate is `no_std`, allocates nothing, and uses integers only (except in `pursuit`). Its answers are the same,
+//! bit for bit, on every platform.
 //!
 //! ```
 //! use smr_core::paper::{Config, Radius};
@@ -59,9 +58,8 @@
 //!
 //! # Memory and time
 //!
-//! A target is the state kept from frame to frame. A workspace is scratch memory, which any number of targets can
-//! share. A [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 *
-//! SPAN`.
+//! A target is the state kept from frame to frame, a workspace the scratch memory that any number of targets can share.
+//! A [`Tracker`] holds one of each. [`Paper<PIXELS, SPAN>`] takes `PIXELS` bytes, its workspace `PIXELS + 20 * SPAN`.
 //!
 //! [`Target::most_work`] computes an upper bound of the work of an update. For [`Paper`], boxes of at least 8x8 pixels
 //! and windows of at least +-4 it is at most 1.25 * (offsets in the window) * (pixels of the template) comparisons, or
@@ -71,8 +69,7 @@
 //!
 //! - `std`: detects the instruction sets of the machine at run time; see [`similarity::Backend`].
 //! - `defmt`: the public types implement `defmt::Format`; `record::to_defmt` writes a flight record to the log.
-//! - `unstable`: the module `unstable` gives host-sim and the tests access to the inside of the trackers. It may change
-//!   in any version.
+//! - `unstable`: the module `unstable` gives tests access to the inside of the trackers. It may change in any version.
 //! - `refiner`: a small learned network corrects the box of [`Robust`]. 25 KB of flash.
 //! - `pursuit`: the module `pursuit` keeps the target centred with a pan/tilt head, through the traits of embedded-hal.
 
@@ -84,11 +81,9 @@
 // Rules for inlining. Flash and stack are scarce in firmware, so attributes decide, not the compiler:
 //
 // - `#[inline(never)]`: several callers share one copy of the function in flash. With `cfg_attr(smr_small, ...)` only
-//   where every byte of code counts: on bare metal and in WebAssembly (see build.rs). Elsewhere the compiler may inline
-//   it.
+//   where every byte of code counts: on bare metal and in WebAssembly (see build.rs).
 // - `#[inline(always)]`: the function has one caller, or only forwards its arguments, or returns a large value that is
-//   then built in its place and not moved through the stack. In `kernels`: code with vector instructions must become
-//   part of a function with `#[target_feature]`.
+//   then built in place. In `kernels`: vector code must become part of a function with `#[target_feature]`.
 // - `#[inline]`: other crates may inline it, too.
 //
 // A comment beside the attribute gives any other reason.

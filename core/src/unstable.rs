@@ -18,8 +18,8 @@ pub fn followed(target: &Robust) -> Option<FineRect> {
     target.followed()
 }
 
-/// The weights of the correlation filter, in units of 2^-30: [`CHANNELS`](crate::robust::CHANNELS) for each cell, cell
-/// by cell. Empty before the first lock.
+/// The correlation filter's weights, in units of 2^-30: [`CHANNELS`](crate::robust::CHANNELS) for each cell. Empty
+/// before the first lock.
 #[must_use]
 pub fn weights(target: &Robust) -> &[i32] {
     target.weights()
@@ -47,8 +47,7 @@ pub fn response_map(
     target.response_map(workspace, frame)
 }
 
-/// The correlation filter's response where the last finished update found the target, in units of 1/16384: about 16384
-/// if the target looks as before.
+/// The correlation filter's response at the last answer, in 1/16384: about 16384 if the target looks as before.
 #[must_use]
 pub const fn response(workspace: &Workspace) -> i32 {
     workspace.response()
@@ -60,9 +59,8 @@ pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SP
     target.offsets()
 }
 
-/// The score of the box at (`x`, `y`) with the present template and alpha, computed by
-/// [`Backend::Scalar`](crate::similarity::Backend::Scalar). `None` before the first lock, or if a pixel of the box is
-/// not in memory.
+/// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. `None` before
+/// the first lock, or if a pixel of the box is not in memory.
 #[must_use]
 pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target: &Paper<PIXELS, SPAN>,

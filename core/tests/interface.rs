@@ -1,5 +1,5 @@
-//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise (the update zone, the gate,
-//! the unbounded window, changes of light), and the README's table of memory.
+//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise (the update zone, the
+//! gate, changes of light), and the README's table of memory.
 
 use smr_core::paper::{Config, Margins, Workspace};
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Tracker, robust};
@@ -19,8 +19,7 @@ fn noise(x: i32, y: i32, seed: u32) -> u8 {
     bits.to_be_bytes()[0]
 }
 
-/// Noise unique for each `seed`, with the target at each of `places`. The top left pixel of the target depends on
-/// `seed`.
+/// Noise unique for each `seed`, with the target at each of `places`. Its top left pixel depends on `seed`.
 fn picture(seed: u32, places: &[(i32, i32)]) -> Vec<u8> {
     let side = i32::from(SIDE);
     let pixel = |x: i32, y: i32| {

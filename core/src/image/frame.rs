@@ -13,9 +13,8 @@ errors! {
 
 /// A camera frame: its size, and one or two images with all or parts of its pixels.
 ///
-/// [`Frame::whole`] is for whole frames. Firmware that reads out only the tracker's windows uses [`Frame::of_window`]
-/// and [`Frame::and_window`], or for rows with gaps [`Frame::part`] and [`Frame::and_part`]. Coordinates are always
-/// those of the whole frame.
+/// [`Frame::whole`] is for whole frames, [`Frame::of_window`] and [`Frame::and_window`] for the windows of the tracker,
+/// [`Frame::part`] and [`Frame::and_part`] for rows with gaps. Coordinates are always those of the whole frame.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect};
@@ -37,7 +36,6 @@ pub struct Frame<'a> {
     height: u16,
 }
 
-/// An image, and the position of its top left pixel in the frame.
 #[derive(Clone, Copy, Debug)]
 struct Part<'a> {
     image: Image<'a>,
@@ -68,8 +66,7 @@ impl<'a> Frame<'a> {
         Self { first: Part { image, x: 0, y: 0 }, second: None, width: image.width(), height: image.height() }
     }
 
-    /// A `width` x `height` frame of which only `image` is in memory, with its top left pixel at (`x`, `y`) of the
-    /// frame.
+    /// A `width` x `height` frame of which only `image` is in memory, with its top left pixel at (`x`, `y`).
     ///
     /// # Errors
     /// [`FrameError::OutsideFrame`] if `image` reaches outside the frame.
@@ -94,8 +91,7 @@ impl<'a> Frame<'a> {
     /// A `width` x `height` frame of which only the `pixels` of `window` are in memory, row by row without gaps.
     ///
     /// # Errors
-    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or `pixels` is too short
-    /// for it.
+    /// [`FrameError::OutsideFrame`]; [`ImageError`](crate::ImageError) if the window is empty or `pixels` is too short.
     pub fn of_window(pixels: &'a [u8], window: Rect, (width, height): (u16, u16)) -> Result<Self, Error> {
         let (x, y) = place(window)?;
         Ok(Self::part(Image::new(pixels, window.width, window.height)?, x, y, width, height)?)
@@ -131,7 +127,6 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The top left corner of `window`, if its coordinates fit a `u16`.
 fn place(window: Rect) -> Result<(u16, u16), FrameError> {
     u16::try_from(window.x).ok().zip(u16::try_from(window.y).ok()).ok_or(FrameError::OutsideFrame)
 }

@@ -1,5 +1,4 @@
-//! The input: a borrowed 8-bit [`Image`], a [`Frame`] made of one or two images, rectangles, and the [`readout`] of a
-//! camera's lines.
+//! The input: a borrowed [`Image`], a [`Frame`] of one or two images, rectangles, and the [`readout`] of a camera.
 //!
 //! Constructors check all sizes, so later reads cannot fail.
 

@@ -74,9 +74,8 @@ pub enum Format {
     Rgb565Be,
     /// Two bytes a pixel as in [`Format::Rgb565Be`], but the low byte first.
     Rgb565Le,
-    /// Bayer mosaic of color filters in any order, one byte per pixel. Each 2x2 block becomes one gray pixel, which is
-    /// `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower. So the gray frame
-    /// has half the width and half the height.
+    /// Bayer mosaic of color filters in any order, one byte per pixel. Halves width and height: each 2x2 block becomes
+    /// one gray pixel, `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower.
     Bayer8,
     /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes with the high eight bits of each pixel, then
     /// one with the low two bits of all four, which is ignored.
@@ -108,13 +107,11 @@ impl Format {
         }
     }
 
-    /// The number of sensor lines that become one gray row.
     const fn lines_a_row(self) -> u16 {
         if matches!(self, Self::Bayer8) { 2 } else { 1 }
     }
 
-    /// The sensor lines of `window`: the first, and one past the last. Both fit a `u16`, because the window is inside
-    /// the frame.
+    /// The sensor lines of `window`: the first, and one past the last. Both fit, because the window is in the frame.
     fn lines_of(self, window: Rect) -> (u16, u16) {
         let top = u16::try_from(window.y).unwrap_or(u16::MAX);
         let lines = self.lines_a_row();
@@ -134,8 +131,7 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts pixels of `line`, which is long enough, from column `x` on. `is_upper`: the line is the first of those
-    /// that become one gray row.
+    /// Converts pixels of `line` from column `x` on. `is_upper`: the line is the first of those for a gray row.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {
@@ -202,8 +198,7 @@ pub struct Readout {
     lines: u16,
     first: Rect,
     second: Option<Rect>,
-    /// The next line: all earlier ones have arrived or lie in no window. Public for the C interface, which stores it
-    /// where an interrupt may change it.
+    /// The next line: all earlier ones have arrived or lie in no window. Public for the C interface.
     #[doc(hidden)]
     pub next: u16,
 }
@@ -244,8 +239,7 @@ impl Readout {
         area(self.first).saturating_add(self.second.map_or(0, area))
     }
 
-    /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window. Ignores
-    /// bytes beyond the line's length.
+    /// Converts line `y` of the sensor into the buffer `pixels`, which is used only if the line is in a window.
     ///
     /// [`ReadoutError::LineOutsideFrame`], [`ReadoutError::LineOutOfOrder`], [`ReadoutError::LineTooShort`],
     /// [`ReadoutError::LineMissing`] with the first line of a window that was skipped,

@@ -135,8 +135,8 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
-    /// An image of `height` equal rows: the first `width` pixels of `row`. `None` if `row` is shorter. Its stride is 0,
-    /// so [`Image::rows`] does not work on it.
+    /// An image of `height` equal rows: the first `width` pixels of `row`. `None` if `row` is shorter. Has no
+    /// [`Image::rows`].
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {
         (row.len() >= width.into()).then_some(Self { pixels: row, width, height, stride: 0 })

@@ -6,8 +6,8 @@ use micromath::F32;
 
 /// A pinhole camera with square pixels.
 ///
-/// angle = atan((x - principal_x) / focal_length), positive to the right. The error of micromath's atan is at most
-/// 0.003 radians; near the axis its result is 6 % too small. Both change only how fast the head approaches the target.
+/// angle = atan((x - principal_x) / focal_length), positive to the right. micromath's atan is off by at most 0.003
+/// radians, near the axis by 6 %. This changes only how fast the head approaches the target.
 ///
 /// Three ways to get the focal length in pixels:
 /// - focal length in mm / width of a pixel in mm;

@@ -48,7 +48,6 @@ errors! {
     }
 }
 
-/// The error of the first rule that does not hold.
 pub(super) fn first_broken<const N: usize>(rules: [(bool, PursuitConfigError); N]) -> Result<(), PursuitConfigError> {
     rules.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, error)| Err(error))
 }

@@ -73,8 +73,8 @@ pub struct Followed<C> {
     pub commanded: C,
 }
 
-/// Keeps the target centred. Owns the pins of the pan servo, the tilt servo and the lock indicator. The [module](super)
-/// has an example.
+/// Keeps the target centred, by the pins of a pan servo, a tilt servo and a lock indicator. The [module](super) has an
+/// example.
 pub struct Pursuit<P, T, L> {
     camera: Camera,
     pub(super) pan: Joint<P>,
@@ -144,12 +144,11 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker
     /// yourself, for example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
     ///
-    /// The head turns to bring the centre of the box onto the optical axis. If the target is lost, it does as in
-    /// [`Pursuit::wait`]. The indicator is on in the states tracking and leaving.
+    /// The head turns to bring the centre of the box onto the optical axis. The indicator is on in the states tracking
+    /// and leaving. If the target is lost, it does as in [`Pursuit::wait`].
     ///
     /// # Errors
-    /// [`PursuitError`]: the first error of a pin. The other pins are still written. The axis whose pin failed keeps
-    /// its angle.
+    /// [`PursuitError`]: the first error of a pin, whose axis keeps its angle. The other pins are still written.
     pub fn steer(&mut self, answer: &Answer, elapsed_seconds: f32) -> Commanded<P, T, L> {
         if answer.state == State::Lost {
             return self.wait(elapsed_seconds);
@@ -177,9 +176,9 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         self.turn_to(pan, tilt, false)
     }
 
-    /// The motion of the picture from this frame to the next by the turn of the head: right and down, in units of 1/256
-    /// pixel, as [`Target::moved`] takes it. The command given [`PursuitConfig::delay_frames`] before the last one
-    /// causes it.
+    /// The motion of the picture to the next frame by the turn of the head, right and down, in units of 1/256 pixel. It
+    /// results from the command given [`PursuitConfig::delay_frames`] before the last, and is meant for
+    /// [`Target::moved`].
     #[must_use]
     pub fn picture_motion(&self) -> (i32, i32) {
         let (right, up) = self.turns.get(usize::from(self.delay_frames)).copied().unwrap_or_default();

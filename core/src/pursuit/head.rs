@@ -4,8 +4,7 @@ use super::error::{PursuitConfigError, first_broken};
 use core::f32::consts::TAU;
 use embedded_hal::pwm::SetDutyCycle;
 
-/// The motion of one axis of the head: a proportional controller. Right (pan) and up (tilt) are positive, as the camera
-/// sees it.
+/// One axis of the head, with a proportional controller. Right (pan) and up (tilt) are positive, seen from the camera.
 ///
 /// angle += clamp(gain * error, -slew, slew) * elapsed, at most |error|, within the limits. A target at constant speed
 /// is followed at a constant distance of speed / gain.
@@ -20,8 +19,7 @@ pub struct Axis {
     pub max_radians: f32,
     /// The angle at the start. The axis returns to it when the target stays lost.
     pub home_radians: f32,
-    /// Speed per error, in 1/s; more than 0. At 30 frames per second, 10 turns the axis by 1/3 of the error in each
-    /// frame.
+    /// Speed per error, in 1/s; more than 0. At 30 frames per second, 10 turns the axis by 1/3 of the error per frame.
     pub gain_per_second: f32,
     /// The largest error at which the axis holds still; at least 0. One pixel is 1 / focal length.
     pub deadband_radians: f32,
@@ -43,7 +41,6 @@ impl Axis {
         self.limited(from_radians + step)
     }
 
-    /// The next angle after `from_radians` on the way home.
     pub(super) fn homeward(&self, from_radians: f32, elapsed_seconds: f32) -> f32 {
         let speed = self.return_radians_per_second.min(self.slew_radians_per_second);
         self.limited(from_radians + within(self.home_radians - from_radians, speed * elapsed_seconds))
@@ -69,7 +66,6 @@ impl Axis {
     }
 }
 
-/// `value`, clamped to -bound..=bound.
 fn within(value: f32, bound: f32) -> f32 {
     value.max(-bound).min(bound)
 }
@@ -89,7 +85,6 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// The duty (0 to `max_duty`) for the angle `radians` of `axis`.
     pub(super) fn duty(&self, axis: &Axis, radians: f32, max_duty: u16) -> u16 {
         let along = (radians - axis.min_radians) / (axis.max_radians - axis.min_radians);
         let [at_min, at_max, period, max_duty] =
@@ -125,8 +120,7 @@ impl<P: SetDutyCycle> Joint<P> {
         Self { axis, servo, pin, radians: axis.home_radians }
     }
 
-    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its last angle, so that the next turn is not
-    /// larger.
+    /// Writes the pulse for `radians`. If the pin fails, the axis keeps its angle, so that the next turn is not larger.
     pub(super) fn turn_to(&mut self, radians: f32) -> Result<(), P::Error> {
         let duty = self.servo.duty(&self.axis, radians, self.pin.max_duty_cycle());
         self.pin.set_duty_cycle(duty)?;

@@ -1,7 +1,6 @@
 //! Smooth pursuit: keeps the target centred with a pan/tilt head. Feature `pursuit`.
 //!
-//! [`Camera`] converts a box to an angle, [`Axis`] the angle to a turn, [`Servo`] the turn to a pulse. Only this module
-//! uses floats (f32).
+//! [`Camera`] converts a box to an angle, [`Axis`] the angle to a turn, [`Servo`] the turn to a pulse, all in `f32`.
 //!
 //! ```
 //! use smr_core::pursuit::{Axis, Camera, Pursuit, PursuitConfig, Servo};

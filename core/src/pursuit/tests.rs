@@ -114,8 +114,7 @@ fn the_pulses_of_each_frame_are_exact() {
         (Some(Leaving), (80, 92), 0.1, [1598, 1598, 1]),
         (Some(Uncertain), (48, 60), 0.1, [1500, 1598, 0]),
         (None, anywhere, f32::MAX, [1500, 1500, 0]),
-        // The slew rate allows 2 radians/s * 0.25 s = 0.5 radians, 250 microseconds. The second turn ends at the
-        // limits.
+        // The slew rate allows 2 radians/s * 0.25 s = 0.5 radians, 250 microseconds. The next turn ends at the limits.
         (Some(Tracking), far, 0.25, [1750, 1250, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),
         (Some(Tracking), far, 0.25, [2000, 1000, 1]),
@@ -243,7 +242,6 @@ fn angles_steps_and_duties_are_exact() {
 
 const PLACE: Rect = Rect::new(100, 30, 24, 24);
 
-/// A frame of 160x120 pixels with a target at `PLACE`.
 fn seen() -> Vec<u8> {
     let hash = |x: i32, y: i32| ((x * 31 + y * 57 + 1).wrapping_mul(-1_640_531_535) >> 16) as u8;
     let is_target = |x, y| PLACE.contains(Rect::new(x, y, 1, 1));
@@ -251,8 +249,7 @@ fn seen() -> Vec<u8> {
     (0..160 * 120).map(|at| level(at % 160, at / 160)).collect()
 }
 
-/// Checks that the tracker's window moves with the picture, after the delay. If a pin fails, the other axis still turns
-/// and the answer is returned.
+/// Checks that the tracker's window moves with the picture after the delay, and that a failed pin stops only its axis.
 fn follows<T: Target>(target: T::Config, delay_frames: u8, fails: [bool; 3]) {
     let mut tracker = std::boxed::Box::new(Tracker::<T>::with(target).unwrap());
     let errors = fails.map(|fails| fails.then_some(NotConnected));

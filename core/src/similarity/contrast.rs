@@ -33,8 +33,8 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
-    /// True if the patch can show every target of its size: it has a quarter of the largest possible contrast, and at
-    /// most half of its pixels are clipped.
+    /// True if the patch can show every target of its size: by its contrast, and with at most half of its pixels
+    /// clipped.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
     }
@@ -44,7 +44,7 @@ impl Contrast {
         SHOWN * self.deviation >= target.deviation
     }
 
-    /// True if the patch has more clipped pixels than `target` has and half of all pixels. Both have the same size.
+    /// True if the clipped pixels exceed those of `target` (of the same size) by more than half of all pixels.
     pub(crate) const fn is_cut_off_beside(&self, target: Self) -> bool {
         self.cut_off > self.pixels / 2 + target.cut_off
     }

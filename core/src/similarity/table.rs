@@ -1,7 +1,6 @@
 //! The exp table: the specification of p, the similarity of two pixels (step 3 of the method).
 //!
-//! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform. Every entry is
-//! correctly rounded, which the tests show.
+//! A `const fn` computes it in integers, so it is a constant in flash and the same on every platform.
 
 use crate::kernels::{self, CutTable};
 use core::fmt;
@@ -46,8 +45,7 @@ impl Table {
     /// The scales that [`Table::new`] accepts, from the steepest to the flattest.
     pub const SCALES: core::ops::RangeInclusive<u16> = 1..=4096;
 
-    /// The paper's table: intensities run from 0 to 1, so pixels that differ by d gray levels have the similarity
-    /// exp(-d / 255).
+    /// The paper's table: intensities run from 0 to 1, so a difference of d gray levels has p = exp(-d / 255).
     pub const PAPER: Self = Self::exponential(255);
 
     /// The table of exp(-d / scale), for a scale of 1 (almost only equal pixels are similar) to 4096 (almost all are).
@@ -81,8 +79,7 @@ impl Table {
         table
     }
 
-    /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication for each
-    /// entry.
+    /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication per entry.
     ///
     /// Each multiplication adds an error of less than 2^-64. So r^255 is too small by less than 2^-55, and 65535 *
     /// r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a

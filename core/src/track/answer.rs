@@ -21,9 +21,8 @@ pub enum State {
     Leaving = 1,
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
-    /// The target is not visible. The box of [`Paper`](crate::Paper) is the last accepted one; the box of
-    /// [`Robust`](crate::Robust) is its current best guess. Nothing is learned (except while only the refiner's
-    /// network says so), and the search goes on.
+    /// The target is not visible. The box is the last accepted one ([`Paper`](crate::Paper)) or the current best guess
+    /// ([`Robust`](crate::Robust)). The search goes on; nothing is learned unless only the refiner's network doubts.
     Lost = 3,
 }
 
@@ -50,8 +49,7 @@ impl State {
     }
 }
 
-/// The answer of an update. All numbers are integers; ratios and the confidence are in units of 1/65535, so 65535 is
-/// 1.0.
+/// The answer of an update. Ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
@@ -62,22 +60,20 @@ pub struct Answer {
     /// The tracker's judgement of the box.
     pub state: State,
     /// Confidence in the box. [`Paper`](crate::Paper): the ratio, or 0 when lost. [`Robust`](crate::Robust): a running
-    /// mean of 2/3 of the early template's agreement and 1/3 of the filter's response (of which 1/2 or more counts as
-    /// 1).
+    /// mean of 2/3 early template's agreement and 1/3 filter's response, where 1/2 or more counts as 1.
     pub confidence: u16,
     /// Similarity of the target in the box and the template. [`Paper`](crate::Paper): the similarity matching ratio,
     /// which is the peak's score divided by the number of pixels, rounded down. [`Robust`](crate::Robust): the fourth
     /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
-    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` if no
-    /// decision depended on it (see [`runner_up_always`](crate::paper::Config::runner_up_always)), and always from
-    /// [`Robust`](crate::Robust).
+    /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` from
+    /// [`Robust`](crate::Robust), and if no decision depended on it: see
+    /// [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up_ratio: Option<u16>,
     /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
     /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
     pub alpha: Option<u16>,
-    /// The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from
-    /// [`Paper`](crate::Paper).
+    /// The target's size relative to the box at the lock, in units of 1/65536. [`Paper`](crate::Paper): always 65536.
     pub scale: u32,
     /// True if the target was lost in the frame before and is found in this one.
     pub found_again: bool,

@@ -1,7 +1,6 @@
 //! CRC-32 (the one of Ethernet and zip), the checksum of saved targets and flight records.
 //!
-//! It processes four bits at a time with a table of 64 bytes: 120 bytes of flash in all. The usual crates have a table
-//! of 256 entries and take 1.5 KB or more.
+//! It processes four bits at a time with a table of 64 bytes: 120 bytes of flash, where usual crates take 1.5 KB.
 
 /// The remainder of each group of four bits.
 #[allow(clippy::indexing_slicing)] // evaluated at compile time

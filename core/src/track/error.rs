@@ -41,8 +41,8 @@ errors! {
         BoxOutsideFrame => "the box is not wholly inside the frame",
         /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
         BoxTooLarge => "the box has more pixels than this tracker's template has room for",
-        /// The window could grow to more than `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only
-        /// from [`Paper`](crate::Paper).
+        /// The window could exceed `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only from
+        /// [`Paper`](crate::Paper).
         WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
         /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
         LockWindowNotInMemory => "the lock window is not wholly in memory",
@@ -80,8 +80,7 @@ errors! {
         Damaged => "the saved target is damaged: its checksum is wrong",
         /// The other tracker saved the target.
         OtherTracker => "the target was saved by the other tracker",
-        /// The target was saved with another configuration, so answers would differ. Contains the name of the first
-        /// setting that differs.
+        /// The configuration is not the one the target was saved with. Contains the first setting that differs.
         OtherConfig(name: &'static str) => "the target was saved with another configuration: {name} differs",
         /// The template has more pixels, or the window more offsets, than this tracker has room for.
         TooLarge => "the saved target is too large for this tracker",

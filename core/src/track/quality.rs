@@ -3,8 +3,7 @@
 use crate::image::{Image, Rect};
 use crate::similarity::{Backend, CutTable, Scorer, Table};
 
-/// The quality of a target: its difference from itself at a shifted position, measured by
-/// [`Target::lock`](crate::Target::lock).
+/// The quality of a target, which [`Target::lock`](crate::Target::lock) returns: its difference from itself, shifted.
 ///
 /// quality = 1 - max(ratio(w / 4, 0), ratio(0, h / 4)), in units of 1/65535
 ///

@@ -59,8 +59,8 @@
 //!
 //! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for
 //!   each number
-//! - `SMRL`, lock: frame: width, height; box: left, top, width, height; part: left, top, width, height (2 bytes each);
-//!   the pixels of the part, row by row
+//! - `SMRL`, lock: frame: width, height; box: left, top, width, height; window: the same (2 bytes each); its pixels,
+//!   row by row
 //! - `SMRM`, moved: right, down, in 1/256 pixel (4 bytes each, signed)
 //! - `SMRW`, window: frame: width, height; first part: left, top, width, height; second part: the same (2 bytes each;
 //!   all 0 if there is no second part); the pixels of the first part, the pixels of the second part
@@ -144,8 +144,8 @@ impl<T: Target<Config: Settings>> Recorded for T {}
 
 /// Writes a record; see the [module](self).
 ///
-/// Each call writes one entry, in pieces of at most a row of pixels or 64 bytes. If the writer fails, the record ends
-/// there: later calls write nothing, so that nothing follows half an entry. Tracking does not depend on the recorder.
+/// Each call writes one entry, in chunks of a row of pixels, a saved target, or at most 64 bytes. After an error of the
+/// writer, later calls write nothing, so that nothing follows half an entry.
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -196,8 +196,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the lock of `target` on the box `locked` in `frame`. Call it after [`Target::lock`] has
-    /// succeeded, with the same arguments.
+    /// Records the lock of `target` on `locked` in `frame`. Call it after [`Target::lock`], if that has succeeded.
     ///
     /// # Errors
     /// The writer's.
@@ -233,9 +232,9 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the pixels that the update will read. Call it before [`Target::update`] or the first step.
+    /// Records the pixels that the update will read, before [`Target::update`] or the first step.
     ///
-    /// It writes nothing if the update would fail.
+    /// Writes nothing if the update would fail.
     ///
     /// # Errors
     /// The writer's.
@@ -285,8 +284,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
     ///
-    /// Such a record does not depend on an earlier one. A long flight can therefore be split into many records, each of
-    /// which begins with a saved target.
+    /// The entries after it do not depend on earlier ones. So a long flight can be split into records that each begin
+    /// with a saved target.
     ///
     /// # Errors
     /// The writer's.

@@ -107,12 +107,10 @@ pub trait Settings: Numbers {
     /// A description of each setting, in one or two sentences.
     const TEXTS: &'static [&'static str];
 
-    /// Sets the values of a setting by its name. [`Target::with`](crate::Target::with) checks it against other
-    /// settings.
+    /// Sets a setting by its name. [`Target::with`](crate::Target::with) compares it with other settings.
     ///
     /// # Errors
-    /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]. The configuration
-    /// is then unchanged.
+    /// [`ConfigError::UnknownSetting`], [`ConfigError::WrongCount`] or [`ConfigError::OutOfRange`]; nothing is changed.
     fn set(&mut self, name: &str, values: &[u16]) -> Result<(), ConfigError> {
         let (setting, at) = find(Self::SETTINGS, name).ok_or(ConfigError::UnknownSetting)?;
         setting.check(values)?;
@@ -131,8 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// Restores a configuration from its values in a [record](crate::record), where they follow the entries of the
-    /// table.
+    /// A configuration from its values in a [record](crate::record), which follow the table there.
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
@@ -169,8 +166,7 @@ pub enum Kind {
 /// The name that errors use for the values of a record that are always 1.
 const PARTS: &str = "parts";
 
-/// The values of a configuration on which answers depend, in the order of the record. Table and backend are not among
-/// them.
+/// The values of a configuration on which answers depend, in the order of the record, without the table.
 pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     const COUNT: usize;
@@ -207,7 +203,6 @@ fn find(settings: &'static [Setting], name: &str) -> Option<(&'static Setting, u
     })
 }
 
-/// The name of the setting that each value belongs to.
 #[allow(clippy::indexing_slicing)] // at compile time
 pub(super) const fn names<const COUNT: usize>(settings: &[Setting]) -> [&'static str; COUNT] {
     let (mut names, mut number, mut setting) = ([PARTS; COUNT], 0, 0);

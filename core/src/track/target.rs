@@ -94,8 +94,8 @@ pub trait Target: Steps {
     /// The configuration in use.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of the size of `bounds`. They lie inside the frame;
-    /// empty if the box cannot be locked.
+    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of the size of `bounds`; empty if it cannot be
+    /// locked.
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect;
 
     /// Starts to follow the target in `bbox` and forgets the previous target. Returns how distinct the new one is.
@@ -109,14 +109,13 @@ pub trait Target: Steps {
         super::update::lock(self, workspace, frame, bbox)
     }
 
-    /// The pixels of the frame that the next update may read; `None` before the first lock. Never empty, and inside the
-    /// frame.
+    /// The part of the frame that the next update may read; `None` before the first lock, never empty.
     ///
     /// Firmware may read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
-    /// A second window that the next update may read, to search for a lost target; `None` in most frames. Always `None`
-    /// from [`Paper`](crate::Paper).
+    /// A second window that the next update may read for a lost target; `None` in most frames and from
+    /// [`Paper`](crate::Paper).
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
@@ -143,8 +142,7 @@ pub trait Target: Steps {
 
     /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`].
     ///
-    /// The bytes are the same on every platform. They hold the templates, the track, and the numbers of the
-    /// configuration to compare with.
+    /// The bytes are the same on every platform: templates, track, and the configuration's values to compare with.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.
@@ -153,8 +151,8 @@ pub trait Target: Steps {
     /// Continues with a target that [`Target::save`] wrote. The answers are identical to those of the saved target.
     ///
     /// # Errors
-    /// [`RestoreError`] if the bytes are damaged, of another kind, or saved with another configuration. The target is
-    /// then unchanged.
+    /// [`RestoreError`] if the bytes are damaged or from another tracker or configuration. The target is then
+    /// unchanged.
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError>;
 
     /// Checks that the bytes are whole and were saved with this configuration.

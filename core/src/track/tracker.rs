@@ -46,8 +46,7 @@ pub struct Tracker<T: Target> {
 }
 
 impl Tracker<Robust> {
-    /// A tracker without a target, with [`robust::Config::robust`]. All its bytes are 0, so in a `static` it takes
-    /// neither stack nor flash:
+    /// A tracker without a target, with [`robust::Config::robust`]. All its bytes are 0, so a `static` takes no flash:
     ///
     /// ```
     /// use smr_core::{Robust, Tracker, robust::Config};
@@ -69,7 +68,7 @@ impl Tracker<Robust> {
 
 impl<const PIXELS: usize, const SPAN: usize> Tracker<Paper<PIXELS, SPAN>> {
     /// A tracker without a target, with [`paper::Config::camera`] limited to windows that fit `SPAN`. All its bytes are
-    /// 0, so in a `static` it takes neither stack nor flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
+    /// 0, so a `static` takes no flash: see [`Tracker<Robust>::new`](Tracker::<Robust>::new).
     #[must_use]
     #[inline(always)]
     pub const fn new() -> Self {
@@ -146,10 +145,9 @@ impl<T: Target> Tracker<T> {
         update::lock(&mut self.target, &mut self.workspace, frame, bbox)
     }
 
-    /// Locks in steps of bounded work: begins a lock, or continues the one under way if `bbox` and the size of the
-    /// frame are the same. The pixels must be the same in every step. `None` while work remains; until then there is no
-    /// target, because the first step forgets the previous one. Units: see [`Tracker::update_step`].
-    /// [`Paper`](crate::Paper) needs one step.
+    /// Locks in steps of bounded work: begins a lock, or continues one with the same `bbox` and frame size. The pixels
+    /// must be the same in every step. `None` while work remains: there is no target until then, because the first step
+    /// forgets the previous one. Units: see [`Tracker::update_step`]. [`Paper`](crate::Paper) needs one step.
     ///
     /// # Errors
     /// [`LockError`]. The target and the lock under way are then unchanged.
@@ -221,10 +219,9 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It calls `expired` after
-    /// each 10,000 units of work, so it is late by at most one such step: for [`Robust`](crate::Robust) about 140,000
-    /// units. After `None`, continue with the same frame in the next period: `update_step_until(&frame, ||
-    /// Instant::now() >= end)?`.
+    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It is late by at most
+    /// 10,000 units of work and one excess (for [`Robust`](crate::Robust) 140,000 in all). After `None`, continue with
+    /// the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

@@ -18,7 +18,6 @@ pub(super) const SEAL: &Seal = &Seal(());
 #[repr(u32)] // `Nothing` is 0, so that a workspace in a `static` begins as zeroes
 enum Call {
     Nothing,
-    /// An update of a locked target.
     Update,
     /// A lock, with the size of the frame and the box.
     Lock([u16; 2], Rect),
@@ -75,7 +74,7 @@ pub(super) const fn largest(of: &[u32]) -> u32 {
     largest
 }
 
-/// The state of the call under way in a workspace.
+/// The call under way in a workspace, and its budget.
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay {
     call: Call,
@@ -98,8 +97,7 @@ impl UnderWay {
     }
 }
 
-/// The stages of an update or a lock, and the workspace they use. A supertrait of [`Target`](crate::Target), sealed
-/// like it.
+/// The stages of an update or a lock, and their workspace. A sealed supertrait of [`Target`](crate::Target).
 pub trait Steps: Sized {
     /// Scratch memory for an update or a lock.
     type Workspace: Default;
@@ -150,8 +148,7 @@ pub trait Steps: Sized {
     fn commit_lock(&mut self, workspace: &mut Self::Workspace, frame: &Frame<'_>, _: &Seal) -> Quality;
 }
 
-/// The stages of a call one by one, for the C interface: it writes the answer to the caller's memory without a copy on
-/// the stack.
+/// The stages of a call one by one, for the C interface, which writes the answer directly to the caller's memory.
 #[doc(hidden)]
 pub mod calls {
     use super::{Answer, Call, Frame, LockError, Quality, Rect, SEAL, Steps, UnderWay, UpdateError};
@@ -173,8 +170,8 @@ pub mod calls {
         Ok(target.step(workspace, frame, SEAL))
     }
 
-    /// Begins a lock on `bbox` if none is under way, and continues it for about `work` units. True if only
-    /// [`commit_lock`] remains.
+    /// Begins a lock if none on `bbox` is under way, and continues it for about `work` units. True before
+    /// [`commit_lock`].
     ///
     /// # Errors
     /// As [`Target::lock`](crate::Target::lock).

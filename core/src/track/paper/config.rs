@@ -76,12 +76,12 @@ impl Margins {
 
 settings! {
     Paper, 0;
-    /// The settings of the paper's tracker. Start from [`Config::camera`] (for firmware) or [`Config::paper`] and change
-    /// what you need.
+    /// The settings of the paper's tracker. Start from [`Config::camera`] or [`Config::paper`] and change what you
+    /// need.
     ///
-    /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. r is
-    /// one of `gate_tracking`, `gate_leaving`, `gate_returning` and `gate_lost`, by the state of the target and the
-    /// position of the peak.
+    /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The
+    /// state of the target and the position of the peak decide which of `gate_tracking`, `gate_leaving`,
+    /// `gate_returning` and `gate_lost` r is.
     ///
     /// ```
     /// use smr_core::{Paper, Target, paper::{Config, Fraction, Radius}};
@@ -102,16 +102,14 @@ settings! {
         /// scored to its last pixel.
         pruning: bool,
     }
-    /// The factor of the threshold: alpha is `k` times the largest change of a pixel in the last update of the
-    /// template.
+    /// The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template.
     k: Fraction, 1..=65535;
     /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0
     /// is accepted.
     gate_tracking: Fraction, 0..=65535;
     /// The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
     gate_leaving: Fraction, 0..=65535;
-    /// The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is
-    /// found again.
+    /// The ratio of peak and runner-up that is needed after a box left the frame, until a lost target is found again.
     gate_returning: Fraction, 0..=65535;
     /// The ratio of peak and runner-up that is needed to find a lost target again.
     gate_lost: Fraction, 0..=65535;
@@ -123,8 +121,8 @@ settings! {
     least_ratio: u16, 0..=65535;
     /// alpha of the first update, in gray levels. Pixels that differ by less are similar.
     first_threshold: u8, 1..=255;
-    /// The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene
-    /// no pixel matches once the light changes.
+    /// The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so a change of light
+    /// after a still scene loses all pixels.
     least_threshold: u8, 0..=255;
     /// The width of the black border around the frame, in pixels: how far a box may leave the frame.
     padding: u16, 0..=65535;
@@ -136,8 +134,7 @@ settings! {
     window_limit: Radius, 0..=65535;
     /// The runner-up is the best score more than this many pixels from the peak, in x or in y.
     neighbourhood: u16, 0..=65535;
-    /// The runner-up is searched in every frame, not only if the gate's decision depends on it. This takes several
-    /// times as long.
+    /// The runner-up is searched in every frame, which takes several times as long, not only if the gate needs it.
     runner_up_always: bool, 0..=1;
     /// The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels.
     update_zone: Margins, 0..=65535;
@@ -178,11 +175,9 @@ impl Config {
     /// Differences from [`Config::paper`]:
     /// - While the target is lost, the window grows by at most 20 pixels on each side, so the cost of a frame at most
     ///   doubles. It needs a `SPAN` of 161; for less see [`Config::camera_within`].
-    /// - The template is updated up to the edge of the frame, and a peak inside the frame need not exceed the
-    ///   runner-up.
-    /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20. Without these, a slight change of
-    ///   light after a still scene could move the box anywhere. A patch without contrast is not accepted: see
-    ///   [`Config::least_ratio`].
+    /// - The template is updated up to the edge of the frame. A peak inside the frame need not exceed the runner-up.
+    /// - alpha is at least 10 gray levels, and a peak needs a ratio of at least 1/20: else a slight change of light
+    ///   after a still scene could move the box anywhere. A patch needs contrast: see [`Config::least_ratio`].
     #[must_use]
     pub const fn camera() -> Self {
         Self {

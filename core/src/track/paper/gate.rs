@@ -1,5 +1,4 @@
-//! The gate: accepts or refuses the peak of a search, by its lead over the runner-up and by the contrast of its patch
-//! (the picture of a covered lens has none).
+//! The gate: accepts or refuses the peak of a search, by its lead over the runner-up and by the contrast of its patch.
 
 use super::config::{Config, Fraction};
 use super::search::{Peak, Peaks, Wanted};
@@ -55,8 +54,7 @@ impl Track {
 }
 
 impl<const PIXELS: usize> Template<PIXELS> {
-    /// True if a patch of the template's size with the contrast `is` can show the target: it has enough contrast, and
-    /// not too many pixels at 0 or 255.
+    /// True if a patch with the contrast `is` can show the target: it has enough contrast, and few clipped pixels.
     pub(crate) fn is_shown_by(&mut self, is: Contrast) -> bool {
         if is.is_enough_for_any() {
             return true;
@@ -68,8 +66,7 @@ impl<const PIXELS: usize> Template<PIXELS> {
     }
 }
 
-/// Yields for each state of a target: whether its search includes the runner-up from the start, and whether a second
-/// search for the runner-up may follow.
+/// Yields for each state of a target: (the runner-up is searched from the start, it may be searched afterwards).
 pub(super) fn searches(config: &Config) -> impl Iterator<Item = (bool, bool)> {
     let bounds = Rect::new(0, 0, 1, 1);
     let states = [(State::Tracking, false), (State::Tracking, true), (State::Lost, false)];

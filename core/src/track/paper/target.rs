@@ -18,9 +18,8 @@ use crate::track::{
 };
 use core::fmt;
 
-/// A target of the paper's tracker. `PIXELS` is the largest area of a box, `SPAN` the largest number of offsets of the
-/// window on an axis. Memory: `PIXELS` bytes, and `PIXELS + 20 * SPAN` for its [`Workspace`], both plus a constant.
-/// [`Target`] has an example.
+/// A target of the paper's tracker: boxes of at most `PIXELS` pixels, windows of at most `SPAN` offsets on an axis. It
+/// takes `PIXELS` bytes, its [`Workspace`] `PIXELS + 20 * SPAN`, both plus a constant. [`Target`] has an example.
 #[repr(C)] // the template comes last: in another order the compiler builds the value on the stack and copies it
 pub struct Paper<const PIXELS: usize, const SPAN: usize> {
     pub(super) config: Slot<Config>,
@@ -297,8 +296,7 @@ const NOTHING: Peaks = Peaks { peak: Peak { x: 0, y: 0, score: 0 }, runner_up: N
 /// static WORKSPACE: smr_core::paper::Workspace<4096, 33> = smr_core::paper::Workspace::new();
 /// assert!(size_of_val(&WORKSPACE) < 4096 + 20 * 33 + 900);
 /// ```
-// The vectors in `search` come last. In another order the compiler builds the value on the stack and copies it, instead
-// of zeroing it in place.
+// The vectors in `search` come last: else the compiler builds the value on the stack and copies it.
 #[repr(C)]
 pub struct Workspace<const PIXELS: usize, const SPAN: usize> {
     pub(super) under_way: UnderWay,

@@ -53,9 +53,9 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|. `contrast` is that of
-    /// `patch`, or [`Contrast::NONE`] if not known. If no pixel changed, alpha stays: with an alpha of 0 no pixel would
-    /// ever match again.
+    /// Replaces the template G by `patch` G' of the same size, and sets alpha = k * max |G' - G|. If no pixel changed,
+    /// alpha stays: with an alpha of 0 no pixel would match again. `contrast` is that of `patch`, or
+    /// [`Contrast::NONE`].
     pub(crate) fn update(&mut self, patch: Image<'_>, contrast: Contrast, config: &Config) {
         let mut largest = 0;
         let columns = usize::from(self.width);
@@ -69,7 +69,6 @@ impl<const PIXELS: usize> Template<PIXELS> {
         }
     }
 
-    /// The template; `None` before the first `start`.
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn image(&self) -> Option<Image<'_>> {
         Image::new(&self.pixels, self.width, self.height).ok()

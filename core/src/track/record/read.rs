@@ -14,15 +14,14 @@ const MOST: usize = 32;
 
 /// The entries of `record`, in their order.
 ///
-/// Bytes before an entry `SMRB` are passed over if they are no entry: firmware that starts again appends to what was
-/// cut off. So are bytes at the end. See [`Entries::cut_off`]. The [module](super) has an example.
+/// Skips bytes that are no entry: before an `SMRB`, because restarted firmware appends to a truncated record, and at
+/// the end. See [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
 }
 
-/// Parses the entry at the start of `bytes`, for a record that is not wholly in memory. `bytes` must contain the whole
-/// entry, whose length is in its [`HEAD`].
+/// Parses the entry at the start of `bytes`, which must contain all of it: its length is in the [`HEAD`].
 ///
 /// # Errors
 /// [`Flaw::NoEntry`] if no whole entry begins there, else what is wrong with its content.
@@ -109,8 +108,8 @@ impl fmt::Debug for Begin<'_> {
 impl Begin<'_> {
     /// The recorded configuration; `None` if it is not one of this tracker and version.
     ///
-    /// `rest` has the settings on which no answer depends, and which a record does not hold. A record holds the entries
-    /// of a table: they must be those of the paper's table or of the table in `rest`.
+    /// `rest` supplies the settings that a record lacks, because no answer depends on them. The recorded table must be
+    /// the paper's or that of `rest`.
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

@@ -147,8 +147,8 @@ struct Way {
     shared: bool,
     /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// (part, index, is a lock): a lock or update does part / 256 of its work, and is ended by the call with this
-    /// index.
+    /// A call begins, does this part in 256 of its work, and is ended by the call of this index; true: a lock, not an
+    /// update.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -268,8 +268,8 @@ fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, f
     }
 }
 
-/// Repeats `step` until the call is done. Each step must make progress and exceed its grant by at most `beyond`; all
-/// steps together may do `most` work.
+/// Repeats `step` until the call is done, and checks that each step progresses and exceeds its grant by at most
+/// `beyond`.
 fn stepped<T: Filmed, A>(
     tracker: &mut Tracker<T>,
     (grant, beyond, most): (u32, u64, u64),

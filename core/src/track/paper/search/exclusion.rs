@@ -31,7 +31,6 @@ pub(super) struct Ranges<const PIXELS: usize, const SPAN: usize> {
     remaining: Remaining,
 }
 
-/// Bytes aligned to words.
 #[repr(align(4))]
 struct Words<const BYTES: usize>([u8; BYTES]);
 
@@ -93,8 +92,8 @@ impl Tile {
         (group % across * SIDE, group / across * SIDE)
     }
 
-    /// The first offset of a group, relative to the tile. The last group of a row or column ends with the tile, so it
-    /// may overlap the group before it.
+    /// The first offset of a group, relative to the tile. The last group of a row or column may overlap the one before
+    /// it.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
         let (column, row) = self.new_in_group(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
@@ -124,8 +123,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         1 << self.shape.log2_passes
     }
 
-    /// The largest tile that starts at offset (`column`, `row`); it starts earlier if fewer than 4 columns or rows
-    /// remain.
+    /// The largest tile that starts at offset (`column`, `row`), or earlier so that it has 4 columns and rows.
     pub(super) fn tile(&self, window: &Window, column: usize, row: usize) -> Tile {
         let (columns, rows) = window.size();
         let ((column, columns), (row, rows)) =
@@ -133,9 +131,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         Tile { column, row, columns, rows }
     }
 
-    /// The most comparisons for bounding the groups of a window, without scoring offsets. Per tile: 2 for each range;
-    /// for each group the pixels of the template, and one word at the start, in each pass, and while offsets are
-    /// scored.
+    /// The most comparisons for bounding the groups of a window. Per tile: 2 for each range; for each group the pixels
+    /// of the template, and one word at the start, in each pass, and while offsets are scored.
     pub(super) fn most(window: (usize, usize), (width, height): (u16, u16)) -> u64 {
         let Some(shape) = Shape::of((width, height), window, PIXELS, 3 * SPAN) else { return 0 };
         let pixels = usize::from(width) * usize::from(height);
@@ -301,8 +298,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles whose ranges fit into `capacity` bytes and that have at most `groups` groups. `None` if there
-    /// are none, or if [`Self::pays`] is false.
+    /// The largest tiles of at most `groups` groups whose ranges fit into `capacity` bytes; `None` if no tile fits and
+    /// pays.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
@@ -332,8 +329,8 @@ impl Shape {
         ranges <= half(capacity) && tile.groups() <= groups
     }
 
-    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets. That is the loss if nothing can be
-    /// excluded.
+    /// True if the ranges of a tile, which are in vain if nothing can be excluded, cost at most 1/16 of scoring its
+    /// offsets.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
@@ -354,8 +351,7 @@ impl Shape {
     }
 }
 
-/// (first, count) of a tile on an axis of `all` offsets: up to `most` offsets from `from` on. A tile has at least 4, so
-/// the last one may start earlier.
+/// (first, count) of a tile on an axis of `all` offsets. The last tile may start earlier, to have at least 4 offsets.
 #[cfg_attr(smr_small, inline(never))]
 fn side_from(from: usize, most: usize, all: usize) -> (usize, usize) {
     let size = most.min(all.saturating_sub(from)).max(SIDE.min(all));

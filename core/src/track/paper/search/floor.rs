@@ -1,11 +1,10 @@
-//! The best offset so far, and the least score with which an offset can change the result. Lower offsets can be
-//! skipped.
+//! The best offset so far, and the least score with which an offset can still change the result.
 //!
 //! If the runner-up is wanted, the least score is bounded by a floor:
 //!
 //! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
-//! 2. So for any final peak the runner-up is at least the smaller score of such a pair. The floor is the largest
-//!    smaller score over all pairs.
+//! 2. So for any final peak the runner-up is at least the lower score of such a pair. The largest of these is the
+//!    floor.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
 use super::runner_up::Maxima;
@@ -19,8 +18,7 @@ pub(super) struct Leaders<const SPAN: usize> {
     maxima: Maxima<SPAN>,
 }
 
-/// The second goal of a search and its progress: none, an equal of the peak outside its neighbourhood, or the
-/// runner-up.
+/// The second goal of a search and its progress: none, an equal outside the peak's neighbourhood, or the runner-up.
 #[derive(Clone, Copy)]
 enum Beside {
     Nothing,
@@ -164,8 +162,7 @@ mod tests {
     use crate::Rect;
     use crate::track::paper::search::Radius;
 
-    /// A floor just below the peak admits an offset with the peak's score, which loses the tie and becomes the
-    /// runner-up.
+    /// With a floor just below the peak, an offset that ties with the peak and loses becomes the runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);

@@ -26,8 +26,8 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The most comparisons of the descent: the SAD of the last position, the steps, the scores of the final and the
-    /// last position.
+    /// The most comparisons of the descent: its SADs, and the scores of its last position and of the box's last
+    /// position.
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -46,15 +46,15 @@ impl Extent {
         self.offsets() * self.pixels() + groups
     }
 
-    /// The most comparisons for the runner-up: nine scouts, the whole window once, and reading the maxima of rows and
-    /// columns: at the start, at the end, and to raise the floor (at most 1/32 of the work).
+    /// The most comparisons for the runner-up: nine scouts, the whole window, and reading the maxima at the start, at
+    /// the end, and to raise the floor (at most 1/32 of the work).
     fn runner_up<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let scouts = if self.offsets() >= 288 { 9 * self.pixels() } else { 0 };
         let all = scouts + self.peak::<PIXELS, SPAN>();
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// The most comparisons of a search with or without the runner-up, and if `again` of a second one for the
+    /// The most comparisons of a search, with the runner-up or not, and if `again` of a second search for the
     /// runner-up.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
@@ -66,8 +66,8 @@ impl Extent {
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// The most comparisons by which a step exceeds its grant: an offset, a group or a row of ranges, and 7 * `SPAN`
-    /// words of working memory.
+    /// The most comparisons beyond a step's grant: an offset, a group or a row of ranges, and 7 * `SPAN` words of
+    /// memory.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

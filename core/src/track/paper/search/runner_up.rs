@@ -1,7 +1,6 @@
 //! Finds the runner-up from one maximum per row and one per column of the window.
 //!
-//! 1. The neighbourhood of the peak is a square. The offsets outside it are whole rows (above and below) and whole
-//!    columns (left and right).
+//! 1. The neighbourhood of the peak is a square. Outside are whole rows (above, below) and columns (left, right).
 //! 2. So the largest score outside is exactly the largest of the maxima of those rows and columns.
 //! 3. The maxima can be collected before the peak is known. They take width + height words instead of width * height.
 
@@ -14,7 +13,6 @@ pub(super) struct Maxima<const SPAN: usize> {
     rows: Row<SPAN>,
 }
 
-/// A maximum for each offset of the window on an axis.
 struct Row<const SPAN: usize> {
     maxima: [u32; SPAN],
     len: usize,

@@ -33,8 +33,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
 
     /// Continues for about `work` comparisons (at least 1) and returns their number. It counts:
     ///
-    /// - 1 for each template pixel at each offset or group, even if scoring stopped early or a bound excluded the
-    ///   offset;
+    /// - 1 for each template pixel at each offset or group, even if it was skipped;
     /// - 2 for each range;
     /// - 1 for each word of working memory read in a pass over groups or maxima.
     ///
@@ -95,8 +94,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Begins the descent at the last position. In a small window, or with the box partly outside the frame, it ends at
-    /// once.
+    /// Begins the descent at the last position. In a small window, or at the frame's edge, it ends at once.
     pub(super) fn last_position(&mut self, scene: &Scene<'_>) {
         let (x, y) = scene.window.centre();
         self.descent = Descent { x, y, best: (x, y), distance: u32::MAX, step: 0 };
@@ -109,16 +107,14 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// Compares the next neighbour, row by row. After the last one moves to the best and halves the step; at step 0
-    /// scores it.
+    /// Compares the next neighbour. After the last one, moves to the best and halves the step; at step 0 scores it.
     #[cfg_attr(smr_small, inline(never))]
     pub(super) fn descend(&mut self, scene: &Scene<'_>) {
         let Descent { x, y, best, distance: least, step } = self.descent;
         if step == 0 {
             self.score(scene, x, y);
             if self.leaders.needed() == 0 {
-                // If all offsets score 0, the last position must be the peak, so its score is noted before any group is
-                // excluded.
+                // If all offsets score 0, the last position must be the peak, so it is scored before any exclusion.
                 let (x, y) = scene.window.centre();
                 self.score(scene, x, y);
             }
@@ -141,8 +137,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         }
     }
 
-    /// The SAD of every fourth row; `None` if the box is not wholly inside the frame. Stops early once the sum exceeds
-    /// `enough`.
+    /// The SAD of every fourth row, up to `enough`; `None` if the box is not wholly inside the frame.
     #[cfg_attr(smr_small, inline(never))]
     fn sad(&mut self, scene: &Scene<'_>, x: i32, y: i32, enough: u32) -> Option<u32> {
         let patch = scene.frame.patch(Rect::new(x, y, scene.template.width(), scene.template.height()))?;
@@ -167,8 +162,7 @@ pub(super) fn first_step_of((columns, rows): (usize, usize)) -> u8 {
 /// The row step of a SAD: it reads every fourth row.
 pub(super) const SAD_STEP: u16 = 4;
 
-/// The most steps of a descent. The first one is at most 2^(4 - 1) = 8 pixels, so the descent reaches 15. Beyond that
-/// the ranges are faster.
+/// The most steps of a descent. They add up to at most 15 pixels. Beyond that, excluding by ranges is faster.
 pub(super) const MOST_STEPS: usize = 4;
 
 /// Element `number` of (-`step`, 0, `step`).

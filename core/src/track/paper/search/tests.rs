@@ -65,8 +65,7 @@ static STEEP: Table = match Table::new(20) {
     Err(_) => panic!("20 is in range"),
 };
 
-/// The capacity of the search: exactly the pixels of the largest template, so that windows are divided into small
-/// tiles.
+/// The capacity of the search: the pixels of the largest template, so that large windows need several tiles.
 const PIXELS: usize = 24 * 20;
 
 prop_compose! {
@@ -146,7 +145,6 @@ impl Case {
     }
 }
 
-/// The options of a search.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     pruning: bool,

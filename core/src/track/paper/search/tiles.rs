@@ -1,5 +1,4 @@
-//! Searches a window tile by tile and pass by pass: excludes groups of 4x4 offsets by ranges (`exclusion.rs`), and
-//! scores the offsets of the remaining groups.
+//! Searches a window tile by tile: excludes groups of 4x4 offsets (`exclusion.rs`), and scores the remaining offsets.
 
 use super::exclusion::{SIDE, Tile};
 use super::progress::{Place, Scene, Search, Stage, area, axes, words};
@@ -87,7 +86,6 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
         self.stage = if usize::from(self.place.pass) < self.ranges.passes() { Stage::Ranges } else { Stage::Refine };
     }
 
-    /// The next group of the tile that is not excluded.
     fn next_group(&mut self, needed: u32) -> Option<usize> {
         let group = self.ranges.next_group(&self.tile, self.place.next, needed);
         if group.is_none() {
@@ -104,8 +102,7 @@ impl<const PIXELS: usize, const SPAN: usize> Search<PIXELS, SPAN> {
                 (self.place.next, self.place.offset) = (group, 0);
             }
             let new = self.tile.new_in_group(group);
-            // Raises the floor at the first remaining group of each row, if that costs at most 1/32 of the work since
-            // the last time.
+            // Raises the floor at the first remaining group of a row, for at most 1/32 of the work since the last time.
             let is_first = self.place.offset == 0 && (from == 0 || new.1 != self.tile.new_in_group(from - 1).1);
             if is_first && self.since_floor.wrapping_add(self.work) / 32 >= axes(scene) {
                 self.raise_floor(scene);

@@ -1,5 +1,4 @@
-//! The search window (all positions of the box in the next frame), the goal and the result of a search, and the tie
-//! rule.
+//! The search window (all positions of the box in the next frame), the goal and result of a search, the tie rule.
 
 use crate::image::Rect;
 use core::ops::RangeInclusive;
@@ -15,7 +14,6 @@ pub struct Radius {
 }
 
 impl Radius {
-    /// Limits the radius to `most` on each axis.
     pub(crate) const fn at_most(self, most: u16) -> Self {
         Self { x: if self.x > most { most } else { self.x }, y: if self.y > most { most } else { self.y } }
     }
@@ -143,8 +141,7 @@ impl Peak {
 pub(crate) enum Wanted {
     /// The peak alone.
     Peak,
-    /// The peak, and whether an offset outside its neighbourhood has the same score. Costs little more than the peak
-    /// alone.
+    /// The peak, and whether an offset outside its neighbourhood has the same score, at little more cost.
     Equals(u16),
     /// The peak and the runner-up.
     RunnerUp(u16),
