@@ -70,7 +70,7 @@ pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target.score_at(frame, x, y)
 }
 
-/// The peak and the runner-up of the last search, even if the gate refused the peak. `None` while a search is under way.
+/// The peak and the runner-up of the last search, even if the gate refused the peak; `None` during a search.
 #[must_use]
 pub fn peaks<const PIXELS: usize, const SPAN: usize>(workspace: &paper::Workspace<PIXELS, SPAN>) -> Option<Peaks> {
     workspace.peaks()

@@ -35,10 +35,9 @@ impl Camera {
         }
     }
 
-    /// The angles right and up from the optical axis to the centre of `target`, in radians.
-    ///
-    /// The axes are independent. If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t)
-    /// times as much, so the pan axis approaches the target more slowly.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians. The axes are independent.
+    /// If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t) times as much, so the pan
+    /// axis approaches the target more slowly.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;

@@ -15,7 +15,6 @@ pub use table::{Table, TableError};
 use crate::image::{Frame, Image, Rect};
 
 /// The score of `template` with its top left corner at (`x`, `y`) of the frame. Pixels outside the frame are zero.
-///
 /// `None` if a pixel of the frame is needed that is not in memory, or if the template has more than
 /// [`Table::MAX_PIXELS`] pixels. Cost: one comparison for each pixel of the template.
 #[cfg(any(test, feature = "unstable"))]

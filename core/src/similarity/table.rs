@@ -80,7 +80,6 @@ impl Table {
     }
 
     /// Computes entry d as 65535 * r^d with r = exp(-1 / scale) in 64 fractional bits: one multiplication per entry.
-    ///
     /// Each multiplication adds an error of less than 2^-64. So r^255 is too small by less than 2^-55, and 65535 *
     /// r^255 by less than 2^-39. No exact value for any scale lies that close to the middle between two integers (a
     /// test tries all of them), so the rounding is correct.

@@ -20,7 +20,6 @@ const TABLE: [u32; 16] = {
     table
 };
 
-/// The checksum of the bytes so far.
 #[derive(Clone, Copy)]
 pub(super) struct Crc(u32);
 

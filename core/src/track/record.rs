@@ -142,10 +142,8 @@ pub trait Recorded: Target<Config: Settings> {
 
 impl<T: Target<Config: Settings>> Recorded for T {}
 
-/// Writes a record; see the [module](self).
-///
-/// Each call writes one entry, in chunks of a row of pixels, a saved target, or at most 64 bytes. After an error of the
-/// writer, later calls write nothing, so that nothing follows half an entry.
+/// Writes a record; see the [module](self). Each call writes one entry, in chunks of a row of pixels, a saved target,
+/// or at most 64 bytes. After an error of the writer, later calls write nothing, so that nothing follows half an entry.
 pub struct Recorder<W> {
     write: W,
     entries: u32,
@@ -232,9 +230,8 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
         })
     }
 
-    /// Records the pixels that the update will read, before [`Target::update`] or the first step.
-    ///
-    /// Writes nothing if the update would fail.
+    /// Records the pixels that the update will read, before [`Target::update`] or the first step. Writes nothing if the
+    /// update would fail.
     ///
     /// # Errors
     /// The writer's.
@@ -283,7 +280,6 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
-    ///
     /// The entries after it do not depend on earlier ones. So a long flight can be split into records that each begin
     /// with a saved target.
     ///

@@ -109,9 +109,8 @@ pub trait Target: Steps {
         super::update::lock(self, workspace, frame, bbox)
     }
 
-    /// The part of the frame that the next update may read; `None` before the first lock, never empty.
-    ///
-    /// Firmware may read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
+    /// The part of the frame that the next update may read; `None` before the first lock, never empty. Firmware may
+    /// read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
     /// A second window that the next update may read for a lost target; `None` in most frames and from
@@ -128,10 +127,8 @@ pub trait Target: Steps {
     fn quality(&self) -> Option<Quality>;
 
     /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
-    /// `down`) in the next. Units of 1/256 pixel.
-    ///
-    /// The search window moves along. The box stays within reach of the frame. [`Paper`](crate::Paper) rounds to whole
-    /// pixels.
+    /// `down`) in the next. Units of 1/256 pixel. The search window moves along. The box stays within reach of the
+    /// frame. [`Paper`](crate::Paper) rounds to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
     /// The number of bytes that [`Target::save`] writes; at most [`Target::SAVED_SIZE`].
@@ -140,9 +137,8 @@ pub trait Target: Steps {
     /// [`SaveError::NotLocked`].
     fn saved_size(&self) -> Result<usize, SaveError>;
 
-    /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`].
-    ///
-    /// The bytes are the same on every platform: templates, track, and the configuration's values to compare with.
+    /// Writes the target into `bytes` and returns the number of bytes written, [`Target::saved_size`]. The bytes are
+    /// the same on every platform: templates, track, and the configuration's values to compare with.
     ///
     /// # Errors
     /// [`SaveError`]. `bytes` are then unchanged.
@@ -175,7 +171,6 @@ pub trait Target: Steps {
     }
 }
 
-/// Refuses a box that is empty or not wholly inside the frame.
 pub(super) fn lockable(bounds: Rect, bbox: Rect) -> Result<(), LockError> {
     if bbox.is_empty() {
         return Err(LockError::BoxEmpty);
@@ -206,7 +201,6 @@ impl<T> Slot<T> {
         }
     }
 
-    /// The value, or `other` if there is none.
     pub(super) const fn or<'a>(&'a self, other: &'a T) -> &'a T {
         match self {
             Self::Empty => other,

@@ -104,7 +104,6 @@ pub(super) fn most_parts() -> robust::Config {
     robust::Config { refiner: cfg!(feature = "refiner"), ..robust::Config::robust() }
 }
 
-/// Instantiates each generic test for both trackers.
 macro_rules! for_both {
     ($($name:ident),* $(,)?) => {
         mod paper_tracker {
@@ -300,7 +299,6 @@ fn the_settings_of_the_robust_tracker_have_names() {
     }
 }
 
-/// Two settings differ: the first one in the order of the bytes is named.
 #[test]
 fn a_refusal_names_the_first_of_several() {
     let bytes = saved(of_scene::<Robust>(robust::Config::robust()).target());

@@ -60,7 +60,6 @@ impl Budget {
     }
 }
 
-/// Converts a count to units of work.
 pub(super) fn units(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
@@ -170,8 +169,7 @@ pub mod calls {
         Ok(target.step(workspace, frame, SEAL))
     }
 
-    /// Begins a lock if none on `bbox` is under way, and continues it for about `work` units. True before
-    /// [`commit_lock`].
+    /// Begins or continues a lock on `bbox`, for about `work` units. True if only [`commit_lock`] remains.
     ///
     /// # Errors
     /// As [`Target::lock`](crate::Target::lock).

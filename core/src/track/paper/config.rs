@@ -76,8 +76,7 @@ impl Margins {
 
 settings! {
     Paper, 0;
-    /// The settings of the paper's tracker. Start from [`Config::camera`] or [`Config::paper`] and change what you
-    /// need.
+    /// The settings of the paper's tracker. Change what you need in [`Config::camera`] or [`Config::paper`].
     ///
     /// The gate accepts a peak if peak / runner-up > r, or peak - runner-up > `gate_lead` fully similar pixels. The
     /// state of the target and the position of the peak decide which of `gate_tracking`, `gate_leaving`,
@@ -104,8 +103,8 @@ settings! {
     }
     /// The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template.
     k: Fraction, 1..=65535;
-    /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0
-    /// is accepted.
+    /// The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above
+    /// 0 is accepted.
     gate_tracking: Fraction, 0..=65535;
     /// The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
     gate_leaving: Fraction, 0..=65535;

@@ -3,9 +3,9 @@
 //! | file | what it does | step of the paper |
 //! |---|---|---|
 //! | `config.rs` | the settings, their ranges, and the presets | |
-//! | `track.rs` | the track of a target: box, state (leaving at the frame's edge), search window, which grows while it is lost | 1 |
+//! | `track.rs` | the track of a target: box, state, and the search window, which grows while it is lost | 1 |
 //! | `gate.rs` | the test that accepts or refuses a match; the check for a covered lens | |
-//! | `search/` | which offsets are scored, exact pruning, the peak; [`similarity`](crate::similarity) has the scores | 1 to 4 |
+//! | `search/` | scores offsets by [`similarity`](crate::similarity), with exact pruning; finds the peak | 1 to 4 |
 //! | `template.rs` | the template and alpha | 5, 6 |
 //! | `saved.rs` | a target as bytes | |
 //! | `target.rs` | an update: window, search, gate, template, answer; scratch memory | |

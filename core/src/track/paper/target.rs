@@ -150,7 +150,6 @@ impl<const PIXELS: usize, const SPAN: usize> Target for Paper<PIXELS, SPAN> {
         Self::configured(&self.config)
     }
 
-    /// The lock window: the box itself.
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect {
         if bounds.contains(bbox) { bbox } else { Rect::default() }
     }

@@ -84,7 +84,6 @@ fn the_runner_up_is_there_where_it_is_wanted_or_decides() {
     assert!(answer.runner_up_ratio.is_some(), "whether it leaves depends on it");
 }
 
-/// If no offset can be excluded, the work comes close to the computed bound.
 #[test]
 fn the_most_work_is_nearly_done() {
     let noise = [Picture::noise(160, 120, 7), Picture::noise(160, 120, 8)];

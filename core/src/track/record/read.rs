@@ -12,10 +12,8 @@ use core::{fmt, mem};
 const TABLE: usize = 256;
 const MOST: usize = 32;
 
-/// The entries of `record`, in their order.
-///
-/// Skips bytes that are no entry: before an `SMRB`, because restarted firmware appends to a truncated record, and at
-/// the end. See [`Entries::cut_off`]. The [module](super) has an example.
+/// The entries of `record`, in their order. Skips bytes that are no entry: before an `SMRB`, because restarted firmware
+/// appends to a truncated record, and at the end. See [`Entries::cut_off`]. The [module](super) has an example.
 #[must_use]
 pub const fn entries(record: &[u8]) -> Entries<'_> {
     Entries { record, at: 0, next: 0, cut_off: 0 }
@@ -106,10 +104,9 @@ impl fmt::Debug for Begin<'_> {
 }
 
 impl Begin<'_> {
-    /// The recorded configuration; `None` if it is not one of this tracker and version.
-    ///
-    /// `rest` supplies the settings that a record lacks, because no answer depends on them. The recorded table must be
-    /// the paper's or that of `rest`.
+    /// The recorded configuration; `None` if it is not one of this tracker and version. `rest` supplies the settings
+    /// that a record lacks, because no answer depends on them. The recorded table must be the paper's or that of
+    /// `rest`.
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

@@ -72,10 +72,9 @@ impl fmt::Display for Stop {
 
 impl core::error::Error for Stop {}
 
-/// Runs `record` through `tracker` and compares every answer with the recorded one.
-///
-/// `update` computes each answer, for example by [`Tracker::update`] or in steps. Each beginning in the record
-/// configures the tracker anew: see [`Begin::config`](super::Begin::config). The [module](super) has an example.
+/// Runs `record` through `tracker` and compares every answer with the recorded one. `update` computes each answer, for
+/// example by [`Tracker::update`] or in steps. Each beginning in the record configures the tracker anew: see
+/// [`Begin::config`](super::Begin::config). The [module](super) has an example.
 ///
 /// # Errors
 /// [`Stop`]: the first difference or damage. The tracker keeps the state that it has reached.
@@ -103,7 +102,6 @@ pub fn replay<T: Recorded>(
 #[derive(Debug)]
 pub struct Player<'a, T: Target> {
     rest: T::Config,
-    /// The frame of an update that has no answer yet.
     window: Option<Frame<'a>>,
 }
 

@@ -24,9 +24,8 @@ impl Radius {
     }
 }
 
-/// All positions of the box within a radius of its last position, cut at the edges of the padded frame.
-///
-/// A position is that of the box's top left corner. Positions are one pixel apart. A window is never empty.
+/// All positions of the box within a radius of its last position, cut at the edges of the padded frame. A position is
+/// that of the box's top left corner. Positions are one pixel apart. A window is never empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Window {
