@@ -1,5 +1,4 @@
-//! **Unstable**: access to the inside of the trackers, for `host-sim` and the tests. It is behind the feature
-//! `unstable` and may change in any version. Firmware does not need it.
+//! **Unstable**: access to the inside of the trackers, for `host-sim` and the tests. May change in any version.
 
 use crate::image::{FineRect, Frame};
 use crate::track::paper::{self, Paper};
@@ -18,8 +17,7 @@ pub fn followed(target: &Robust) -> Option<FineRect> {
     target.followed()
 }
 
-/// The correlation filter's weights, in units of 2^-30: [`CHANNELS`](crate::robust::CHANNELS) for each cell. Empty
-/// before the first lock.
+/// The correlation filter's weights, in units of 2^-30: `CHANNELS` for each cell. Empty before the first lock.
 #[must_use]
 pub fn weights(target: &Robust) -> &[i32] {
     target.weights()
@@ -59,8 +57,8 @@ pub fn offsets<const PIXELS: usize, const SPAN: usize>(target: &Paper<PIXELS, SP
     target.offsets()
 }
 
-/// The score of the box at (`x`, `y`) with the present template and alpha, computed by the plain loop. `None` before
-/// the first lock, or if a pixel of the box is not in memory.
+/// The score of the box at (`x`, `y`) with the present template and alpha; `None` before the first lock, or if a pixel
+/// is not in memory.
 #[must_use]
 pub fn score_of<const PIXELS: usize, const SPAN: usize>(
     target: &Paper<PIXELS, SPAN>,

@@ -1,5 +1,4 @@
-//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise (the update zone, the
-//! gate, changes of light), and the README's table of memory.
+//! Tests of the public interface: rules of the paper's tracker that recordings rarely exercise, and the README's table.
 
 use smr_core::paper::{Config, Margins, Workspace};
 use smr_core::{Answer, Frame, Image, Paper, Rect, Robust, State, Tracker, robust};

@@ -77,8 +77,8 @@ pub enum Format {
     /// Bayer mosaic of color filters in any order, one byte per pixel. Halves width and height: each 2x2 block becomes
     /// one gray pixel, `((a + b) / 2 + (c + d + 1) / 2) / 2` with a and b in the upper line, c and d in the lower.
     Bayer8,
-    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): four bytes with the high eight bits of each pixel, then
-    /// one with the low two bits of all four, which is ignored.
+    /// Four gray pixels of ten bits in five bytes (MIPI RAW10): the high bytes of all four, then their low bits,
+    /// ignored.
     Gray10,
 }
 
@@ -131,7 +131,8 @@ impl Format {
         self.convert(bytes, usize::try_from(window.x).unwrap_or(0), line.is_multiple_of(lines), row);
     }
 
-    /// Converts pixels of `line` from column `x` on. `is_upper`: the line is the first of those for a gray row.
+    /// Converts pixels of `line` from column `x` on. `is_upper`: the line is the upper one of a Bayer block, or the
+    /// only one.
     fn convert(self, line: &[u8], x: usize, is_upper: bool, gray: &mut [u8]) {
         let from = |start: usize| line.get(start..).unwrap_or(&[]);
         match self {

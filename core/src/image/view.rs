@@ -135,7 +135,7 @@ impl<'a> Image<'a> {
         Some(Self { height, ..*self })
     }
 
-    /// An image of `height` equal rows: the first `width` pixels of `row`. `None` if `row` is shorter. Has no
+    /// An image of `height` equal rows, the first `width` pixels of `row`; `None` if `row` is shorter. Lacks
     /// [`Image::rows`].
     #[cfg(not(smr_swar))]
     pub(crate) fn repeated(row: &'a [u8], width: u16, height: u16) -> Option<Self> {

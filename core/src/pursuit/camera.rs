@@ -35,9 +35,8 @@ impl Camera {
         }
     }
 
-    /// The angles right and up from the optical axis to the centre of `target`, in radians. The axes are independent.
-    /// If the camera is tilted by t, a turn of the pan servo moves the picture by only cos(t) times as much, so the pan
-    /// axis approaches the target more slowly.
+    /// The angles right and up from the optical axis to the centre of `target`, in radians. The axes are independent:
+    /// if the camera is tilted by t, a pan moves the picture by only cos(t) times as much, so panning takes longer.
     pub(super) fn error_radians(&self, target: FineRect) -> (f32, f32) {
         let x = middle(target.x, target.width) - self.principal_x_pixels;
         let y = middle(target.y, target.height) - self.principal_y_pixels;
@@ -45,7 +44,7 @@ impl Camera {
     }
 
     /// The motion of the picture right and down, in units of 1/256 pixel, for a turn of the camera right and up. Exact
-    /// near the optical axis; farther out the true motion is a little larger.
+    /// near the optical axis, a little too small farther out.
     #[allow(clippy::cast_possible_truncation)] // the cast saturates; NaN becomes 0
     pub(super) fn picture_motion(&self, right_radians: f32, up_radians: f32) -> (i32, i32) {
         let units = |radians: f32| (256.0 * self.focal_length_pixels * radians) as i32;

@@ -73,8 +73,7 @@ pub struct Followed<C> {
     pub commanded: C,
 }
 
-/// Keeps the target centred, by the pins of a pan servo, a tilt servo and a lock indicator. The [module](super) has an
-/// example.
+/// Keeps the target centred, by the pins of a pan servo, a tilt servo and a lock indicator. See the [module](super).
 pub struct Pursuit<P, T, L> {
     camera: Camera,
     pub(super) pan: Joint<P>,
@@ -121,9 +120,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
         })
     }
 
-    /// Updates the tracker with a frame, steers by the answer, and reports to the tracker the motion of the picture by
-    /// the turn of the head. `elapsed_seconds` is the time since the last frame. If a pin fails, the result contains
-    /// the answer and the error; the other axis still turns.
+    /// Updates the tracker with a frame, `elapsed_seconds` after the last one, steers by the answer, and tells the
+    /// tracker how the turn moves the picture. If a pin fails, the result contains the answer and the error.
     ///
     /// # Errors
     /// [`FollowError`]. No pin was written then, and the tracker is unchanged.
@@ -144,8 +142,8 @@ impl<P: SetDutyCycle, T: SetDutyCycle, L: OutputPin> Pursuit<P, T, L> {
     /// Steers by an answer of the tracker, `elapsed_seconds` after the last call. Use it if you update the tracker
     /// yourself, for example in steps. Then also pass [`Pursuit::picture_motion`] to the tracker.
     ///
-    /// The head turns to bring the centre of the box onto the optical axis. The indicator is on in the states tracking
-    /// and leaving. If the target is lost, it does as in [`Pursuit::wait`].
+    /// Turns the head to bring the centre of the box onto the optical axis, or if the target is lost as in
+    /// [`Pursuit::wait`]. The indicator is on in the states tracking and leaving.
     ///
     /// # Errors
     /// [`PursuitError`]: the first error of a pin, whose axis keeps its angle. The other pins are still written.

@@ -33,8 +33,7 @@ impl Contrast {
         Self { pixels: count, mean, deviation, cut_off }
     }
 
-    /// True if the patch can show every target of its size: by its contrast, and with at most half of its pixels
-    /// clipped.
+    /// True if the patch can show every target of its size, by its contrast and its number of clipped pixels.
     pub(crate) const fn is_enough_for_any(&self) -> bool {
         SHOWN * self.deviation >= MOST_DEVIATION * self.pixels && 2 * self.cut_off <= self.pixels
     }

@@ -67,8 +67,7 @@ pub struct Answer {
     /// lowest ratio of the 16 tiles of the early template; 0 if the patch has too little contrast or is clipped.
     pub ratio: u16,
     /// The ratio of the runner-up; 0 if the window does not reach beyond the peak's neighbourhood. `None` from
-    /// [`Robust`](crate::Robust), and if no decision depended on it: see
-    /// [`runner_up_always`](crate::paper::Config::runner_up_always).
+    /// `Robust`, and if no decision depended on it: see [`runner_up_always`](crate::paper::Config::runner_up_always).
     pub runner_up_ratio: Option<u16>,
     /// The threshold alpha of this frame, rounded up to whole gray levels: pixels that differ by less match. `None`
     /// from [`Robust`](crate::Robust), whose threshold follows the contrast of each patch.
@@ -103,7 +102,7 @@ pub struct MostWork {
     pub update: u64,
     /// The most work of a lock.
     pub lock: u64,
-    /// The most work by which a step exceeds its grant, because its last piece of work cannot be divided. The last step
-    /// of a call makes one more pass over the template and the weights.
+    /// The most work by which a step exceeds its grant, because the last piece cannot be divided. The last step of a
+    /// call makes one more pass over the template and the weights.
     pub beyond_a_step: u32,
 }

@@ -42,7 +42,7 @@ errors! {
         /// The box has more than `PIXELS` pixels. Only from [`Paper`](crate::Paper).
         BoxTooLarge => "the box has more pixels than this tracker's template has room for",
         /// The window could exceed `SPAN` offsets on an axis: reduce `window_limit` or increase `SPAN`. Only from
-        /// [`Paper`](crate::Paper).
+        /// `Paper`.
         WindowTooLarge => "the window can grow to more offsets on an axis than this tracker has room for",
         /// [`Target::lock_window`](crate::Target::lock_window) is not wholly in memory.
         LockWindowNotInMemory => "the lock window is not wholly in memory",

@@ -45,7 +45,7 @@ impl Quality {
         self.0 < Self::POOR_BELOW
     }
 
-    /// The quality of a patch of at most [`Table::MAX_PIXELS`] pixels. The plain loop computes it.
+    /// Computes the quality of a patch of at most [`Table::MAX_PIXELS`] pixels, with the scalar backend.
     #[inline(never)] // keeps its stack out of that of a step
     pub(super) fn of(patch: Image<'_>, table: &CutTable) -> Self {
         let scorer = &Scorer::new(Backend::Scalar, table);

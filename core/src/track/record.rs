@@ -37,9 +37,9 @@
 //! | lock | 36 + pixels of [`Target::lock_window`] |
 //! | frame | 82 + pixels of [`Target::window`] and of [`Target::sweep_window`] |
 //!
-//! The pixels are in the record because the answer depends on them. The window of [`Paper`](crate::Paper) is the box
-//! enlarged by the radius on each side: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window
-//! of [`Robust`](crate::Robust) is about 16 times the area of its target.
+//! The answer depends on these pixels. The window of [`Paper`](crate::Paper) is the box enlarged by the radius on each
+//! side: a frame takes 9298 bytes for a box of 64x64 with a window of +-16. The window of [`Robust`](crate::Robust) is
+//! about 16 times the area of its target.
 //!
 //! The recorder needs 64 bytes of stack and no other memory, and the time of a CRC-32 over the bytes and of the writer.
 //!
@@ -57,8 +57,8 @@
 //!
 //! The content of each entry:
 //!
-//! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), then the configuration, 2 bytes for
-//!   each number
+//! - `SMRB`, begin: version (2 bytes: 1), tracker (1 byte: `P` or `R`), 0 (1 byte), the configuration (2 bytes a
+//!   number)
 //! - `SMRL`, lock: frame: width, height; box: left, top, width, height; window: the same (2 bytes each); its pixels,
 //!   row by row
 //! - `SMRM`, moved: right, down, in 1/256 pixel (4 bytes each, signed)
@@ -280,8 +280,7 @@ impl<E, W: FnMut(&[u8]) -> Result<(), E>> Recorder<W> {
     }
 
     /// Records that the tracker continues with a saved target. Call it after [`Target::restore`], with the same bytes.
-    /// The entries after it do not depend on earlier ones. So a long flight can be split into records that each begin
-    /// with a saved target.
+    /// Later entries do not depend on earlier ones, so a long flight can be split into records.
     ///
     /// # Errors
     /// The writer's.

@@ -11,9 +11,8 @@
 //! | then | the state of the tracker |
 //! | last 4 | checksum of all bytes before |
 //!
-//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). The settings are saved to be
-//! compared, because a target continues only with those with which it was saved. An error names the first one that
-//! differs. The table has 512 bytes, so only its checksum is saved.
+//! Numbers are little-endian; checksums are CRC-32 (the one of Ethernet and zip). A target continues only with the
+//! settings with which it was saved: an error names the first one that differs. Of the table only a checksum is saved.
 
 use super::checksum::Crc;
 use super::error::{RestoreError, SaveError};

@@ -15,7 +15,7 @@ pub struct Setting {
     pub lowest: u16,
     /// The highest value.
     pub highest: u16,
-    /// The count of values before it in a record that are always 1.
+    /// The count of reserved values, always 1, that precede the setting in a record.
     pub(super) ones: usize,
 }
 
@@ -129,7 +129,7 @@ pub trait Settings: Numbers {
         Some(values)
     }
 
-    /// A configuration from its values in a [record](crate::record), which follow the table there.
+    /// Restores a configuration from its values in a [record](crate::record), without the entries of the table.
     ///
     /// # Errors
     /// [`ConfigError`] if the values are not those of a valid configuration.
@@ -163,10 +163,10 @@ pub enum Kind {
     Robust = b'R',
 }
 
-/// The name that errors use for the values of a record that are always 1.
+/// The name that errors use for the reserved values of a record, which are always 1.
 const PARTS: &str = "parts";
 
-/// The values of a configuration on which answers depend, in the order of the record, without the table.
+/// The values of a configuration on which answers depend, in the order of a record, without the similarity table.
 pub trait Numbers: Copy + Default {
     type Array: AsRef<[u16]> + AsMut<[u16]>;
     const COUNT: usize;
@@ -273,7 +273,7 @@ macro_rules! of_type {
 }
 
 /// Defines a configuration: fields that are no settings, then settings with their types and ranges. `after N` means
-/// that N values that are always 1 precede a setting in a record.
+/// that N reserved values, always 1, precede the setting in a record.
 macro_rules! settings {
     (
         $kind:ident, $least:expr; $(#[$about:meta])*

@@ -7,8 +7,8 @@ use crate::image::{FineRect, Frame, Rect};
 /// A target as a tracker remembers it: configuration, templates and track. Plain data.
 ///
 /// An update also needs scratch memory, the *workspace*. One workspace serves any number of targets, one update at a
-/// time. A [`Tracker`](crate::Tracker) holds one target and a workspace. The trait is sealed: only
-/// [`Paper`](crate::Paper) and [`Robust`](crate::Robust) implement it.
+/// time. A [`Tracker`](crate::Tracker) holds one of each. Only [`Paper`](crate::Paper) and [`Robust`](crate::Robust)
+/// implement the trait: it is sealed.
 ///
 /// ```
 /// use smr_core::{Frame, Image, Rect, Target, Tracker, UpdateError};
@@ -94,8 +94,7 @@ pub trait Target: Steps {
     /// The configuration in use.
     fn config(&self) -> &Self::Config;
 
-    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of the size of `bounds`; empty if it cannot be
-    /// locked.
+    /// The pixels that [`Target::lock`] reads for `bbox` in a frame of size `bounds`; empty if it cannot be locked.
     fn lock_window(&self, bounds: Rect, bbox: Rect) -> Rect;
 
     /// Starts to follow the target in `bbox` and forgets the previous target. Returns how distinct the new one is.
@@ -113,8 +112,7 @@ pub trait Target: Steps {
     /// read out only these pixels and those of [`Target::sweep_window`]: see [`Frame::part`].
     fn window(&self) -> Option<Rect>;
 
-    /// A second window that the next update may read for a lost target; `None` in most frames and from
-    /// [`Paper`](crate::Paper).
+    /// A second window that the next update may read for a lost target; `None` in most frames, and from `Paper`.
     fn sweep_window(&self) -> Option<Rect>;
 
     /// The box of the last answer, in units of 1/256 pixel; `None` before the first lock.
@@ -127,8 +125,8 @@ pub trait Target: Steps {
     fn quality(&self) -> Option<Quality>;
 
     /// Tells the tracker that the camera turned: what was at (x, y) in the last frame is expected at (x + `right`, y +
-    /// `down`) in the next. Units of 1/256 pixel. The search window moves along. The box stays within reach of the
-    /// frame. [`Paper`](crate::Paper) rounds to whole pixels.
+    /// `down`) in the next, in units of 1/256 pixel. Box and search window move along, within reach of the frame.
+    /// [`Paper`](crate::Paper) rounds to whole pixels.
     fn moved(&mut self, right: i32, down: i32);
 
     /// The number of bytes that [`Target::save`] writes; at most [`Target::SAVED_SIZE`].
@@ -147,7 +145,7 @@ pub trait Target: Steps {
     /// Continues with a target that [`Target::save`] wrote. The answers are identical to those of the saved target.
     ///
     /// # Errors
-    /// [`RestoreError`] if the bytes are damaged or from another tracker or configuration. The target is then
+    /// [`RestoreError`] if the bytes are damaged or from another tracker or configuration; the target is then
     /// unchanged.
     fn restore(&mut self, bytes: &[u8]) -> Result<(), RestoreError>;
 

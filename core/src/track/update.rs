@@ -23,8 +23,8 @@ enum Call {
     Lock([u16; 2], Rect),
 }
 
-/// The work that the present step may still do, and the work of all steps so far, which is only reported. A unit is
-/// about one instruction of a Cortex-M4, or for the paper's tracker a comparison of two bytes.
+/// The work that is left to the present step, and the work of all steps so far. A unit is about one instruction of a
+/// Cortex-M4, or for the paper's tracker a comparison of two bytes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     granted: u32,

@@ -120,12 +120,12 @@ settings! {
     least_ratio: u16, 0..=65535;
     /// alpha of the first update, in gray levels. Pixels that differ by less are similar.
     first_threshold: u8, 1..=255;
-    /// The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so a change of light
-    /// after a still scene loses all pixels.
+    /// The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so that after a
+    /// still scene a change of light leaves no pixel that matches.
     least_threshold: u8, 0..=255;
     /// The width of the black border around the frame, in pixels: how far a box may leave the frame.
     padding: u16, 0..=65535;
-    /// The radius of the search window around the last place, in pixels.
+    /// The radius of the search window around the last position, in pixels.
     window: Radius, 0..=65535;
     /// The growth of the window in each frame while the target is lost, in pixels on each side.
     growth: u16, 0..=65535;

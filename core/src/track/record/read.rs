@@ -105,8 +105,7 @@ impl fmt::Debug for Begin<'_> {
 
 impl Begin<'_> {
     /// The recorded configuration; `None` if it is not one of this tracker and version. `rest` supplies the settings
-    /// that a record lacks, because no answer depends on them. The recorded table must be the paper's or that of
-    /// `rest`.
+    /// that a record lacks (no answer depends on them). The recorded table must be the paper's or that of `rest`.
     #[must_use]
     pub fn config<C: Settings>(&self, rest: &C) -> Option<C> {
         let mut numbers = self.numbers.as_chunks().0.iter().copied().map(u16::from_le_bytes);

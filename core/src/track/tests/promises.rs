@@ -147,8 +147,7 @@ struct Way {
     shared: bool,
     /// A turn of the camera that both trackers are told.
     turn: Option<(i32, i32)>,
-    /// A call begins, does this part in 256 of its work, and is ended by the call of this index; true: a lock, not an
-    /// update.
+    /// A call does this part in 256 of its work, and is ended by the call of this index; true: a lock, not an update.
     interrupted: Option<(u32, usize, bool)>,
 }
 
@@ -268,8 +267,7 @@ fn call<T: Filmed>(tracker: &mut Tracker<T>, number: usize, frame: &Frame<'_>, f
     }
 }
 
-/// Repeats `step` until the call is done, and checks that each step progresses and exceeds its grant by at most
-/// `beyond`.
+/// Repeats `step` until the call is done. Each step must progress, and exceed its grant by at most `beyond`.
 fn stepped<T: Filmed, A>(
     tracker: &mut Tracker<T>,
     (grant, beyond, most): (u32, u64, u64),
@@ -284,7 +282,7 @@ fn stepped<T: Filmed, A>(
         if let Some(done) = done {
             return done;
         }
-        // A step that meets a scored offset costs nothing.
+        // A step costs nothing if its offset was scored before.
         idle += u32::from(work == before);
         assert!(idle < 3, "every step makes progress");
         refused(tracker);
@@ -340,7 +338,7 @@ impl<'a, T: Filmed> Twins<'a, T> {
         twins
     }
 
-    /// Checks that both trackers are equal, bit for bit, and their windows inside the frame.
+    /// Checks that both trackers are equal, bit for bit, and that their windows are inside the frame.
     fn agree(&self) {
         assert!(saved(self.plain.target()) == saved(self.other.target()));
         let bounds = Rect::new(0, 0, self.film.size.0, self.film.size.1);

@@ -92,8 +92,7 @@ impl Tile {
         (group % across * SIDE, group / across * SIDE)
     }
 
-    /// The first offset of a group, relative to the tile. The last group of a row or column may overlap the one before
-    /// it.
+    /// The first offset of a group, relative to the tile. The last group of a row or column may overlap its neighbour.
     pub(super) fn group(&self, group: usize) -> (usize, usize) {
         let (column, row) = self.new_in_group(group);
         (column.min(self.columns.saturating_sub(SIDE)), row.min(self.rows.saturating_sub(SIDE)))
@@ -217,7 +216,8 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
         u32::try_from(self.shape.columns_of(rest.columns)).unwrap_or(u32::MAX / 2)
     }
 
-    /// Computes a row of ranges for `rest`, the remaining part of `tile`, and returns their number.
+    /// Computes a row of ranges (minima, maxima) for `rest`, the remaining part of `tile`. Returns the number of
+    /// ranges.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn compute_row(
         &mut self,
@@ -298,8 +298,7 @@ impl<const PIXELS: usize, const SPAN: usize> Ranges<PIXELS, SPAN> {
 }
 
 impl Shape {
-    /// The largest tiles of at most `groups` groups whose ranges fit into `capacity` bytes; `None` if no tile fits and
-    /// pays.
+    /// The largest tiles of at most `groups` groups whose ranges fit into `capacity` bytes. `None` if there are none.
     fn of(template: (u16, u16), (columns, rows): (usize, usize), capacity: usize, groups: usize) -> Option<Self> {
         let (width, height) = (usize::from(template.0), usize::from(template.1));
         let mut shape = Self { width, height, columns, rows, log2_passes: 0 };
@@ -329,8 +328,7 @@ impl Shape {
         ranges <= half(capacity) && tile.groups() <= groups
     }
 
-    /// True if the ranges of a tile, which are in vain if nothing can be excluded, cost at most 1/16 of scoring its
-    /// offsets.
+    /// True if the ranges of a tile cost at most 1/16 of scoring its offsets: the loss if nothing can be excluded.
     fn pays(&self) -> bool {
         let ranges = 2 * self.columns_of(self.columns) * self.rows_of(self.rows);
         16 * ranges <= self.columns * self.rows * self.width * self.height
@@ -393,7 +391,7 @@ fn ranges_at(
     }
 }
 
-/// Computes the ranges of the first `width` blocks in the first four rows of `pixels`.
+/// Computes the ranges of the first `width` blocks of 4x4 pixels in the first four rows of `pixels`.
 #[cfg_attr(smr_small, inline(never))]
 fn ranges_of(pixels: Image<'_>, width: usize, scorer: &Scorer<'_>, low: &mut [u8], high: &mut [u8]) {
     let (pixels, stride) = pixels.parts();

@@ -3,8 +3,7 @@
 //! If the runner-up is wanted, the least score is bounded by a floor:
 //!
 //! 1. If two offsets are more than 2 * neighbourhood apart (in x or in y), no peak has both in its neighbourhood.
-//! 2. So for any final peak the runner-up is at least the lower score of such a pair. The largest of these is the
-//!    floor.
+//! 2. So for any final peak the runner-up is at least the lower score of such a pair. The floor is the best of these.
 //! 3. An offset at or below the floor changes neither the peak nor the runner-up.
 
 use super::runner_up::Maxima;
@@ -133,7 +132,7 @@ impl<const SPAN: usize> Leaders<SPAN> {
         };
     }
 
-    /// Raises the floor by all pairs of offsets noted so far. (`note` compares only pairs with the peak.)
+    /// Raises the floor by all pairs of offsets noted so far. (`note` compares new offsets only with the peak.)
     pub(super) fn raise_floor(&mut self) {
         if let Beside::RunnerUp { neighbourhood, floor } = &mut self.beside {
             *floor = self.maxima.both_reach(2 * usize::from(*neighbourhood)).max(*floor);

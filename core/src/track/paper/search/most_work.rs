@@ -26,8 +26,8 @@ impl Extent {
         wide(self.window.0) + wide(self.window.1)
     }
 
-    /// The most comparisons of the descent: its SADs, and the scores of its last position and of the box's last
-    /// position.
+    /// The most comparisons of the descent: its SADs, and the scores of two positions (the last one, and where it
+    /// ends).
     fn descent(&self) -> u64 {
         let step = first_step_of(self.window);
         if !self.pruning {
@@ -40,7 +40,7 @@ impl Extent {
         2 * self.pixels() + sad * (1 + 8 * u64::from(step.ilog2() + 1).min(wide(MOST_STEPS)))
     }
 
-    /// The most comparisons for the peak: the whole window once.
+    /// The most comparisons for the peak: each offset and each group of the window once.
     fn peak<const PIXELS: usize, const SPAN: usize>(&self) -> u64 {
         let groups = if self.pruning { Ranges::<PIXELS, SPAN>::most(self.window, self.template) } else { 0 };
         self.offsets() * self.pixels() + groups
@@ -54,8 +54,7 @@ impl Extent {
         all + if self.pruning { all / 32 } else { 0 } + 2 * self.axes()
     }
 
-    /// The most comparisons of a search, with the runner-up or not, and if `again` of a second search for the
-    /// runner-up.
+    /// The most comparisons of a search with or without the runner-up, and if `again` of another for the runner-up.
     pub(crate) fn most<const PIXELS: usize, const SPAN: usize>(&self, runner_up: bool, again: bool) -> u64 {
         let first = match (runner_up, self.pruning) {
             (true, true) => self.runner_up::<PIXELS, SPAN>(),
@@ -66,8 +65,7 @@ impl Extent {
         self.descent() + first + if again { self.runner_up::<PIXELS, SPAN>() } else { 0 }
     }
 
-    /// The most comparisons beyond a step's grant: an offset, a group or a row of ranges, and 7 * `SPAN` words of
-    /// memory.
+    /// The most comparisons beyond a step's grant: an offset, a group or a row of ranges, and 7 * `SPAN` words.
     pub(crate) fn most_beyond_a_step<const SPAN: usize>(&self) -> u32 {
         let row = 2 * (wide(self.window.0) + u64::from(self.template.0)).saturating_sub(wide(SIDE));
         let most = self.pixels().max(row) + 7 * wide(SPAN);

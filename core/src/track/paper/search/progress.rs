@@ -44,17 +44,17 @@ pub(super) enum Stage {
     Scouts,
     /// Computes rows of ranges.
     Ranges,
-    /// Bounds groups of offsets, and excludes them.
+    /// Computes bounds of groups of 4x4 offsets, and excludes groups.
     Exclude,
-    /// Scores the offsets of groups that were not excluded.
+    /// Scores the offsets of the groups that were not excluded.
     Refine,
-    /// Scores every offset, if there are no groups.
+    /// Scores every offset, if the window has no groups.
     Offsets,
 }
 
 /// The position of a search within its present stage.
 pub(super) struct Place {
-    /// The first offset of the tile, or the present offset if there are no groups.
+    /// The first offset of the tile, or without groups the present offset.
     pub(super) column: usize,
     pub(super) row: usize,
     /// Index of the next neighbour, scout, row of ranges, or group, depending on the stage.
@@ -65,7 +65,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The start of the tile at (`column`, `row`) of the window, or that offset itself if there are no groups.
+    /// The start at (`column`, `row`) of the window: of a tile, or without groups of a single offset.
     pub(super) const fn tile(column: usize, row: usize) -> Self {
         Self { column, row, next: 0, offset: 0, pass: 0 }
     }

@@ -7,7 +7,7 @@ use core::cmp::Reverse;
 use proptest::prelude::*;
 use std::{vec, vec::Vec};
 
-/// Pictures that are difficult for bounds and ties.
+/// Pictures that are difficult for the bounds and the tie rule of a search.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Noise,

@@ -166,7 +166,7 @@ fn pixels(first: i32, last: i32, size: u16, frame: u16) -> (i32, u16) {
     (from, u16::try_from(end - from).unwrap_or(u16::MAX))
 }
 
-/// (first, last) position of the window on an axis. Never empty, and never beyond the padding, even if `at` is.
+/// (first, last) position of the window on an axis. Not empty and not beyond the padding, for any `at`.
 #[cfg_attr(smr_small, inline(never))]
 fn span(at: i32, radius: u16, padding: u16, frame: u16, size: u16) -> (i32, i32) {
     let first = -i32::from(padding);
