@@ -22,7 +22,8 @@ pub enum State {
     /// The target is partly hidden or changes quickly, or the tracker follows something else.
     Uncertain = 2,
     /// The target is not visible. The box is the last accepted one ([`Paper`](crate::Paper)) or the current best guess
-    /// ([`Robust`](crate::Robust)). The search goes on; nothing is learned unless only the refiner's network doubts.
+    /// ([`Robust`](crate::Robust)). The search goes on. Nothing is learned, except if only the refiner's network
+    /// doubts.
     Lost = 3,
 }
 

@@ -229,7 +229,7 @@ fn bytes_of_the_other_tracker_or_another_configuration_are_refused() {
     let bytes = saved(of_scene::<SmallPaper>(small_paper()).target());
     let mut robust = Robust::new();
     assert_eq!(robust.restore(&bytes), Err(RestoreError::OtherTracker));
-    // Backend and pruning need not match.
+    // A saved target may be restored with another backend or other pruning.
     let mut slow = small_paper();
     (slow.backend, slow.pruning) = (Some(crate::similarity::Backend::Scalar), false);
     assert_eq!(SmallPaper::with(slow).unwrap().restore(&bytes), Ok(()));

@@ -219,9 +219,9 @@ impl<T: Target> Tracker<T> {
         Ok(done.then(|| calls::commit(target, workspace, frame)))
     }
 
-    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It is late by at most
-    /// 10,000 units of work and one excess (for [`Robust`](crate::Robust) 140,000 in all). After `None`, continue with
-    /// the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
+    /// Repeats [`Tracker::update_step`] until `expired` returns true, for a deadline in time. It is late by at most one
+    /// step of 10,000 units of work (for [`Robust`](crate::Robust) with its excess 140,000). After `None`, continue
+    /// with the same frame in the next period: `update_step_until(&frame, || Instant::now() >= end)?`.
     ///
     /// # Errors
     /// As [`Tracker::update_step`].

@@ -95,7 +95,7 @@ settings! {
         /// The similarity p(d) of two pixels that differ by d. [`Table::PAPER`] is exp(-d / 255).
         table: &'static Table,
         /// The backend that computes scores; affects only the time. `None`: the fastest backend of the machine. A
-        /// backend that the machine lacks is replaced by the plain loop.
+        /// backend that the machine lacks is replaced by [`Backend::Scalar`].
         backend: Option<Backend>,
         /// Offsets that cannot change the result are skipped; affects only the time. `false`: every offset is
         /// scored to its last pixel.

@@ -28,7 +28,7 @@ pub enum Stop {
     Difference {
         /// Offset of the entry in the record, in bytes.
         at: usize,
-        /// Sequence number of the entry, from 0 at its beginning.
+        /// Sequence number of the entry, from 0 at the last beginning of a record.
         number: u32,
         /// The difference.
         difference: Difference,

@@ -161,7 +161,7 @@ mod tests {
     use crate::Rect;
     use crate::track::paper::search::Radius;
 
-    /// With a floor just below the peak, an offset that ties with the peak and loses becomes the runner-up.
+    /// The floor is just below the peak: an offset that has the peak's score but loses the tie is the runner-up.
     #[test]
     fn a_runner_up_may_score_as_much_as_the_peak() {
         let window = Window::new(Rect::new(20, 20, 4, 4), Radius { x: 10, y: 10 }, Rect::new(0, 0, 60, 60), 0);

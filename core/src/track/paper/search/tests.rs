@@ -14,7 +14,7 @@ enum Kind {
     /// Noise of few gray levels.
     Faint,
     Constant,
-    /// Black and white.
+    /// Random black and white pixels.
     Saturated,
     Periodic,
     /// Stripes: every block of 4x4 has the same range.
