@@ -108,7 +108,8 @@ settings! {
     gate_tracking: Fraction, 0..=65535;
     /// The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
     gate_leaving: Fraction, 0..=65535;
-    /// The ratio of peak and runner-up that is needed after a box left the frame, until a lost target is found again.
+    /// The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is
+    /// found again.
     gate_returning: Fraction, 0..=65535;
     /// The ratio of peak and runner-up that is needed to find a lost target again.
     gate_lost: Fraction, 0..=65535;
