@@ -69,27 +69,27 @@ export type Pair = [number, number];
 /** The options of smr_paper_config in smr.h. */
 export interface PaperOptions {
   preset?: "camera" | "paper";
-  /** The next threshold alpha as a part of the largest difference of two pixels of template and box. 1 to 65535. */
+  /** The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template. 1 to 65535. */
   k?: Pair;
   /** The ratio of peak and runner-up that is needed while the target stays inside the frame. Below 1 every peak above 0 is accepted. 0 to 65535. */
   gateTracking?: Pair;
-  /** The ratio that is needed if the box at the peak is partly outside the frame. 0 to 65535. */
+  /** The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame. 0 to 65535. */
   gateLeaving?: Pair;
-  /** The ratio that is needed after a box was partly outside the frame, until a lost target is found again. 0 to 65535. */
+  /** The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is found again. 0 to 65535. */
   gateReturning?: Pair;
-  /** The ratio that is needed to find a lost target again. 0 to 65535. */
+  /** The ratio of peak and runner-up that is needed to find a lost target again. 0 to 65535. */
   gateLost?: Pair;
-  /** The lead over the runner-up that is enough without any of these ratios, in fully similar pixels. 0 to 65535. */
+  /** The lead of the peak over the runner-up that is enough whatever their ratio is, in fully similar pixels. 0 to 65535. */
   gateLead?: number;
-  /** The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and at most half of all pixels more than the template has may be 0 or 255. 0 to 65535. */
+  /** The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean absolute deviation), and its pixels at 0 or 255 may exceed those of the template by at most half of all pixels. 0 to 65535. */
   leastRatio?: number;
   /** alpha of the first update, in gray levels. Pixels that differ by less are similar. 1 to 255. */
   firstThreshold?: number;
-  /** The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene no pixel counts once the light changes. 0 to 255. */
+  /** The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so that after a still scene a change of light leaves no pixel that matches. 0 to 255. */
   leastThreshold?: number;
   /** The width of the black border around the frame, in pixels: how far a box may leave the frame. 0 to 65535. */
   padding?: number;
-  /** The radius of the search window around the last place, in pixels. 0 to 65535. */
+  /** The radius of the search window around the last position, in pixels. 0 to 65535. */
   window?: Pair;
   /** The growth of the window in each frame while the target is lost, in pixels on each side. 0 to 65535. */
   growth?: number;
@@ -97,7 +97,7 @@ export interface PaperOptions {
   windowLimit?: Pair;
   /** The runner-up is the best score more than this many pixels from the peak, in x or in y. 0 to 65535. */
   neighbourhood?: number;
-  /** The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision depends on it. */
+  /** The runner-up is searched in every frame, which takes several times as long, not only if the gate needs it. */
   runnerUpAlways?: boolean;
   /** The distances that a box must keep from the edges of the frame for the tracker to learn from it, in pixels. 0 to 65535. */
   updateZone?: [number, number, number, number];

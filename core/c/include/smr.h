@@ -141,7 +141,7 @@ enum smr_status
 #endif
  {
   /**
-   * Done.
+   * The call succeeded.
    */
   SMR_OK = 0,
   /**
@@ -165,12 +165,12 @@ enum smr_status
    */
   SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE = 5,
   /**
-   * One of these: the tracker was not made by #smr_init, or it or its workspace was moved or overwritten since; the
-   * configuration was not filled by one of the calls smr_config_...
+   * The tracker was not made by #smr_init, it or its workspace was moved or overwritten since, or the configuration
+   * was not filled by one of the calls smr_config_...
    */
   SMR_ERROR_NOT_INITIALISED = 6,
   /**
-   * The call is for the other kind of tracker, or the target was saved by the other kind.
+   * The call is for the other kind of tracker, or the other kind saved the target.
    */
   SMR_ERROR_OTHER_METHOD = 7,
   /**
@@ -178,7 +178,7 @@ enum smr_status
    */
   SMR_ERROR_SETTING_UNKNOWN = 8,
   /**
-   * The setting has another count of values.
+   * The number of values is wrong for the setting.
    */
   SMR_ERROR_SETTING_COUNT = 9,
   /**
@@ -186,7 +186,7 @@ enum smr_status
    */
   SMR_ERROR_LIMIT_BELOW_WINDOW = 10,
   /**
-   * A number of the configuration lies outside its range, which stands beside its field.
+   * A setting is outside its range, which is stated beside its field.
    */
   SMR_ERROR_CONFIG_OUT_OF_RANGE = 11,
   /**
@@ -238,7 +238,7 @@ enum smr_status
    */
   SMR_ERROR_NOT_LOCKED = 23,
   /**
-   * The frame has another size than the one of #smr_lock.
+   * The frame's size differs from that at #smr_lock.
    */
   SMR_ERROR_FRAME_SIZE_CHANGED = 24,
   /**
@@ -246,7 +246,7 @@ enum smr_status
    */
   SMR_ERROR_WINDOW_NOT_IN_MEMORY = 25,
   /**
-   * A step has done its work, and more is left: call #smr_update_step or #smr_lock_step again. Not an error.
+   * Work remains: call #smr_update_step or #smr_lock_step again. Not an error.
    */
   SMR_UNDER_WAY = 26,
   /**
@@ -254,7 +254,7 @@ enum smr_status
    */
   SMR_ERROR_BUFFER_TOO_SMALL = 27,
   /**
-   * These are not the bytes of a saved target.
+   * The bytes are not a saved target.
    */
   SMR_ERROR_NOT_SAVED = 28,
   /**
@@ -270,8 +270,7 @@ enum smr_status
    */
   SMR_ERROR_DAMAGED = 31,
   /**
-   * The target was saved with another configuration, so answers would differ. #smr_other_setting gives the name of
-   * the setting.
+   * The target was saved with another configuration, so answers would differ: #smr_other_setting names the setting.
    */
   SMR_ERROR_OTHER_CONFIG = 32,
   /**
@@ -279,7 +278,7 @@ enum smr_status
    */
   SMR_ERROR_SAVED_TOO_LARGE = 33,
   /**
-   * A reason for which this interface has no number yet.
+   * An error for which this interface has no number yet.
    */
   SMR_ERROR_UNKNOWN = 34,
   /**
@@ -287,7 +286,7 @@ enum smr_status
    */
   SMR_ERROR_FORMAT_UNKNOWN = 35,
   /**
-   * The line came before, or after a later one.
+   * The line arrived already, or a later line did.
    */
   SMR_ERROR_LINE_OUT_OF_ORDER = 36,
   /**
@@ -299,12 +298,11 @@ enum smr_status
    */
   SMR_ERROR_LINE_OUTSIDE_FRAME = 38,
   /**
-   * A line of the window did not come.
+   * A line of a window is missing.
    */
   SMR_ERROR_LINE_MISSING = 39,
   /**
-   * The configuration has the refiner on (#smr_config_refined), and the library was built without it: build it with
-   * the feature `refiner` (core/c/install.sh --refiner).
+   * The configuration enables the refiner, but the library lacks it: core/c/install.sh --refiner builds it in.
    */
   SMR_ERROR_REFINER_NOT_BUILT_IN = 40,
   /**
@@ -337,7 +335,7 @@ typedef int32_t smr_status;
 #define SMR_VERSION_PATCH 0
 
 /**
- * The tracker's belief about its target after a frame.
+ * The state of the target after a frame, as the tracker judges it.
  */
 enum smr_state
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -345,24 +343,22 @@ enum smr_state
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * The target is in the box. The paper's tracker: inside the frame. The robust tracker: the early template agrees,
-   * tile by tile.
+   * The target is in the box. The paper's tracker: the box is inside the frame. The robust tracker: the box matches
+   * the early template (a running mean of the target's pixels that learns very slowly), tile by tile.
    */
   SMR_TRACKING = 0,
   /**
-   * The target is in the box, and the box is partly outside the frame. The template is not updated. Never from the
-   * robust tracker.
+   * The box, with the target in it, is partly outside the frame. The template is not updated. Paper's tracker only.
    */
   SMR_LEAVING = 1,
   /**
-   * The early template hardly agrees: the target is partly hidden or changes quickly, or the tracker follows
-   * something else. Never from the paper's tracker.
+   * The box hardly matches the early template: the target is partly hidden or changes quickly, or the tracker
+   * follows something else. The paper's tracker never returns this state.
    */
   SMR_UNCERTAIN = 2,
   /**
-   * The target is not visible. The paper's tracker: the box is the last accepted one. The robust tracker: the box is
-   * its current best guess. Nothing is learned (except while only the refiner's network says so), and the search
-   * goes on.
+   * The target is not visible; the search continues. The box is the last accepted one (paper's tracker) or the
+   * current best guess (robust tracker). Nothing is learned, unless only the refiner's network reports the loss.
    */
   SMR_LOST = 3,
 };
@@ -375,7 +371,7 @@ typedef int32_t smr_state;
 #endif // __cplusplus
 
 /**
- * The kind of an entry of a flight record.
+ * The kind of an entry of a flight record, the log that #smr_record writes.
  */
 enum smr_entry_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -383,27 +379,27 @@ enum smr_entry_kind
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * There is no further entry.
+   * The end of the record.
    */
   SMR_ENTRY_END = 0,
   /**
-   * A tracker begins, with this configuration.
+   * A tracker begins, with the configuration in `is_robust` and `paper` or `robust`.
    */
   SMR_ENTRY_BEGIN = 1,
   /**
-   * A lock: `bbox` and `frame`.
+   * A lock on `bbox` in `frame`.
    */
   SMR_ENTRY_LOCK = 2,
   /**
-   * A turn of the camera: `right` and `down`.
+   * A turn of the camera, which moved the picture by `right` and `down`.
    */
   SMR_ENTRY_MOVED = 3,
   /**
-   * An update begins: `frame`.
+   * An update with `frame` begins.
    */
   SMR_ENTRY_WINDOW = 4,
   /**
-   * Its `answer`.
+   * The update ended with `answer`.
    */
   SMR_ENTRY_ANSWER = 5,
   /**
@@ -428,20 +424,20 @@ enum smr_format
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /**
-   * One byte a pixel, gray.
+   * One byte per pixel: gray.
    */
   SMR_GRAY8 = 0,
   /**
-   * Two bytes a pixel: Y U Y V. Gray is Y.
+   * Two bytes per pixel: Y U Y V. Gray is Y.
    */
   SMR_YUYV = 1,
   /**
-   * Two bytes a pixel: U Y V Y. Gray is Y.
+   * Two bytes per pixel: U Y V Y. Gray is Y.
    */
   SMR_UYVY = 2,
   /**
-   * Two bytes a pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471 B
-   * + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
+   * Two bytes per pixel, the high byte first: five bits red, six green, five blue. Gray is (19595 R + 38470 G + 7471
+   * B + 32768) >> 16, with R, G and B widened to eight bits by repeating their high bits.
    */
   SMR_RGB565_BE = 3,
   /**
@@ -449,12 +445,11 @@ enum smr_format
    */
   SMR_RGB565_LE = 4,
   /**
-   * One byte a pixel behind a mosaic of color filters. Each 2x2 pixels become one gray pixel: the gray frame has
-   * half the width and half the height.
+   * One byte per pixel, behind a mosaic of color filters. 2x2 pixels become one gray pixel: width and height halve.
    */
   SMR_BAYER8 = 5,
   /**
-   * Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are left out.
+   * Four gray pixels of ten bits in five bytes (MIPI RAW10). The low two bits are dropped.
    */
   SMR_GRAY10 = 6,
 };
@@ -467,66 +462,63 @@ typedef int32_t smr_format;
 #endif // __cplusplus
 
 /**
- * The code of a tracker.
+ * The code of a tracker, opaque in C: its constructor and the sizes of its memory.
  */
 typedef struct smr_method smr_method;
 
 /**
- * Follows one target. It lives in storage that the caller gives to #smr_init, and needs no clean-up. Unlike a target
- * in Rust it stays where it is: it is known by its address, and a copy of it is refused with
- * #SMR_ERROR_NOT_INITIALISED.
+ * A tracker of one target, in storage that the caller gives to #smr_init. It needs no clean-up and must not move.
  *
- * Use one tracker for each target. Calls on the same tracker must not overlap in time, nor may calls on trackers that
- * share a workspace. Other calls may.
+ * Calls on the same tracker, or on trackers that share a workspace, must not overlap in time. Other calls may.
  */
 typedef struct smr_tracker smr_tracker;
 
 /**
- * numerator / denominator; the denominator is at least 1.
+ * A fraction: numerator / denominator.
  */
 typedef struct smr_fraction {
   /**
-   * The numerator.
+   * Numerator; its range depends on the setting.
    */
   uint16_t numerator;
   /**
-   * The denominator; at least 1.
+   * Denominator; at least 1.
    */
   uint16_t denominator;
 } smr_fraction;
 
 /**
- * The radius of the search window around the last position, in pixels: offsets -x to x and -y to y.
+ * A search radius in pixels: offsets of -x to x and -y to y around the last position.
  */
 typedef struct smr_radius {
   /**
-   * To the left and to the right.
+   * The largest offset to the left and to the right.
    */
   uint16_t x;
   /**
-   * Up and down.
+   * The largest offset up and down.
    */
   uint16_t y;
 } smr_radius;
 
 /**
- * Distances of a box from the edges of the frame, in pixels.
+ * Distances of a box from the four edges of the frame, in pixels.
  */
 typedef struct smr_margins {
   /**
-   * To the left edge.
+   * Pixels from the frame's left edge to the box.
    */
   uint16_t left;
   /**
-   * To the top edge.
+   * Pixels from the frame's top edge to the box.
    */
   uint16_t top;
   /**
-   * To the right edge.
+   * Pixels from the box to the frame's right edge.
    */
   uint16_t right;
   /**
-   * To the bottom edge.
+   * Pixels from the box to the frame's bottom edge.
    */
   uint16_t bottom;
 } smr_margins;
@@ -536,7 +528,8 @@ typedef struct smr_margins {
  */
 typedef struct smr_paper_config {
   /**
-   * The next threshold alpha as a part of the largest difference of two pixels of template and box. 1 to 65535.
+   * The factor of alpha: the next alpha is `k` times the largest change of a pixel in an update of the template. 1 to
+   * 65535.
    */
   struct smr_fraction k;
   /**
@@ -545,25 +538,26 @@ typedef struct smr_paper_config {
    */
   struct smr_fraction gate_tracking;
   /**
-   * The ratio that is needed if the box at the peak is partly outside the frame.
+   * The ratio of peak and runner-up that is needed if the box at the peak is partly outside the frame.
    */
   struct smr_fraction gate_leaving;
   /**
-   * The ratio that is needed after a box was partly outside the frame, until a lost target is found again.
+   * The ratio of peak and runner-up that is needed after a box was partly outside the frame, until a lost target is
+   * found again.
    */
   struct smr_fraction gate_returning;
   /**
-   * The ratio that is needed to find a lost target again.
+   * The ratio of peak and runner-up that is needed to find a lost target again.
    */
   struct smr_fraction gate_lost;
   /**
-   * The lead over the runner-up that is enough without any of these ratios, in fully similar pixels.
+   * The lead of the peak over the runner-up that is enough whatever their ratio is, in fully similar pixels.
    */
   uint16_t gate_lead;
   /**
    * The least similarity matching ratio of an accepted peak, in units of 1/65535. 0, the paper's value, also turns
    * off the check for a covered lens: a patch inside the frame needs a quarter of the template's contrast (mean
-   * absolute deviation), and at most half of all pixels more than the template has may be 0 or 255.
+   * absolute deviation), and its pixels at 0 or 255 may exceed those of the template by at most half of all pixels.
    */
   uint16_t least_ratio;
   /**
@@ -571,8 +565,8 @@ typedef struct smr_paper_config {
    */
   uint8_t first_threshold;
   /**
-   * The least alpha of later updates, in gray levels. 0, the paper's value, and 1 set no bound: after a still scene
-   * no pixel counts once the light changes. 0 to 255.
+   * The least alpha of later updates, in gray levels. 0 (the paper's value) and 1 set no bound, so that after a still
+   * scene a change of light leaves no pixel that matches. 0 to 255.
    */
   uint8_t least_threshold;
   /**
@@ -580,7 +574,7 @@ typedef struct smr_paper_config {
    */
   uint16_t padding;
   /**
-   * The radius of the search window around the last place, in pixels.
+   * The radius of the search window around the last position, in pixels.
    */
   struct smr_radius window;
   /**
@@ -600,8 +594,8 @@ typedef struct smr_paper_config {
    */
   struct smr_margins update_zone;
   /**
-   * The runner-up is searched in every frame, which takes several times as long, not only where the gate's decision
-   * depends on it. 0 or 1.
+   * The runner-up is searched in every frame, which takes several times as long, not only if the gate needs it. 0 or
+   * 1.
    */
   uint8_t runner_up_always;
 } smr_paper_config;
@@ -656,48 +650,47 @@ typedef struct smr_robust_config {
 } smr_robust_config;
 
 /**
- * A tracker's code and its numbers. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
- * #smr_config_refined first, then change the numbers that you need.
+ * The choice of a tracker and its settings. Fill it with #smr_config_camera, #smr_config_paper, #smr_config_robust or
+ * #smr_config_refined, then change the settings that you need.
  */
 typedef struct smr_config {
   /**
-   * The tracker's code. Do not change it. A program links only the trackers whose configurations it fills.
+   * The tracker's code; do not change it. A program links only the trackers whose presets it calls.
    */
   const struct smr_method *method;
   /**
-   * 0: the fastest code for the processor. Else: the plain loop, which loads single bytes. Frames in Device memory
-   * (external RAM that the MPU has not made Normal) need it, because unaligned loads of words fault there. The
-   * answers are the same.
+   * 0: the fastest code for the processor. Otherwise: a plain loop over single bytes, with the same answers, for
+   * frames in Device memory (external RAM that the MPU has not made Normal), where unaligned word loads fault.
    */
   uint8_t plain_loop;
   /**
-   * Only the paper's tracker reads it. #smr_config_robust and #smr_config_refined set it to 0.
+   * Settings of the paper's tracker; all 0 after #smr_config_robust and #smr_config_refined.
    */
   struct smr_paper_config paper;
   /**
-   * Only the robust tracker reads it. The other two presets set it to 0.
+   * Settings of the robust tracker; all 0 after #smr_config_camera and #smr_config_paper.
    */
   struct smr_robust_config robust;
 } smr_config;
 
 /**
- * A setting of a configuration: see #smr_setting_at.
+ * The name, range and values of a setting, as #smr_setting_at returns them.
  */
 typedef struct smr_setting {
   /**
-   * The name, a static string: that of its field in #smr_paper_config or #smr_robust_config.
+   * The name as a static string: that of the field in #smr_paper_config or #smr_robust_config.
    */
   const char *name;
   /**
-   * 0: a number. 1: a switch. 2: numerator and denominator. 3: x and y. 4: left, top, right and bottom.
+   * The kind of values. 0: a number. 1: a switch. 2: numerator, denominator. 3: x, y. 4: left, top, right, bottom.
    */
   uint8_t shape;
   /**
-   * The count of its values.
+   * The number of values, 1 to 4.
    */
   uint8_t count;
   /**
-   * The lowest value. A denominator is also at least 1.
+   * The lowest value; a denominator is also at least 1.
    */
   uint16_t lowest;
   /**
@@ -733,11 +726,11 @@ typedef struct smr_rect {
 } smr_rect;
 
 /**
- * A part of a frame in memory: 8-bit gray pixels, and their place in the frame.
+ * A rectangular part of a frame in memory: 8-bit gray pixels and their position in the frame.
  */
 typedef struct smr_part {
   /**
-   * The top left pixel in memory.
+   * Address of the top left pixel.
    */
   const uint8_t *pixels;
   /**
@@ -757,29 +750,28 @@ typedef struct smr_part {
    */
   uint16_t height;
   /**
-   * Left edge: column of the frame.
+   * Column of the frame at which the part begins.
    */
   uint16_t x;
   /**
-   * Top edge: row of the frame.
+   * Row of the frame at which the part begins.
    */
   uint16_t y;
 } smr_part;
 
 /**
- * One frame of the camera: its size, and the parts of it that are in memory. Pixels are only read, and only during the
- * call.
+ * A camera frame: its size, and its parts in memory. A call only reads the pixels, and does not keep their address.
  *
- * If the whole frame is in memory, give one part of the frame's size at x = y = 0. If you read out only what the
- * tracker needs, give #smr_windows as the parts; the second only if it is not empty.
+ * For a whole frame, pass one part of the frame's size at x = y = 0. If you read out only what the tracker needs, pass
+ * #smr_windows as the parts, the second only if it is not empty.
  */
 typedef struct smr_frame {
   /**
-   * Width of the whole frame.
+   * Width of the whole frame in pixels.
    */
   uint16_t width;
   /**
-   * Height of the whole frame.
+   * Height of the whole frame in pixels.
    */
   uint16_t height;
   /**
@@ -793,25 +785,25 @@ typedef struct smr_frame {
  */
 typedef struct smr_fine_rect {
   /**
-   * Left edge, to the right of the frame's left edge; may be negative.
+   * Left edge, in 1/256 pixel to the right of the frame's left edge; may be negative.
    */
   int32_t x;
   /**
-   * Top edge, below the frame's top edge; may be negative.
+   * Top edge, in 1/256 pixel below the frame's top edge; may be negative.
    */
   int32_t y;
   /**
-   * Width.
+   * Width in 1/256 pixel.
    */
   uint32_t width;
   /**
-   * Height.
+   * Height in 1/256 pixel.
    */
   uint32_t height;
 } smr_fine_rect;
 
 /**
- * The answer of #smr_update. Ratios and the confidence are in units of 1/65535, so 65535 is 1.0.
+ * The result of #smr_update. Ratios and confidence are in units of 1/65535: 65535 is 1.0.
  */
 typedef struct smr_answer {
   /**
@@ -819,54 +811,53 @@ typedef struct smr_answer {
    */
   struct smr_rect bbox;
   /**
-   * The box in units of 1/256 pixel. The paper's tracker always gives whole pixels.
+   * The target's box in units of 1/256 pixel; whole pixels from the paper's tracker.
    */
   struct smr_fine_rect fine;
   /**
-   * The state: how far the box can be relied on.
+   * The reliability of the box: tracking, leaving, uncertain or lost.
    */
   smr_state state;
   /**
-   * The target's size divided by the size of the box at the lock, in units of 1/65536. Always 65536 from the paper's
-   * tracker.
+   * The target's size relative to its size at the lock, in units of 1/65536; always 65536 from the paper's tracker.
    */
   uint32_t scale;
   /**
-   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running
-   * mean of 2/3 the early template's agreement and 1/3 the filter's response.
+   * The confidence in the box. The paper's tracker: `ratio`, or 0 when lost. The robust tracker: a running mean of
+   * 2/3 agreement with the early template and 1/3 filter response.
    */
   uint16_t confidence;
   /**
-   * The similarity of the target in the box to the template. The paper's tracker: the similarity matching ratio,
-   * rounded down. The robust tracker: the fourth lowest ratio of the 16 tiles of the early template.
+   * The similarity of the box to the template. The paper's tracker: the similarity matching ratio, rounded down. The
+   * robust tracker: the fourth lowest ratio of the early template's 16 tiles.
    */
   uint16_t ratio;
   /**
-   * The ratio of the runner-up; 0 if there is none.
+   * The ratio of the runner-up, the best score away from the peak; 0 if there is none.
    */
   uint16_t runner_up_ratio;
   /**
-   * The threshold of this frame in gray levels (1 to 256): alpha, rounded up. A pixel counted if it differed by
-   * less. 0 from the robust tracker, which has a threshold for each place.
+   * Alpha, the threshold of this frame, rounded up to gray levels (1 to 256): a pixel counted if it differed by
+   * less. 0 from the robust tracker, whose threshold varies over the target.
    */
   uint16_t alpha;
   /**
-   * 1 if the tracker searched for the runner-up. 0 if no decision depended on it (see `runner_up_always` in
+   * 1 if the tracker searched for the runner-up. 0 if no decision needed it (see `runner_up_always` in
    * #smr_paper_config), and always from the robust tracker.
    */
   uint8_t has_runner_up;
   /**
-   * 1 if the target was lost in the frame before and is found in this one; else 0.
+   * 1 if the target was lost in the previous frame and is found in this one; else 0.
    */
   uint8_t found_again;
 } smr_answer;
 
 /**
- * 8-bit gray pixels, row by row without gaps.
+ * An image of 8-bit gray pixels, row by row without gaps.
  */
 typedef struct smr_image {
   /**
-   * width * height bytes.
+   * Address of width * height bytes.
    */
   const uint8_t *pixels;
   /**
@@ -880,22 +871,21 @@ typedef struct smr_image {
 } smr_image;
 
 /**
- * A frame of a camera under way. #smr_readout_begin fills it; only `line` is to be read.
+ * The state of a frame that is being read out. #smr_readout_begin fills it; programs read only `line`.
  *
- * Lines may come in an interrupt while the main loop asks for the frame. Then:
- * - #smr_readout_begin writes all of it: call it where no line can come, in the interrupt itself or while it is
- *   switched off.
- * - #smr_readout_line writes `next` and `line`, and nobody else does. It writes pixels only of lines in the windows,
- *   which come before #smr_readout_frame succeeds; so the interrupt need not be switched off during #smr_lock or
- *   #smr_update. For the next frame give other memory, or begin it after the update.
+ * Lines may arrive in an interrupt while the main loop polls #smr_readout_frame:
+ * - #smr_readout_begin writes every field: call it in the interrupt, or while the interrupt is off.
+ * - Only #smr_readout_line writes `next` and `line`. It writes no pixel of the windows after #smr_readout_frame has
+ *   succeeded, so the interrupt may stay on during #smr_lock and #smr_update. Begin the next frame after the
+ *   update, or in other memory.
  * - #smr_readout_frame only reads, and may be interrupted at any point.
  *
- * The interrupt must run on the same processor core as the loop. All else that calls do at the same time is for you to
- * prevent: two calls of #smr_readout_line, or #smr_readout_lines and any other.
+ * The interrupt must run on the processor core of the main loop. You must prevent all other overlaps: two calls of
+ * #smr_readout_line, or #smr_readout_lines and any other call.
  */
 typedef struct smr_readout {
   /**
-   * A number of #smr_format.
+   * The pixel format, a constant of #smr_format.
    */
   int32_t format;
   /**
@@ -907,15 +897,15 @@ typedef struct smr_readout {
    */
   uint16_t lines;
   /**
-   * The number of the next line. It grows after the pixels of a line are written.
+   * Index of the next line. It increases after the pixels of a line are written.
    */
   uint16_t next;
   /**
-   * The line that the last error SMR_ERROR_LINE_... is about.
+   * Index of the line that caused the last error SMR_ERROR_LINE_...
    */
   uint16_t line;
   /**
-   * The windows. If there is no second one, its width and height are 0.
+   * The windows to keep. If there is no second one, its width and height are 0.
    */
   struct smr_rect windows[2];
   /**
@@ -923,18 +913,17 @@ typedef struct smr_readout {
    */
   uint8_t *pixels;
   /**
-   * Bytes there.
+   * Bytes at `pixels`.
    */
   size_t size;
 } smr_readout;
 
 /**
- * The recorder of a tracker: see #smr_record. Set `write` and `context`, and the rest to 0.
+ * The recorder of a tracker: see #smr_record. Set `write` and `context`, and all other fields to 0.
  */
 typedef struct smr_recorder {
   /**
-   * Stores bytes (in flash, a file, over a serial line), at most a row of pixels or 64 bytes at a time. Returns 0 if
-   * that succeeds.
+   * Stores bytes in flash, a file or elsewhere: at most a row of pixels or 64 bytes per call. Returns 0 on success.
    */
   int (*write)(void *context, const uint8_t *bytes, size_t size);
   /**
@@ -942,11 +931,11 @@ typedef struct smr_recorder {
    */
   void *context;
   /**
-   * The entries so far.
+   * The number of entries written.
    */
   uint32_t entries;
   /**
-   * 1 once `write` has failed: nothing more is written.
+   * 1 once `write` has failed; then nothing more is written.
    */
   uint8_t failed;
   /**
@@ -954,7 +943,7 @@ typedef struct smr_recorder {
    */
   uint8_t under_way;
   /**
-   * The tracker that is recorded.
+   * The recorded tracker.
    */
   struct smr_tracker *tracker;
 } smr_recorder;
@@ -964,47 +953,47 @@ typedef struct smr_recorder {
  */
 typedef struct smr_entry {
   /**
-   * The event.
+   * The kind of the event; it determines which fields are set.
    */
   smr_entry_kind kind;
   /**
-   * The frame, with the windows that were read as its parts.
+   * The frame. Its parts are the windows that the tracker read.
    */
   struct smr_frame frame;
   /**
-   * The box that was locked on.
+   * The box of a lock.
    */
   struct smr_rect bbox;
   /**
-   * As for #smr_moved.
+   * Motion of the picture to the right, in units of 1/256 pixel.
    */
   int32_t right;
   /**
-   * As for #smr_moved.
+   * Motion of the picture downwards, in units of 1/256 pixel.
    */
   int32_t down;
   /**
-   * The answer.
+   * The result of an update.
    */
   struct smr_answer answer;
   /**
-   * A saved target, in the record.
+   * Address of a saved target inside the record.
    */
   const uint8_t *saved;
   /**
-   * Its bytes.
+   * Bytes of the saved target.
    */
   size_t saved_size;
   /**
-   * Of #SMR_ENTRY_BEGIN: 1 for the robust tracker, 0 for the paper's.
+   * The tracker of #SMR_ENTRY_BEGIN: 1 for the robust one, 0 for the paper's.
    */
   uint8_t is_robust;
   /**
-   * The numbers of the paper's tracker.
+   * Settings of the paper's tracker.
    */
   struct smr_paper_config paper;
   /**
-   * The numbers of the robust tracker.
+   * Settings of the robust tracker.
    */
   struct smr_robust_config robust;
 } smr_entry;
@@ -1065,9 +1054,9 @@ const char *smr_version(void);
 /**
  * Fills a configuration of the paper's tracker with values for cameras, which bound time and memory.
  *
- * Differences from #smr_config_paper: the window of a lost target grows by at most 20 pixels on each side, and all
- * windows fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed
- * the runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is not accepted.
+ * Unlike with #smr_config_paper, the window of a lost target grows by at most 20 pixels on each side, and all windows
+ * fit #SMR_SPAN; the template is updated up to the edge of the frame, a peak inside the frame need not exceed the
+ * runner-up, alpha is at least 10 gray levels, and a peak with a ratio below 1/20 is rejected.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -1075,8 +1064,7 @@ const char *smr_version(void);
 smr_status smr_config_camera(struct smr_config *config);
 
 /**
- * Fills a configuration of the paper's tracker with the values of the paper and of its authors' program, for frames of
- * about 320x240.
+ * Fills a configuration of the paper's tracker with the values of the authors' program, for frames of about 320x240.
  *
  * The window of a lost target grows to the padded frame, so #SMR_SPAN must be at least frame + 40 - box + 1 on each
  * axis; otherwise #smr_lock returns #SMR_ERROR_WINDOW_TOO_LARGE. For firmware use #smr_config_camera.
@@ -1087,9 +1075,8 @@ smr_status smr_config_camera(struct smr_config *config);
 smr_status smr_config_paper(struct smr_config *config);
 
 /**
- * Fills a configuration of the robust tracker. It goes beyond the paper: it follows changes of light, size and view,
- * reports when the target is not visible, and searches for it then. It takes more memory and time. The same numbers in
- * every library; #smr_config_refined has the refiner as well.
+ * Fills a configuration of the robust tracker without the refiner. It follows changes of light, size and view, reports
+ * when the target is not visible, and then searches for it. It takes more memory and time than the paper's tracker.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -1097,11 +1084,11 @@ smr_status smr_config_paper(struct smr_config *config);
 smr_status smr_config_robust(struct smr_config *config);
 
 /**
- * Fills a configuration as #smr_config_robust does, with the refiner: a small learned network that keeps the box to a
- * target that comes nearer, turns or changes its shape. It is the default of host-sim, of Python and of JavaScript.
+ * Fills a configuration of the robust tracker with the refiner: a small learned network that fits the box to a target
+ * that approaches, turns or changes its shape. It is the default of host-sim, Python and JavaScript.
  *
- * Every library has this call, but #smr_init takes the configuration only in one that was built with the feature
- * `refiner` (core/c/install.sh --refiner); in others it returns #SMR_ERROR_REFINER_NOT_BUILT_IN.
+ * #smr_init accepts it only in a library with the feature `refiner` (core/c/install.sh --refiner), and else returns
+ * #SMR_ERROR_REFINER_NOT_BUILT_IN.
  *
  * @param config  Memory for the configuration.
  * @return        #SMR_OK, #SMR_ERROR_NULL or #SMR_ERROR_MISALIGNED.
@@ -1109,13 +1096,13 @@ smr_status smr_config_robust(struct smr_config *config);
 smr_status smr_config_refined(struct smr_config *config);
 
 /**
- * Sets a setting by its name, such as "window" to { 16, 16 }. A program that knows the name can also set the field of the
- * configuration; this call is for names from a file, a console or another language.
+ * Sets a setting by its name, such as "window" to { 16, 16 }, where the name comes from a file, a console or another
+ * language. If you know the name, set the field of the configuration instead.
  *
  * @param config  Filled by one of the calls smr_config_...
- * @param name    A string: the name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
+ * @param name    The name of a field of #smr_paper_config or #smr_robust_config, whichever the configuration is for.
  * @param values  The values, in the order of the field.
- * @param count   How many there are.
+ * @param count   The number of values.
  * @return        #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration),
  *                #SMR_ERROR_SETTING_UNKNOWN, #SMR_ERROR_SETTING_COUNT or #SMR_ERROR_CONFIG_OUT_OF_RANGE.
  */
@@ -1125,10 +1112,10 @@ smr_status smr_set(struct smr_config *config,
                    size_t count);
 
 /**
- * Gives the name, the range and the values of a setting, one after the other until #SMR_ERROR_SETTING_UNKNOWN.
+ * Returns the name, range and values of the setting at an index; #SMR_ERROR_SETTING_UNKNOWN after the last one.
  *
  * @param config   Filled by one of the calls smr_config_...
- * @param index    0 for the first setting.
+ * @param index    Index of the setting, from 0.
  * @param setting  Is set; unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED (the configuration) or
  *                 #SMR_ERROR_SETTING_UNKNOWN.
@@ -1138,17 +1125,15 @@ smr_status smr_setting_at(const struct smr_config *config,
                           struct smr_setting *setting);
 
 /**
- * The size of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE of the library as it was built.
+ * The bytes of a tracker's storage: #SMR_PAPER_TARGET_SIZE or #SMR_ROBUST_TARGET_SIZE as the library was built.
  *
  * @param config  Filled by one of the calls smr_config_...
- * @return        Bytes; 0 if `config` is NULL or was not filled. Differs from the macro if this program defines other capacities
- *                than those that the library was built with.
+ * @return        Bytes; 0 if `config` is NULL or not filled. Can differ from the macro: see #SMR_PIXELS.
  */
 size_t smr_target_size(const struct smr_config *config);
 
 /**
- * The size of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE of the library as it was
- * built.
+ * The bytes of a tracker's workspace: #SMR_PAPER_WORKSPACE_SIZE or #SMR_ROBUST_WORKSPACE_SIZE as it was built.
  *
  * @param config  Filled by one of the calls smr_config_...
  * @return        As #smr_target_size.
@@ -1156,22 +1141,22 @@ size_t smr_target_size(const struct smr_config *config);
 size_t smr_workspace_size(const struct smr_config *config);
 
 /**
- * Makes a tracker without a target.
+ * Constructs a tracker in the caller's memory. It has no target before #smr_lock.
  *
- * @param storage         Memory for all that the tracker remembers, such as an #smr_paper_target or an #smr_robust_target; aligned to
- *                        #SMR_ALIGNMENT. It must stay where it is, untouched, as long as the tracker is used. After that you may use
- *                        it for anything.
+ * @param storage         Memory of the tracker, such as an #smr_paper_target or an #smr_robust_target, aligned to
+ *                        #SMR_ALIGNMENT. It must stay where it is, untouched, as long as the tracker is used.
  * @param storage_size    Bytes at `storage`; at least #smr_target_size.
- * @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace; aligned to
- *                        #SMR_ALIGNMENT. It must stay as `storage` must, but trackers of the same kind may share it. #smr_init
- *                        cancels an update that another tracker has begun in it.
+ * @param workspace       Scratch memory for updates, such as an #smr_paper_workspace or an #smr_robust_workspace. It
+ *                        must be aligned and stay as `storage` must, but trackers of the same kind may share it.
+ *                        #smr_init cancels an update that another tracker has begun in it.
  * @param workspace_size  Bytes at `workspace`; at least #smr_workspace_size.
- * @param config          Which tracker, and its numbers. It is copied.
+ * @param config          The choice of a tracker and its settings. It is copied.
  * @param tracker         Is set to the tracker, or to NULL after an error.
  * @return                #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_STORAGE_TOO_SMALL,
- *                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE, #SMR_ERROR_NOT_INITIALISED (the
- *                        configuration) or an error of the configuration (#SMR_ERROR_CONFIG_OUT_OF_RANGE,
- *                        #SMR_ERROR_LIMIT_BELOW_WINDOW, #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
+ *                        #SMR_ERROR_WORKSPACE_TOO_SMALL, #SMR_ERROR_STORAGE_OVERLAPS_WORKSPACE,
+ *                        #SMR_ERROR_NOT_INITIALISED (the configuration) or an error of a setting
+ *                        (#SMR_ERROR_CONFIG_OUT_OF_RANGE, #SMR_ERROR_LIMIT_BELOW_WINDOW,
+ *                        #SMR_ERROR_UNCERTAIN_BELOW_LOST or #SMR_ERROR_REFINER_NOT_BUILT_IN).
  */
 smr_status smr_init(void *storage,
                     size_t storage_size,
@@ -1181,14 +1166,14 @@ smr_status smr_init(void *storage,
                     struct smr_tracker **tracker);
 
 /**
- * The pixels of a frame that #smr_lock reads for a target. Firmware need not read out more.
+ * The window of a frame that #smr_lock reads for a box. Firmware need not read out other pixels.
  *
  * @param tracker  Made by #smr_init.
- * @param width    Width of the frame.
- * @param height   Height of the frame.
+ * @param width    Width of the frame in pixels.
+ * @param height   Height of the frame in pixels.
  * @param bbox     The box, completely inside the frame.
- * @param window   Is set to a rectangle, always inside the frame. The paper's tracker: the box. The robust tracker: the box and its
- *                 surroundings. Unchanged after an error.
+ * @param window   Is set to a rectangle inside the frame. The paper's tracker: the box. The robust tracker: the box
+ *                 and its surroundings. Unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_BOX_EMPTY or
  *                 #SMR_ERROR_BOX_OUTSIDE_FRAME.
  */
@@ -1199,11 +1184,9 @@ smr_status smr_lock_window(const struct smr_tracker *tracker,
                            struct smr_rect *window);
 
 /**
- * Starts following the target in a box. You can call it at any time; a previous target is forgotten. It reads only the
- * pixels in #smr_lock_window.
+ * Starts to follow the target in a box, and forgets any previous target. Reads only the pixels in #smr_lock_window.
  *
- * Cost: for the paper's tracker a copy of the box and two comparisons for each of its pixels, for the robust tracker
- * as much as two or three updates. #smr_lock_step does the same in steps.
+ * Cost: a copy of the box and two comparisons per pixel (paper's tracker), or two to three updates (robust tracker).
  *
  * @param tracker  Made by #smr_init.
  * @param frame    The frame. Its parts in memory cover #smr_lock_window.
@@ -1217,10 +1200,9 @@ smr_status smr_lock(struct smr_tracker *tracker,
                     const struct smr_rect *bbox);
 
 /**
- * Locks in steps of bounded work, for programs with a deadline: begins the lock, or goes on with it if `bbox` and the
- * size of the frame are those of the last step. Call it until it returns another status than #SMR_UNDER_WAY; there is
- * no target until then. Units of work: see #smr_update_step; a lock takes at most 11.2 million. The paper's tracker does
- * all work in one step.
+ * Does one step of a lock, of bounded work, for programs with a deadline. Begins a lock, or continues it if `bbox` and
+ * the frame's size are unchanged. Call it while it returns #SMR_UNDER_WAY; there is no target until then. A lock takes
+ * at most 11.2 million units of work (see #smr_update_step). The paper's tracker locks in one step.
  *
  * @param tracker  Made by #smr_init.
  * @param frame    As for #smr_lock. Its pixels are the same in every step.
@@ -1234,14 +1216,11 @@ smr_status smr_lock_step(struct smr_tracker *tracker,
                          uint32_t work);
 
 /**
- * Finds the target in the next frame.
- *
- * It reads only the pixels in #smr_windows; the rest of the frame need not be in memory.
+ * Finds the target in the next frame. Reads only the pixels in #smr_windows.
  *
  * Cost of the paper's tracker, for boxes of at least 8x8 pixels and windows of at least +-4: at most 1.25 * (offsets
- * in the window) * (pixels of the template) comparisons, and far fewer if the target is clearly visible. In the frame
- * in which a tracked target begins to leave the picture it is at most twice that. Cost of the robust tracker: at
- * most 726 products for each of at most 2000 weights. #smr_update_step does the same in steps.
+ * in the window) * (pixels of the template) comparisons, twice that in the frame in which the target begins to leave,
+ * and far fewer if it is clearly visible. Cost of the robust tracker: at most 726 * 2000 products.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    The frame. Its parts in memory cover #smr_windows.
@@ -1255,16 +1234,15 @@ smr_status smr_update(struct smr_tracker *tracker,
                       struct smr_answer *answer);
 
 /**
- * Updates in steps of bounded work, for programs with a deadline: begins an update, or goes on with the one under way.
- * Call it until it returns another status than #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the size of
- * the steps. Every other call that may change the tracker ends the update, and so does another tracker that uses the
- * workspace; the next step then begins a new one.
+ * Does one step of an update, of bounded work, for programs with a deadline. Begins an update, or continues the one
+ * under way. Call it while it returns #SMR_UNDER_WAY. The answer is that of #smr_update, whatever the steps. Other
+ * calls that may change the tracker, and other trackers that use the workspace, cancel it.
  *
  * The unit of work depends on the tracker:
  * - The paper's: a comparison of two bytes. A step may exceed `work` by at most max(pixels of the template, 2 * pixels
  *   of a row of the first of #smr_windows) + 7 * #SMR_SPAN.
- * - The robust one: about an instruction of a Cortex-M4. An update takes at most 14.2 million units, with a
- *   `sweep` of 1 at most 6.5. A step may exceed `work` by at most 128,000.
+ * - The robust one: about an instruction of a Cortex-M4. A step may exceed `work` by at most 128,000. An update takes
+ *   at most 14.2 million units, or 6.5 million with a `sweep` of 1.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param frame    As for #smr_update. Its pixels are the same in every step.
@@ -1278,27 +1256,24 @@ smr_status smr_update_step(struct smr_tracker *tracker,
                            struct smr_answer *answer);
 
 /**
- * The pixels of the frame that the next #smr_update may read. Firmware need not read out more.
+ * The two windows of the next frame that #smr_update may read. Firmware need not read out other pixels.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param windows  Are set to two rectangles, both inside the frame. The first is never empty. In the second the robust tracker searches
- *                 for a lost target: in most frames, and always for the paper's tracker, its width and height are 0. Unchanged after an
- *                 error.
+ * @param windows  Are set to two rectangles inside the frame. The first is never empty. The second, where the robust
+ *                 tracker searches for a lost target, is empty in most frames. Unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED or #SMR_ERROR_NOT_LOCKED.
  */
 smr_status smr_windows(const struct smr_tracker *tracker,
                        struct smr_rect windows[2]);
 
 /**
- * Tells the tracker that the picture has moved since the last frame because the camera turned: what was at (x, y) is
- * expected at (x + right, y + down). It cancels an update under way.
- *
- * The search window moves along. The box stays within reach of the frame. The
- * paper's tracker rounds to whole pixels. Before the first lock the call does nothing.
+ * Reports a turn of the camera since the last frame: what was at (x, y) is expected at (x + right, y + down). The
+ * search window moves along; the box stays within reach of the frame. Cancels an update under way. The paper's tracker
+ * rounds to whole pixels. Before the first lock the call does nothing.
  *
  * @param tracker  Made by #smr_init.
- * @param right    In units of 1/256 pixel.
- * @param down     In units of 1/256 pixel.
+ * @param right    Motion to the right in units of 1/256 pixel.
+ * @param down     Motion downwards in units of 1/256 pixel.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
  */
 smr_status smr_moved(struct smr_tracker *tracker,
@@ -1329,11 +1304,10 @@ smr_status smr_last(const struct smr_tracker *tracker,
                     smr_state *state);
 
 /**
- * A copy of the template: the appearance of the target at the last update of the paper's template, or the robust
- * tracker's early template, with which it verifies the target.
+ * Copies the template: the paper's current one, or the robust tracker's early template, which verifies the target.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
- * @param pixels   Memory outside the tracker's own, for the pixels, row by row without gaps.
+ * @param pixels   Memory for the pixels, row by row without gaps, outside the tracker's own memory.
  * @param size     Bytes at `pixels`; #SMR_PIXELS or #SMR_ROBUST_PIXELS are always enough.
  * @param image    Is set to the pixels and their width and height. After an error it and the pixels are unchanged.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
@@ -1345,8 +1319,7 @@ smr_status smr_template(const struct smr_tracker *tracker,
                         struct smr_image *image);
 
 /**
- * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE of the library as it was
- * built.
+ * The most bytes that #smr_save writes: #SMR_PAPER_SAVED_SIZE or #SMR_ROBUST_SAVED_SIZE as the library was built.
  *
  * @param tracker  Made by #smr_init.
  * @param size     Is set to the number of bytes; unchanged after an error.
@@ -1356,12 +1329,11 @@ smr_status smr_saved_size(const struct smr_tracker *tracker,
                           size_t *size);
 
 /**
- * Writes the target to memory: what the tracker remembers of it, and the numbers of the configuration to compare with.
- * The bytes are the same on every platform.
+ * Saves the target as bytes, with the settings, which #smr_restore compares. The bytes are the same on every platform.
  *
  * @param tracker  Made by #smr_init, locked by #smr_lock.
  * @param bytes    Memory outside the tracker's own; unchanged after an error.
- * @param size     Bytes there; #smr_saved_size are always enough.
+ * @param size     Bytes at `bytes`; #smr_saved_size are always enough.
  * @param written  Is set to the number of bytes written; unchanged after an error.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
  *                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_NOT_LOCKED or #SMR_ERROR_BUFFER_TOO_SMALL.
@@ -1372,11 +1344,11 @@ smr_status smr_save(const struct smr_tracker *tracker,
                     size_t *written);
 
 /**
- * Continues with a target that #smr_save wrote. Its answers are then identical to those of the saved tracker.
+ * Continues with a target that #smr_save wrote. Later answers are identical to those of the saved tracker.
  *
  * @param tracker  Made by #smr_init with the same configuration.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
- * @param size     Bytes there; there may be more than were written.
+ * @param size     The number of bytes; excess bytes are ignored.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_NOT_INITIALISED, #SMR_ERROR_MEMORY_TOO_LARGE,
  *                 #SMR_ERROR_OVERLAPS_TRACKER, #SMR_ERROR_OTHER_METHOD or an error of the bytes (#SMR_ERROR_NOT_SAVED to
  *                 #SMR_ERROR_SAVED_TOO_LARGE). After an error the tracker is unchanged.
@@ -1386,14 +1358,12 @@ smr_status smr_restore(struct smr_tracker *tracker,
                        size_t size);
 
 /**
- * Names the setting for which #smr_restore refuses a target with #SMR_ERROR_OTHER_CONFIG: the first one of the
- * configuration that differs.
+ * Names the first setting that differs, for which #smr_restore returns #SMR_ERROR_OTHER_CONFIG.
  *
  * @param tracker  Made by #smr_init.
  * @param bytes    The bytes that #smr_save wrote, on any platform, outside the tracker's own memory.
- * @param size     Bytes there; there may be more than were written.
- * @param name     Is set to a static string, such as "refiner" or "gate_lost", the field of the configuration; to NULL if no setting
- *                 differs. Unchanged after an error.
+ * @param size     The number of bytes; excess bytes are ignored.
+ * @param name     Is set to the field's name, a static string such as "gate_lost"; to NULL if no setting differs.
  * @return         #SMR_OK, or an error of #smr_restore other than #SMR_ERROR_OTHER_CONFIG.
  */
 smr_status smr_other_setting(const struct smr_tracker *tracker,
@@ -1402,19 +1372,19 @@ smr_status smr_other_setting(const struct smr_tracker *tracker,
                              const char **name);
 
 /**
- * Begins a frame.
+ * Begins the read-out of a frame.
  *
- * Windows are in pixels of the gray frame, which has the sensor's size, or half of it with #SMR_BAYER8. Give
- * #smr_windows; before a lock #smr_lock_window and an empty one.
+ * Windows are in pixels of the gray frame, which has the sensor's size, or half its width and height with #SMR_BAYER8.
+ * Pass #smr_windows; before a lock pass #smr_lock_window and an empty one.
  *
  * @param readout  Is filled; need not be initialised. Unchanged after an error.
- * @param format   A number of #smr_format.
+ * @param format   A constant of #smr_format.
  * @param columns  Columns of the sensor.
  * @param lines    Lines of the sensor.
  * @param windows  Two windows inside the gray frame. Only the second may be empty.
- * @param pixels   Initialised memory, until the tracker was called with the frame. The gray pixels of the first window go there, then
- *                 those of the second, row by row without gaps.
- * @param size     Bytes there; at least width * height of both windows.
+ * @param pixels   Initialised memory for the gray pixels of the first window, then of the second, row by row without
+ *                 gaps. It must stay until the tracker was called with the frame.
+ * @param size     Bytes at `pixels`; at least width * height of both windows.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_FORMAT_UNKNOWN,
  *                 #SMR_ERROR_OUTSIDE_FRAME or #SMR_ERROR_BUFFER_TOO_SMALL.
  */
@@ -1427,15 +1397,13 @@ smr_status smr_readout_begin(struct smr_readout *readout,
                              size_t size);
 
 /**
- * Takes a line of the sensor, for example in the interrupt of a DMA: see #smr_readout. Lines come in order; those in
- * no window may be left out.
- *
- * Cost: only pixels in the windows are converted.
+ * Converts a line of the sensor, for example in a DMA interrupt: see #smr_readout. Lines must come in order; lines
+ * outside the windows may be skipped. Only pixels in the windows cost time.
  *
  * @param readout  Filled by #smr_readout_begin. After an error only its `line` is changed.
- * @param y        The number of the line; the first is 0.
- * @param bytes    The line.
- * @param size     Bytes there; more than the line has are ignored.
+ * @param y        Index of the line, from 0.
+ * @param bytes    The bytes of the line.
+ * @param size     The number of bytes; excess bytes are ignored.
  * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_LINE_OUT_OF_ORDER,
  *                 #SMR_ERROR_LINE_TOO_SHORT, #SMR_ERROR_LINE_OUTSIDE_FRAME, #SMR_ERROR_LINE_MISSING,
  *                 #SMR_ERROR_OVERLAPS_TRACKER if the line lies in the memory of a window, or an error of #smr_readout_begin
@@ -1447,12 +1415,12 @@ smr_status smr_readout_line(struct smr_readout *readout,
                             size_t size);
 
 /**
- * Takes all lines of a frame that is in memory. Not for interrupts: it takes as long as all its lines.
+ * Converts all lines of a frame in memory. Not for interrupts: it takes as long as all its lines.
  *
- * @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` have come.
- * @param bytes    The first line.
- * @param size     Bytes there.
- * @param stride   Bytes from a line to the next one.
+ * @param readout  Filled by #smr_readout_begin. After an error the lines before its `line` are converted.
+ * @param bytes    The bytes of the frame.
+ * @param size     The number of bytes.
+ * @param stride   Bytes from the start of a line to the start of the next.
  * @return         As #smr_readout_line. A frame that ends early has lines that are too short.
  */
 smr_status smr_readout_lines(struct smr_readout *readout,
@@ -1461,44 +1429,40 @@ smr_status smr_readout_lines(struct smr_readout *readout,
                              size_t stride);
 
 /**
- * The frame with its windows, for #smr_lock and #smr_update. Lines below the windows need not have come.
- *
- * It changes nothing but `frame`, so an interrupt may bring lines at any time: see #smr_readout.
+ * Fills a frame for #smr_lock and #smr_update once all lines of the windows have come. See #smr_readout on interrupts.
  *
  * @param readout  Filled by #smr_readout_begin.
- * @param frame    Is filled; need not be initialised. It points to the memory of the windows. Unchanged after an error.
- * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a window has not come, or
- *                 an error of #smr_readout_begin if the readout was changed.
+ * @param frame    Is filled; need not be initialised. Points to the windows' memory. Unchanged after an error.
+ * @return         #SMR_OK, #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_LINE_MISSING as long as a line of a
+ *                 window has not come, or an error of #smr_readout_begin if the readout was changed.
  */
 smr_status smr_readout_frame(const struct smr_readout *readout,
                              struct smr_frame *frame);
 
 /**
- * Records a tracker from now on: every lock, update, move and restored target, as `write` of the recorder is given
- * them. `host-sim replay FILE` runs the bytes through the same code again and names the first difference. The
- * documentation of smr_core::record describes every byte.
+ * Starts a flight record of a tracker: `write` of the recorder gets every later lock, update, move and restored
+ * target. `host-sim replay FILE` replays it and names the first difference. smr_core::record documents every byte.
  *
- * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. Of trackers that
- * share a workspace, finish one update in steps before you call another tracker.
- * #smr_init ends it. What `write` does takes place within the calls that are recorded.
+ * Call it before #smr_lock; for a tracker with a target call #smr_save, #smr_record, #smr_restore. If trackers share a
+ * workspace, finish an update in steps before you call another one. `write` runs inside the recorded calls.
  *
  * @param tracker   Made by #smr_init.
- * @param recorder  Stays where it is, and belongs to this tracker alone, while the tracker is used. NULL ends the record.
+ * @param recorder  Must stay in place, for this tracker alone, while it is used. NULL or #smr_init ends the record.
  * @return          #SMR_OK, #SMR_ERROR_NULL (also `write`), #SMR_ERROR_MISALIGNED or #SMR_ERROR_NOT_INITIALISED.
  */
 smr_status smr_record(struct smr_tracker *tracker,
                       struct smr_recorder *recorder);
 
 /**
- * Reads the next entry of a flight record in memory: a test of firmware can run it again, and compare the answers.
+ * Reads the next entry of a flight record in memory, so that a test of firmware can replay it and compare answers.
  *
- * @param record  The record.
- * @param size    Its bytes.
- * @param at      Where the entry begins; 0 at first. Is set to where the next one begins; unchanged after an error.
+ * @param record  The bytes of the record.
+ * @param size    The number of bytes.
+ * @param at      Offset of the entry in bytes, at first 0. Is set to that of the next one; unchanged after an error.
  * @param entry   Is set to the entry, which points into the record; unchanged after an error.
- * @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE, #SMR_ERROR_DAMAGED
- *                (no whole entry begins there: the record was cut off), #SMR_ERROR_OTHER_VERSION or #SMR_ERROR_OTHER_CONFIG (a table of similarities
- *                other than the paper's).
+ * @return        #SMR_OK (also at the end), #SMR_ERROR_NULL, #SMR_ERROR_MISALIGNED, #SMR_ERROR_MEMORY_TOO_LARGE,
+ *                #SMR_ERROR_DAMAGED (no whole entry begins at `at`: the record was cut off), #SMR_ERROR_OTHER_VERSION
+ *                or #SMR_ERROR_OTHER_CONFIG (a table of similarities other than the paper's).
  */
 smr_status smr_next_entry(const uint8_t *record,
                           size_t size,
