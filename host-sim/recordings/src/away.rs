@@ -1,4 +1,4 @@
-//! A target that leaves: frames of the scene beside the target, then the recording, shifted, so that the target returns elsewhere.
+//! Simulates a target that leaves: frames show the scene beside it, then the recording shifted as it returns.
 
 use super::{BoundingBox, GrayFrame};
 use smr_core::Rect;
@@ -7,16 +7,16 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Away {
     gone: Range<usize>,
-    /// Width and height of a frame.
     sides: [i32; 2],
-    /// Columns and rows that are seen while the target is gone. It is in none of them.
+    /// Columns and rows of the recording that are shown while the target is gone. The target is in none of them.
     strip: [Range<i32>; 2],
-    /// Shift of the picture to the right and down afterwards.
+    /// Shift of the picture to the right and down in pixels, once the target has returned.
     shift: [i32; 2],
 }
 
 impl Away {
-    /// Chooses the largest strip beside all boxes from the last frame before `gone` on, and a shift that keeps the box in the frame.
+    /// Chooses the largest strip of the frame beside all boxes, from the last one before `gone` on, and a shift that
+    /// keeps the box in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -26,8 +26,7 @@ impl Away {
         let [w, h] = [frame.right(), frame.bottom()];
         let strips = [[0..seen.x, 0..h], [seen.right()..w, 0..h], [0..w, 0..seen.y], [0..w, seen.bottom()..h]];
         let strip = strips.into_iter().max_by_key(|[columns, rows]| columns.len() * rows.len()).unwrap_or_default();
-        // The shift is at most a quarter of a side, in the direction in which the target returns farthest from the
-        // place where it was lost.
+        // Shifts by at most a quarter of a side, so that the target returns far from the position where it was lost.
         let shift = |lost: i32, start: i32, end: i32, side: i32| {
             let shifts = [-start, side - end].map(|shift| shift.clamp(-side / 4, side / 4));
             shifts.into_iter().max_by_key(|shift| (start + shift).abs_diff(lost)).unwrap_or(0)
@@ -36,14 +35,15 @@ impl Away {
         Self { gone, sides: [w, h], strip, shift }
     }
 
-    /// Returns the frame in place of `frame`, `index` frames after the first without the target.
+    /// Returns the frame to show in place of `frame`; `index` counts from the first frame without the target.
     pub fn view(&self, index: usize, frame: &GrayFrame) -> GrayFrame {
         let from = |axis: usize, at: i32| {
             let (side, Range { start, end }) = (self.sides[axis], self.strip[axis].clone());
             if index >= self.gone.len() {
                 return (at - self.shift[axis]).clamp(0, side - 1);
             }
-            // The camera has turned until the strip begins at the other side of the frame; its mirror images follow.
+            // The camera has turned until the strip begins at the other side of the frame, followed by its mirror
+            // images.
             let length = (end - start).max(1);
             let at = if start == 0 { at + length - side } else { at }.rem_euclid(2 * length);
             start + at.min(2 * length - 1 - at)
@@ -51,7 +51,7 @@ impl Away {
         GrayFrame::drawn(frame.width, frame.height, |x, y| frame.level(from(0, x), from(1, y)))
     }
 
-    /// Returns the ground truth of the frames that are shown. The target is visible where the middle of its box is.
+    /// Returns the ground truth of the shown frames. The target is visible if the centre of its box is in the frame.
     pub fn truth(&self, truth: &[Option<BoundingBox>]) -> Vec<Option<BoundingBox>> {
         let ([w, h], [right, down]) = (self.sides.map(f64::from), self.shift.map(f64::from));
         let is_visible = |(x, y): (f64, f64)| (0.0..w).contains(&x) && (0.0..h).contains(&y);
@@ -68,7 +68,7 @@ impl Away {
 mod tests {
     use super::*;
 
-    /// Pixels tell their place in a frame of 16x8. The target has 4x2 pixels, and is gone from the second frame to before the last.
+    /// Frames of 16x8 pixels whose level is their index. The 4x2 target is gone in the second and third frame.
     fn away(places: [[i32; 2]; 4]) -> (GrayFrame, Vec<Option<BoundingBox>>, Away) {
         let truth = places.map(|[x, y]| Some([x, y, 4, 2].into())).to_vec();
         let away = Away::new(&truth, 1..3, Rect::new(0, 0, 16, 8));
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_target_is_gone_and_back_elsewhere() {
-        // Columns 9 to 15 are the largest strip. The target returns 4 to the right and 2 down, farther from 2,3 than to the left or up.
+        // The largest strip is columns 9 to 15. The target returns 4 right and 2 down, farthest from (2, 3).
         let (frame, truth, away) = away([[2, 3], [3, 4], [5, 4], [4, 3]]);
         let row = |index, row: usize| away.view(index, &frame).pixels[16 * row..][..16].to_vec();
         assert_eq!(row(1, 0), [9, 10, 11, 12, 13, 14, 15, 15, 14, 13, 12, 11, 10, 9, 9, 10]);
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(away.truth(&truth), [truth[0], None, None, Some([8, 5, 4, 2].into())]);
     }
 
-    /// Each place of the target, the first pixel seen beside it, and the shift.
+    /// Each case: position of the target, first pixel of the strip beside it, and the shift.
     #[test]
     fn the_camera_turns_to_each_side_and_the_box_stays_inside() {
         for (place, seen, shift) in

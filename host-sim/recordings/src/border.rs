@@ -1,8 +1,9 @@
-//! A built-in recording for the rules at the picture's border: where the template is updated, and how targets leave.
+//! A built-in recording that tests rules at the picture's border: where the template is updated, how targets leave.
 //!
-//! The target has no noise, but one pixel that tells whether the template was updated. It stands at both sides of each end of the zone of updates,
-//! leaves the picture and returns. A twin, of which some pixels differ, then stands in the picture. With many such pixels the target leads by more
-//! than a hundred pixels, but not by the ratio that a returning target needs; with fewer it is lost, and later found again.
+//! The target has no noise except one pixel, which changes in every frame and so shows whether the template was
+//! updated. The target stands at both sides of each edge of the update zone, leaves the picture and returns. Then a
+//! twin appears, some of whose pixels differ. With many such pixels the target's score leads by more than 100, but not
+//! by the ratio that a returning target needs. With few it is lost, and later found again.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 
@@ -13,7 +14,7 @@ const HEIGHT: u16 = 84;
 const TARGET: (i32, i32) = (24, 28);
 const TWIN: (i32, i32) = (30, 20);
 
-/// Left and top of the target in each frame, and the percentage of the twin's pixels that differ; 100 is no twin.
+/// For each frame: left and top edge of the target, and percentage of the twin's pixels that differ (100: no twin).
 const SCRIPT: [i32; 75] = [
     40, 30, 100, 20, 30, 100, 19, 30, 100, 25, 20, 100, 25, 19, 100, 60, 54, 100, 60, 55, 100, 86, 40, 100, 87, 40,
     100, 84, 41, 100, 92, 40, 100, 80, 42, 100, 78, 40, 100, 76, 44, 16, 75, 45, 16, 74, 45, 8, 400, 400, 100, 400,
@@ -21,7 +22,6 @@ const SCRIPT: [i32; 75] = [
 ];
 const NOWHERE: (i32, i32) = (400, 400);
 
-/// Returns the entries of `SCRIPT`, frame by frame.
 fn script() -> impl ExactSizeIterator<Item = ((i32, i32), i32)> + Send {
     SCRIPT.as_chunks().0.iter().map(|&[x, y, others]| ((x, y), others))
 }
@@ -67,7 +67,6 @@ mod tests {
     use smr_core::unstable::{Peaks, peaks};
     use smr_core::{Answer, State, Tracker};
 
-    /// Each rule decides in the frame that `SCRIPT` has for it.
     #[test]
     fn the_papers_rules_decide_in_the_frames_they_are_meant_for() {
         let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();

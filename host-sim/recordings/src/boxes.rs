@@ -1,11 +1,11 @@
-//! Annotated boxes: the box itself, and the text files beside recordings.
+//! Annotated boxes, and the text files that hold them beside recordings.
 //!
 //! | file | form | a line |
 //! |---|---|---|
 //! | `init.txt` | TLD | the box to start from |
 //! | `gt.txt` | TLD | `x1,y1,x2,y2`, one line a frame; NaN where the target is not visible |
 //! | `groundtruth_rect.txt` | OTB | `x,y,width,height`, one line a frame, the first pixel being 1; NaN or no area where it is not visible |
-//! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, or a polygon or a mask, whose box it is; NaN, no area or one number where it is not visible |
+//! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, a polygon or a mask, read as its bounding box; NaN, no area or one number where it is not visible |
 //! | `absence.label` | GOT-10k | 1 where the target is not visible, else 0; one line a frame, beside `groundtruth.txt` |
 //!
 //! Numbers have decimal points; a line has one separator: comma, tab or space. Results of trackers are in TLD form.
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::str::FromStr;
 use std::{fmt, fs};
 
-/// A box as people annotate it: left, top, width, height, possibly fractional.
+/// An annotated box in pixels, possibly fractional.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct BoundingBox {
     pub x: f64,
@@ -27,15 +27,13 @@ pub struct BoundingBox {
 }
 
 impl BoundingBox {
-    /// The box in whole pixels: each of the four numbers rounded to the nearest integer. `None` where that leaves no
-    /// pixel, or a [`Rect`] cannot hold it.
+    /// Rounds each of the four values; `None` if no pixel remains, or a [`Rect`] cannot hold the box.
     pub fn to_rect(&self) -> Option<Rect> {
         let rect = Rect::new(whole(self.x)?, whole(self.y)?, size(self.width)?, size(self.height)?);
         (!rect.is_empty()).then_some(rect)
     }
 
-    /// Returns the box in whole pixels.
-    /// Errors: The box has none. The message continues the words "the box".
+    /// Returns [`Self::to_rect`], or an error if that is `None`. The message continues the words "the box".
     pub fn pixels(&self) -> Result<Rect> {
         self.to_rect().with_context(|| {
             let least = self.width.min(self.height).round();
@@ -48,7 +46,6 @@ impl BoundingBox {
         })
     }
 
-    /// Returns the box in a picture scaled by these factors in width and height.
     pub fn scaled(&self, (across, down): (f64, f64)) -> Self {
         Self { x: self.x * across, y: self.y * down, width: self.width * across, height: self.height * down }
     }
@@ -57,7 +54,7 @@ impl BoundingBox {
         (self.x + self.width / 2.0, self.y + self.height / 2.0)
     }
 
-    /// Returns the smallest box that holds all points; `None` without points.
+    /// Returns the smallest box that contains all points; `None` without points.
     pub(super) fn around(points: &[[f64; 2]]) -> Option<Self> {
         let bound = |axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|point| point[axis]).reduce(of);
         let (x1, y1, x2, y2) = (bound(0, f64::min)?, bound(1, f64::min)?, bound(0, f64::max)?, bound(1, f64::max)?);
@@ -72,7 +69,7 @@ impl BoundingBox {
         self.width > 0.0 && self.height > 0.0
     }
 
-    /// Intersection over union, 0 to 1: the area that both cover over the area that at least one covers. 0 if neither has an area.
+    /// Returns the intersection over union, 0 to 1; 0 if neither box has an area.
     pub fn iou(&self, other: &Self) -> f64 {
         let overlap = |a: f64, a_size: f64, b: f64, b_size: f64| ((a + a_size).min(b + b_size) - a.max(b)).max(0.0);
         let area = |of: &Self| of.width.max(0.0) * of.height.max(0.0);
@@ -105,14 +102,14 @@ impl From<FineRect> for BoundingBox {
     }
 }
 
-/// `x,y,width,height`, as [`BoundingBox::from_str`] reads it. For files, see [`Form`].
+/// Formats `x,y,width,height`, which [`BoundingBox::from_str`] parses. For files, see [`Form`].
 impl fmt::Display for BoundingBox {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
     }
 }
 
-/// `x,y,width,height`, the box to start from as it is typed.
+/// Parses `x,y,width,height`, the start box on the command line.
 impl FromStr for BoundingBox {
     type Err = anyhow::Error;
 
@@ -135,7 +132,7 @@ fn size(value: f64) -> Option<u16> {
     whole(value)?.try_into().ok()
 }
 
-/// The forms of files with a box a line.
+/// Formats of text files with one box per line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
     /// x1,y1,x2,y2, or NaN,NaN,NaN,NaN
@@ -147,7 +144,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// Returns the line that holds this box, without its line end.
+    /// Formats a box as a line of the file, without a line end.
     pub fn line(self, entry: Option<&BoundingBox>) -> String {
         let Some(&BoundingBox { x, y, width, height }) = entry else {
             return if self == Self::Vot { "0".to_owned() } else { "NaN,NaN,NaN,NaN".to_owned() };
@@ -159,8 +156,8 @@ impl Form {
         }
     }
 
-    /// Reads a file of this form, one box a line. `None` stands for NaN and, in OTB and VOT form, a box without area.
-    /// In VOT form the file `absence.label` beside it is read, too.
+    /// Reads a file of one box per line. `None` stands for NaN and, in OTB and VOT form, a box without area. In VOT
+    /// form, the file `absence.label` beside it also marks frames with `None`.
     pub fn read(self, path: &Path) -> Result<Vec<Option<BoundingBox>>> {
         let mut truth = read(path, |line| self.entry(line))?;
         let labels = path.with_file_name("absence.label");
@@ -193,7 +190,6 @@ impl Form {
     }
 }
 
-/// Reads the ground truth in `folder`, if there is any.
 pub(super) fn find_truth(folder: &Path) -> Result<Option<Vec<Option<BoundingBox>>>> {
     let forms = TRUTH.map(|(form, name)| (form, folder.join(name)));
     forms.iter().find(|(_, file)| is_named(file)).map(|(form, file)| form.read(file)).transpose()
@@ -210,7 +206,6 @@ fn absent(line: &str) -> Result<bool> {
     }
 }
 
-/// Reads the box of `init.txt` in `folder`, if there is such a file.
 pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     let file = folder.join("init.txt");
     if !is_named(&file) {
@@ -221,13 +216,13 @@ pub(super) fn find_init(folder: &Path) -> Result<Option<BoundingBox>> {
     init.map(Some).with_context(|| format!("{}: expected x1,y1,x2,y2, a box with an area", file.display()))
 }
 
-/// True for the names of the files with boxes that lie beside recordings.
+/// True if the file has the name of an annotation file, such as `gt.txt`.
 pub fn is_known(file: &Path) -> bool {
     let mut names = ["init.txt", "absence.label"].into_iter().chain(TRUTH.map(|(_, name)| name));
     file.file_name().is_some_and(|name| names.any(|known| name == known))
 }
 
-/// True if an entry of this name exists. A link to nothing counts, so that reading it is an error.
+/// True if the path exists, also as a broken link, so that reading it is an error.
 fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
@@ -244,8 +239,9 @@ fn parse<T>(text: &str, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
     lines.enumerate().map(|(index, line)| entry(line).with_context(|| format!("line {}", index + 1))).collect()
 }
 
-/// The box of a region as VOT writes it: `x,y,width,height`, or the box around a polygon `x1,y1,x2,y2,x3,y3,...`
-/// or around a mask, `mX,Y,WIDTH,HEIGHT` and runs. `None` for NaN, for an empty mask, and for a single number, by which VOT says that the target is not visible or the tracker was stopped.
+/// Parses a region in VOT's format and returns its bounding box: `x,y,width,height`, a polygon `x1,y1,x2,y2,x3,y3,...`,
+/// or a mask `mX,Y,WIDTH,HEIGHT` with run lengths. `None` for NaN, for an empty mask, and for a single number, which
+/// marks a hidden target or a stopped tracker.
 pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));
     if let Some(runs) = text.trim().strip_prefix('m') {
@@ -267,8 +263,8 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// Returns the box around a mask: lengths of runs of pixels, row after row in a part of the picture, in turn beside and
-/// on the target. The outer `None` says that the text is no mask.
+/// Returns the box around a mask: lengths of runs of pixels, row by row in a part of the picture, alternately on the
+/// background and on the target. The outer `None` means that the text is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
@@ -282,7 +278,7 @@ fn mask(text: &str) -> Option<Option<BoundingBox>> {
         }
         if index % 2 == 1 && run > 0 {
             let (top, bottom) = (begin / width, (end - 1) / width);
-            // A run that goes on in the next row touches both sides.
+            // A run over several rows touches both sides of the part.
             let (left, right) = if top == bottom { (begin % width, (end - 1) % width + 1) } else { (0, width) };
             let place = |column: u64, row: u64| [(column + u64::from(x)) as f64, (row + u64::from(y)) as f64];
             corners.extend([place(left, top), place(right, bottom + 1)]);
@@ -291,24 +287,23 @@ fn mask(text: &str) -> Option<Option<BoundingBox>> {
     Some(BoundingBox::around(&corners))
 }
 
-/// Four numbers, each of which may be NaN but not infinite.
 fn four_numbers(line: &str) -> Option<[f64; 4]> {
     numbers(line)?.try_into().ok()
 }
 
-/// Parses numbers with one separator; each may be NaN but not infinite. With two, commas may be decimal ones.
+/// Parses numbers with one separator, NaN but not infinity. Refuses two separators, because commas may be decimal.
 fn numbers(line: &str) -> Option<Vec<f64>> {
     let separator = [',', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ');
     let line = line.trim().trim_end_matches(separator);
     let fields = line.split(separator).map(str::trim).filter(|field| separator == ',' || !field.is_empty());
     let numbers = fields.map(|field| field.parse().ok().filter(|value: &f64| !value.is_infinite()));
     let numbers: Vec<f64> = numbers.collect::<Option<_>>()?;
-    // "60,5, 80,5, ..." has eight numbers, as a polygon has.
+    // Refuses "60,5, 80,5, ...": decimal commas would make it the eight numbers of a polygon.
     let with_blank = line.split(',').filter(|field| field.starts_with([' ', '\t'])).count();
     (numbers.len() <= 4 || with_blank == 0 || with_blank + 1 == numbers.len()).then_some(numbers)
 }
 
-/// Quotes the beginning of a line for an error message, in one line.
+/// Quotes the first 60 characters of a line for an error message.
 fn shown(line: &str) -> String {
     let start: String = line.chars().take(60).collect();
     let is_mixed = line.contains([',']) && line.trim().contains([' ', '\t', ';']);
@@ -333,7 +328,7 @@ mod tests {
         let shown = |entry: Option<BoundingBox>| entry.map_or("-".to_owned(), |entry| entry.to_string());
         let otb = "\u{feff}129,80,64,78\n129\t80\t64\t78\n 129  80 64 78\n129, 80, 64, 78\n0,0,0,0\nNaN,1,2,3";
         let vot = "1,2,3,4\n10.5,20,30,20,30,40,10.5,40\nnan,nan,nan,nan\n0\n0,0,0,0\n5 6 7 8\nnan,1,2,3,4,5";
-        // One mask in both forms of vot-toolkit 0.9: as the whole picture, and cut.
+        // One mask in both forms of vot-toolkit 0.9: of the whole picture, and cropped to the target.
         let whole_mask = format!("m0,0,50,40,365,15,30{},20,1020", ",20,30".repeat(11));
         for (form, text, expected) in [
             (Form::Tld, "165,93,216,147\r\n164.5,93.25,215.5,147.25\r\n", "165,93,51,54 164.5,93.25,51,54"),
@@ -354,7 +349,6 @@ mod tests {
         }
     }
 
-    /// Numbers with decimal commas must not be read as other numbers.
     #[test]
     fn two_separators_in_a_line_are_refused() {
         for text in [
@@ -447,7 +441,7 @@ mod tests {
     }
 
     prop_compose! {
-        /// A box with an area, of numbers that binary fractions hold exactly, so that x + width - x is width.
+        /// A box with an area, in sixteenths of a pixel: f64 holds them exactly, so x + width - x equals width.
         fn any_box()(x in -1_000_000_i32..1_000_000, y in -1_000_000_i32..1_000_000, w in 1_i32..1_000_000, h in 1_i32..1_000_000)
             -> BoundingBox {
             let [x, y, width, height] = [x, y, w, h].map(|number| f64::from(number) / 16.0);

@@ -1,4 +1,4 @@
-//! Clean-up on a signal: unfinished files and folders are removed, and programs that were started are ended, before this program ends.
+//! Clean-up on a signal: removes unfinished files and folders, and kills child processes, before this program ends.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -15,37 +15,36 @@ enum Thing {
     Process(Arc<Mutex<Child>>),
 }
 
-/// All registered files, folders and programs, by the number of their [`Kept`].
+/// All registered files, folders and child processes, by the id in their [`Kept`].
 static THINGS: Mutex<BTreeMap<u64, Thing>> = Mutex::new(BTreeMap::new());
 
 /// True after a signal that ends this program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// True if the first signal only asks to stop; [`STOPPED`] is that signal, or 0.
+/// True if the first signal only requests a stop; [`STOPPED`] is that signal, or 0.
 static STOPS_FIRST: AtomicBool = AtomicBool::new(false);
 static STOPPED: AtomicI32 = AtomicI32::new(0);
 
-/// Makes the first signal from here on only ask to stop (see [`is_stopped`]); the second one ends this program.
+/// Makes the first signal from here on only request a stop (see [`is_stopped`]); the second one ends this program.
 pub fn stop_first() {
     STOPS_FIRST.store(true, Ordering::SeqCst);
 }
 
-/// True if a signal has asked to stop.
 pub fn is_stopped() -> bool {
     stopped_by().is_some()
 }
 
-/// Returns the signal that has asked to stop.
+/// Returns the number of the signal that has requested a stop.
 pub fn stopped_by() -> Option<i32> {
     Some(STOPPED.load(Ordering::SeqCst)).filter(|&signal| signal > 0)
 }
 
-/// Takes in a signal. Returns true if it is the first one and only asks to stop.
+/// Records a signal. Returns true if it is the first one and only requests a stop.
 fn asks_to_stop(signal: i32) -> bool {
     STOPS_FIRST.load(Ordering::SeqCst) && STOPPED.swap(signal, Ordering::SeqCst) == 0
 }
 
-/// Locks a mutex even after a thread panicked with it: the registered files must still be removed.
+/// Locks a mutex even if a thread panicked while it held it, because registered files must still be removed.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -59,7 +58,7 @@ impl Drop for Kept {
     }
 }
 
-/// Makes and registers a thing; no signal is handled in between.
+/// Creates a file, folder or process and registers it; no signal is handled in between.
 fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing) -> io::Result<(T, Kept)> {
     let mut things = locked(&THINGS);
     let made = make()?;
@@ -68,18 +67,17 @@ fn keep<T>(make: impl FnOnce() -> io::Result<T>, thing: impl FnOnce(&T) -> Thing
     Ok((made, Kept(number)))
 }
 
-/// Makes and registers a file or a folder.
 pub fn keep_path<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Kept)> {
     keep(make, |made| Thing::Path(made.as_ref().to_owned()))
 }
 
-/// Acts without interruption: a signal that comes meanwhile ends this program afterwards.
+/// Runs `act` without interruption: a signal that arrives meanwhile ends this program afterwards.
 pub fn undisturbed<T>(act: impl FnOnce() -> T) -> T {
     let _things = locked(&THINGS);
     act()
 }
 
-/// A program that was started; dropping it ends and reaps the program.
+/// A child process; dropping it kills and reaps it.
 pub struct Process {
     child: Arc<Mutex<Child>>,
     _kept: Kept,
@@ -87,7 +85,7 @@ pub struct Process {
 
 impl Process {
     pub fn start(command: &mut Command) -> io::Result<Self> {
-        // In a group of its own the program gets no Ctrl-C; this program gets it, and ends the other in order.
+        // In its own process group the child gets no Ctrl-C. This program gets it, and ends the child in order.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(command, 0);
         let start = || Ok(Arc::new(Mutex::new(command.spawn()?)));
@@ -95,7 +93,6 @@ impl Process {
         Ok(Self { child, _kept })
     }
 
-    /// Takes the standard input, as the two below take output and error, if it is piped and was not taken before.
     pub fn input(&self) -> Option<ChildStdin> {
         locked(&self.child).stdin.take()
     }
@@ -108,13 +105,13 @@ impl Process {
         locked(&self.child).stderr.take()
     }
 
-    /// Sends all text of standard error once it is closed; a child of the program may keep it open.
+    /// Sends all text of standard error once it is closed; a process started by the child may keep it open.
     pub fn said(&self) -> Receiver<String> {
         let (sender, said) = channel();
         if let Some(mut complaints) = self.complaints() {
             thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // Everything is read, or the writer would block. After an error, the text so far is all there is.
+                // Reads to the end, because the writer would block. After an error, the text read so far is sent.
                 let _ = complaints.read_to_end(&mut bytes);
                 sender.send(String::from_utf8_lossy(&bytes).into_owned())
             });
@@ -122,7 +119,6 @@ impl Process {
         said
     }
 
-    /// Ends and reaps the program.
     pub fn end(&self) {
         end(&self.child);
     }
@@ -132,7 +128,7 @@ impl Process {
         locked(&self.child).try_wait()
     }
 
-    /// Waits until the program has ended; `None` if `more` returns false before. `more` gets the time waited so far.
+    /// Waits for the process to end. `more` gets the time waited so far; if it returns false, the result is `None`.
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {
@@ -155,13 +151,12 @@ impl Drop for Process {
 
 fn end(child: &Mutex<Child>) {
     let mut child = locked(child);
-    // Both fail only if the process has ended and been reaped.
+    // `kill` and `wait` fail only if the process has ended and been reaped.
     let _ = child.kill();
     let _ = child.wait();
 }
 
-/// Makes SIGINT, SIGTERM and SIGHUP clean up before they end this program, with exit code 128 and their number. A
-/// SIGHUP that is ignored, as by `nohup`, stays ignored.
+/// Handles SIGINT, SIGTERM and SIGHUP (unless ignored, as by `nohup`): cleans up, then exits with 128 + signal.
 #[cfg(unix)]
 pub fn heed_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -175,7 +170,7 @@ pub fn heed_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Makes Ctrl-C and similar events clean up: this system has no other signal.
+/// Handles Ctrl-C and similar events, the only signals of this system, by cleaning up.
 #[cfg(not(unix))]
 pub fn heed_signals() -> io::Result<()> {
     let heed = || {
@@ -186,7 +181,7 @@ pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
-/// True if the signal is ignored. Without unsafe code, only Linux tells this.
+/// True if the signal is ignored, which without unsafe code only Linux reports.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -197,9 +192,9 @@ fn is_ignored(signal: i32) -> bool {
 
 fn end_by(signal: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
-    // The lock is held to the end, so that nothing new begins.
+    // Holds the lock to the end, so that nothing new is registered.
     let things = locked(&THINGS);
-    // Programs end first, because they write into the files.
+    // Kills processes first, because they write into the files.
     for thing in things.values() {
         if let Thing::Process(child) = thing {
             end(child);
@@ -223,7 +218,7 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// Waits for the end of this program after a signal, which caused the errors. Call it before an error is printed.
+/// Blocks until a signal has ended this program. Call it before an error is printed: the signal may be its cause.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();
@@ -258,7 +253,7 @@ mod tests {
         assert!(process.wait_while(|waited| waited < Duration::from_millis(20)).unwrap().is_none());
         let id = locked(&process.child).id().to_string();
         drop(process);
-        // The shell has its own `kill`; not every system has a program for it.
+        // Runs `kill` in a shell, because not every system has it as a program.
         assert!(!crate::missing::runs(Command::new("sh").args(["-c", "kill -0 \"$0\"", &id])));
     }
 }

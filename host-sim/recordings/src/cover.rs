@@ -8,7 +8,7 @@ use smr_scene::random::Random;
 pub enum Cover {
     Black,
     White,
-    /// 128
+    /// Gray level 128 in every pixel.
     Gray,
     /// Random pixels, different in every frame.
     Noise,
@@ -16,11 +16,10 @@ pub enum Cover {
     Frozen,
 }
 
-/// Seed of the noise, used with the number of the frame.
 const SEED: u64 = 0xC0FE_0000;
 
 impl Cover {
-    /// Returns covered frame `index`, counted from 0. `other` is a frame of another scene, of the same size.
+    /// Returns frame `index`, from 0, of the covered lens; `other` is a frame of another scene in the same size.
     pub fn frame(self, index: usize, other: &GrayFrame) -> GrayFrame {
         let mut made = other.clone();
         match self {

@@ -1,11 +1,10 @@
-//! The rules for the frames of every source: at least one, all of one size, and nothing after an error.
+//! Checks the frames of every source: at least one frame, all of one size, and none after an error.
 
 use super::{Frame, Frames};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use std::fmt;
 
-/// The error of a recording that is damaged from some frame on: a picture that is cut, a dump that ends within a frame,
-/// or any complaint of ffmpeg. Its text says what is wrong.
+/// Error of a recording damaged from some frame on: a truncated picture or raw dump, or an error of ffmpeg.
 #[derive(Debug)]
 pub struct Damaged {
     why: String,
@@ -13,7 +12,7 @@ pub struct Damaged {
 }
 
 impl Damaged {
-    /// Returns the frames before the damage as `--frames` takes them; `None` if there is none.
+    /// Returns the frames before the damage as a value of `--frames`, such as `..9`; `None` if there are none.
     pub fn whole_part(&self) -> Option<String> {
         (self.before > 0).then(|| format!("..{}", self.before))
     }
@@ -27,12 +26,11 @@ impl fmt::Display for Damaged {
 
 impl std::error::Error for Damaged {}
 
-/// Makes the error of a damaged source or picture.
 pub(super) fn damaged(why: String) -> Error {
     Damaged { why, before: 0 }.into()
 }
 
-/// Returns the frames of `source`, checked; errors call the source `at`.
+/// Checks the frames of `source` as they are read; errors call the source `at`.
 pub(super) fn frames(mut source: impl Iterator<Item = Result<Frame>> + Send + 'static, at: String) -> Frames {
     let (mut number, mut first, mut over) = (0, None, false);
     Box::new(std::iter::from_fn(move || {
@@ -72,7 +70,6 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Frames of any sizes come without a panic, and none is empty.
         #[test]
         fn frames_of_any_sizes(sizes in proptest::collection::vec((0..3_u16, 0..3_u16), 0..4)) {
             let frame = |(width, height): (u16, u16)| {

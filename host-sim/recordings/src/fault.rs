@@ -1,4 +1,4 @@
-//! Faults of cameras, put into undamaged frames: the same seed always gives the same frames.
+//! Simulated faults of cameras in undamaged frames; the same seed always generates the same frames.
 
 use super::GrayFrame;
 use crate::away::Away;
@@ -9,15 +9,14 @@ use smr_scene::random::Random;
 use std::fmt;
 use std::str::FromStr;
 
-/// A fault of a camera, or a change of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     kind: Kind,
-    /// N of NAME:N: the number of frames if the kind has a length, else the amount that the kind names.
+    /// The N of `NAME:N`: a length in frames if the kind of fault has a length, else the strength of the fault.
     amount: u16,
 }
 
-/// Kinds, as the help of `eval --fault` explains them.
+/// Kinds of faults, which the help of `eval --fault` explains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Kind {
     Dropped,
@@ -40,29 +39,26 @@ enum Kind {
     Offset,
 }
 
-/// Frames of a fault whose amount is not a length.
+/// Length in frames of a fault whose amount is its strength.
 const FRAMES: usize = 10;
 
-/// Frames of a change of light.
+/// Length in frames of a change of light.
 const LIT: usize = 150;
-/// Frames until dusk has reached its level.
+/// Frames in which dusk fades to its final level.
 const DUSK: i64 = 100;
 
-/// Part of the seed of a fault's random numbers.
 const SEED: u64 = 0xFA17_0000;
 
 impl Fault {
-    /// True if the tracker is locked during the fault.
     pub fn is_there_at_the_lock(&self) -> bool {
         self.kind == Kind::Night
     }
 
-    /// True if the target is elsewhere from the fault on.
+    /// True if the target leaves, and is at another position when it returns.
     pub fn is_away(&self) -> bool {
         self.kind == Kind::Away
     }
 
-    /// Returns the number of frames of the recording that the fault lasts.
     pub fn frames(&self) -> usize {
         let amount = usize::from(self.amount);
         match self.kind {
@@ -73,8 +69,8 @@ impl Fault {
         }
     }
 
-    /// Returns the frame in place of frame `index` of the fault, counted from 0; `None` if no frame comes. `before` is
-    /// the last frame before the fault, `former` the frame before this one.
+    /// Returns the frame shown in place of frame `index`, from 0, of the fault; `None` if it is dropped. `before` is
+    /// the last frame before the fault, `former` the frame before `frame`.
     pub fn of(
         &self,
         index: usize,
@@ -127,7 +123,7 @@ impl Fault {
             Kind::Gamma => relight(pixels, |level| raised(level, f64::from(amount) / 100.0)),
             Kind::Offset => relight(pixels, |level| level + i64::from(amount)),
             Kind::Origin => {
-                // The picture's edges are repeated.
+                // Repeats the picture's edges in the uncovered area.
                 let (right, down) = (i32::from(amount), i32::from(amount / 2));
                 let level = |x: i32, y: i32| frame.level((x - right).max(0), (y - down).max(0));
                 return Some(GrayFrame::drawn(frame.width, frame.height, level));
@@ -139,12 +135,12 @@ impl Fault {
 
 const FOG: i64 = 110;
 
-/// Replaces the level of every pixel by `light` of it, within 0 to 255.
+/// Maps the level of every pixel by `light`, clamped to 0 to 255.
 fn relight(pixels: &mut [u8], mut light: impl FnMut(i64) -> i64) {
     pixels.iter_mut().for_each(|pixel| *pixel = u8::try_from(light((*pixel).into()).clamp(0, 255)).unwrap_or(u8::MAX));
 }
 
-/// Scales brightness by `hundredths`, and adds noise of one gray level.
+/// Scales brightness to `hundredths` percent, and adds noise with a standard deviation of one gray level.
 fn dim(pixels: &mut [u8], hundredths: i64, random: &mut Random) {
     relight(pixels, |level| level * hundredths / 100 + normal(random, 1));
 }
@@ -154,7 +150,7 @@ fn raised(level: i64, power: f64) -> i64 {
     (255.0 * (level as f64 / 255.0).powf(power)).round() as i64
 }
 
-/// Returns a nearly normal number: the sum of eight uniform bytes, less its mean, scaled.
+/// Returns a nearly normal random number: the sum of eight uniform bytes, less its mean, scaled to `deviation`.
 fn normal(random: &mut Random, deviation: u16) -> i64 {
     let sum: i64 = random.next().to_le_bytes().into_iter().map(i64::from).sum();
     // The standard deviation of the sum is sqrt(8 * (256^2 - 1) / 12) = 209.
@@ -184,7 +180,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// A value on the command line: one fault, one of the lists, or the covers of the lens.
+/// A value of `--fault`: one fault, a named list of faults, or the covers of the lens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Faults {
     List(Vec<Fault>),

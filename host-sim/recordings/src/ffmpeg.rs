@@ -1,6 +1,6 @@
-//! An `ffmpeg` on the PATH (5.1 or later): its process, what it writes, and what it says on standard error.
+//! Runs an `ffmpeg` (5.1 or later) from the PATH: its process, its output, and its messages on standard error.
 //!
-//! Every reader of videos starts ffmpeg by [`command`], so that it reads one stream: the one with the most pixels, which ffmpeg takes by default.
+//! All readers of videos start it by [`command`], so that they read the same stream, the one with the most pixels.
 
 use super::damage::damaged;
 use super::hdr::Transfer;
@@ -15,17 +15,17 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Longest silence of ffmpeg by default.
+/// Default time without output after which ffmpeg counts as hanging.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Time at which a film shows a frame, and the shape of its pixels.
+/// Presentation time of a frame, and the aspect ratio of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moment {
     /// Time in units of `base`.
     pub time: i64,
     /// Unit of `time` in seconds, as a fraction.
     pub base: (u32, u32),
-    /// The width of a pixel over its height.
+    /// Width and height of a pixel, as a ratio.
     pub aspect: (u32, u32),
 }
 
@@ -35,14 +35,14 @@ impl Moment {
     }
 }
 
-/// Returns the file as ffmpeg takes it: without `file:`, a colon in the name would be taken for the end of a protocol.
+/// Returns the path after `file:`, without which ffmpeg takes a colon in the name for the end of a protocol.
 pub fn input(file: &Path) -> OsString {
     let mut input = OsString::from("file:");
     input.push(file);
     input
 }
 
-/// Builds the command of an ffmpeg that reads one stream of pictures. Its output and its messages are piped.
+/// Builds the command of an ffmpeg that reads one video stream; its output and messages are piped.
 pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(["-nostdin", "-nostats", "-hide_banner", "-v", level]).args(options).arg("-i").arg(input);
@@ -51,13 +51,12 @@ pub(super) fn command(program: &str, level: &str, input: &OsStr, options: &[&str
     command
 }
 
-/// Returns the error of an ffmpeg that has been silent for `patience`.
 pub fn silent(patience: Duration) -> io::Error {
     let seconds = patience.as_secs_f64();
     io::Error::new(ErrorKind::TimedOut, format!("ffmpeg has done nothing for {seconds} s (--ffmpeg-timeout)"))
 }
 
-/// A running ffmpeg; dropping it ends the process.
+/// A running ffmpeg; dropping it kills the process.
 pub(super) struct Ffmpeg {
     process: Process,
     shown: Receiver<Shown>,
@@ -79,21 +78,20 @@ impl Ffmpeg {
         let ((sender, said), (pictures, shown)) = (channel(), channel());
         let name = file.to_owned();
         thread::spawn(move || {
-            // All messages are read, or ffmpeg would wait. The receiver may be gone.
+            // Reads all messages, because ffmpeg blocks on a full pipe. The receiver of pictures may be gone.
             let said = Said::read(complaints, &name, |one| drop(pictures.send(one)));
-            // The reader learns why no pictures come.
             let _ = sender.send(said);
         });
         Ok(Self { process, shown, said, file: file.to_owned(), patience })
     }
 
-    /// Returns standard output. Reading it fails if ffmpeg is silent for longer than `patience`.
+    /// Returns standard output, whose reads fail after the time `patience` without data.
     pub fn output(&mut self) -> Patient {
         let stream = self.process.output().expect("standard output is piped");
         Patient::new(|| Ok(stream), self.patience, silent)
     }
 
-    /// Waits for the facts of the next picture, which come before its pixels; `None` at the end.
+    /// Waits for the size and time of the next picture, which come before its pixels; `None` at the end.
     pub fn shown(&self) -> Result<Option<Shown>> {
         match self.shown.recv_timeout(self.patience) {
             Err(RecvTimeoutError::Timeout) => Err(silent(self.patience).into()),
@@ -109,18 +107,17 @@ impl Ffmpeg {
         Ok((status, self.said.recv_timeout(self.patience).unwrap_or_default()))
     }
 
-    /// Waits for ffmpeg to end. Returns its last complaint; without one, its exit status.
+    /// Waits for ffmpeg to end, and returns its last error message, or else its exit status.
     pub fn last_words(&mut self) -> Result<String> {
         self.end().map(|(status, said)| said.or(status))
     }
 
-    /// Returns ffmpeg's last complaint or exit status, if it has ended with an error.
+    /// Returns ffmpeg's last error message or exit status, if it has ended with an error.
     pub fn failure(&mut self) -> Option<String> {
         let is_ended = self.process.ended().is_ok_and(|status| status.is_some_and(|status| !status.success()));
         is_ended.then(|| self.last_words().ok())?
     }
 
-    /// Returns the error of a file in which ffmpeg finds no frame.
     pub fn no_frame(&mut self) -> Result<()> {
         let ((status, said), name) = (self.end()?, &self.file);
         ensure!(!said.last.contains("does not contain any stream"), "{name} holds no pictures: expected a video");
@@ -130,8 +127,8 @@ impl Ffmpeg {
         bail!("{name} holds no frame that ffmpeg decodes");
     }
 
-    /// Errors: ffmpeg has complained. It conceals damage, goes on, and ends without an error code, but such pixels are
-    /// not those of the recording. A packet also looks damaged where pieces were joined: then there is no gap.
+    /// Returns an error if ffmpeg has reported one: it conceals damage by invented pixels, goes on, and exits with
+    /// success. A packet also looks damaged where videos were joined, so such a packet counts only with `has_gap`.
     pub fn verdict(&mut self, has_gap: bool) -> Result<()> {
         let (status, mut said) = self.end()?;
         if has_gap && said.last.is_empty() {
@@ -146,12 +143,12 @@ impl Ffmpeg {
     }
 }
 
-/// Facts of a picture, from the filter `showinfo` on standard error.
+/// Size, time and flags of a picture, from the lines of ffmpeg's filter `showinfo`.
 #[derive(Debug, PartialEq)]
 pub(super) struct Shown {
     pub size: (u32, u32),
     pub moment: Option<Moment>,
-    /// True if ffmpeg has complained before this picture.
+    /// True if ffmpeg has reported an error before this picture.
     pub is_doubtful: bool,
     /// HDR transfer function of the chosen stream; `None` without HDR.
     pub transfer: Option<Transfer>,
@@ -160,22 +157,20 @@ pub(super) struct Shown {
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Said {
     last: String,
-    /// Complaint about the last packet that looks damaged.
+    /// Warning about the last packet that looks damaged.
     packet: String,
-    /// True if frames of another size or pixel format came.
+    /// True if the size or pixel format changes between frames.
     changed: bool,
-    /// True after ffmpeg's first message with a level; from then on a line without one continues a message.
+    /// True after the first message with a level such as `[info]`; a later line without a level continues a message.
     has_begun: bool,
-    /// Unit of times in seconds, as a fraction.
     base: Option<(u32, u32)>,
-    /// HDR streams, by names such as `#0:1`.
+    /// Names of HDR streams, such as `#0:1`, with their transfer functions.
     transfers: Vec<(String, Transfer)>,
-    /// HDR transfer function of the chosen stream.
     transfer: Option<Transfer>,
 }
 
 impl Said {
-    /// Reads all messages of ffmpeg; `show` gets each picture.
+    /// Reads all messages of ffmpeg; `show` is called for each picture.
     fn read(stream: impl Read, file: &str, mut show: impl FnMut(Shown)) -> Self {
         let mut said = Self::default();
         for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
@@ -209,7 +204,7 @@ impl Said {
             Some(words) => (true, words),
             None => match ["[error] ", "[fatal] ", "[panic] "].iter().find_map(|level| line.strip_prefix(level)) {
                 Some(words) => (false, words),
-                // A further line of a message, for example of a title in the file.
+                // A continued message, for example a title of several lines.
                 None if self.has_begun => return None,
                 None => (false, line),
             },
@@ -217,7 +212,7 @@ impl Said {
         self.changed |= words.contains("Changing video frame properties");
         let of_frame = words.contains("corrupt decoded frame");
         let words = words.trim_start_matches(&format!("file:{file}: "));
-        // Of all warnings only these two are about damage.
+        // Only two warnings report damage: a corrupt packet, and a corrupt decoded frame.
         if words.contains("corrupt input packet") {
             words.clone_into(&mut self.packet);
         } else if !words.is_empty() && (!is_warning || of_frame) {
@@ -239,8 +234,8 @@ impl Said {
         Some(Shown { size, moment, is_doubtful, transfer: self.transfer })
     }
 
-    /// Parses `Stream #0:1[0x1e0]: Video: hevc (Main 10), yuv420p10le(tv, bt2020nc/bt2020/smpte2084), ...`, and for the stream that is taken
-    /// `Stream #0:1 -> #0:0 (hevc (native) -> rawvideo (native))`.
+    /// Parses `Stream #0:1[0x1e0]: Video: hevc (Main 10), yuv420p10le(tv, bt2020nc/bt2020/smpte2084), ...`, and the
+    /// line of the selected stream, `Stream #0:1 -> #0:0 (hevc (native) -> rawvideo (native))`.
     fn stream(&mut self, line: &str) -> Option<()> {
         let line = line.strip_prefix("Stream ")?;
         if let Some((stream, _)) = line.split_once(" -> #0:0") {
@@ -255,13 +250,12 @@ impl Said {
         None
     }
 
-    /// Returns the last complaint; without one, the exit status of the process.
     fn or(&self, status: ExitStatus) -> String {
         if self.last.is_empty() { status.to_string() } else { self.last.clone() }
     }
 }
 
-/// Parses `1/15360` at the beginning of `text`; `None` if a number is 0.
+/// Parses a fraction such as `1/15360` at the start of `text`; `None` if a part is 0.
 pub(super) fn fraction(text: &str) -> Option<(u32, u32)> {
     let (numerator, rest) = text.split_once('/')?;
     let denominator = rest.split(|letter: char| !letter.is_ascii_digit()).next()?;

@@ -1,4 +1,4 @@
-//! The recordings of a path on the command line: the path itself, or the recordings in that folder.
+//! Finds the recordings at a path of the command line: the path itself, or the recordings in that folder.
 
 use anyhow::{Context, Result, bail};
 use std::collections::HashSet;
@@ -6,7 +6,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Returns the paths that are recordings, and the recordings in other paths and their folders, in natural order.
+/// Expands paths: a recording stays, a folder becomes the recordings in and below it, in natural order.
 pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let found: Result<Vec<_>> = paths.iter().map(|path| of_path(path)).collect();
     Ok(found?.concat())
@@ -26,8 +26,8 @@ fn of_path(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Finds the recordings in folders, but does not search inside a recording. `seen` holds the real names of folders,
-/// because a link to a folder above would be followed for ever.
+/// Finds the recordings in folders, but does not search inside a recording. `seen` holds canonical paths of visited
+/// folders, because a link to a parent folder would otherwise be followed for ever.
 fn look_into(entries: Vec<PathBuf>, found: &mut Vec<PathBuf>, seen: &mut HashSet<PathBuf>) -> Result<()> {
     for folder in entries {
         let cannot_list = || format!("cannot list the folder {}", folder.display());
@@ -50,7 +50,7 @@ fn folders(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(folders)
 }
 
-/// Returns the entries of a folder except hidden ones, such as thumbnails that systems leave there.
+/// Returns the entries of a folder except hidden ones, such as thumbnails of the system.
 pub(super) fn entries(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let entries: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect();
     let hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));

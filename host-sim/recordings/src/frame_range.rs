@@ -1,20 +1,19 @@
-//! A part of a recording: some of its frames, with their boxes.
+//! Cuts a recording to a range of its frames, with their boxes.
 
 use super::Sequence;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::str::FromStr;
 
-/// Frames from one to another, both included; the first frame of a recording is 1. As text `20..80`, `20..` or `..80`.
+/// A range of frame numbers from 1, both ends included. Text form: `20..80`, `20..` or `..80`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
     first: usize,
-    /// Last frame; `None` means to the end.
+    /// Last frame; `None` for the end of the recording.
     last: Option<usize>,
 }
 
 impl FrameRange {
-    /// Makes the range of all frames from the one with the number `first` on.
     pub const fn from(first: usize) -> Self {
         Self { first, last: None }
     }
@@ -25,7 +24,7 @@ impl FrameRange {
         Self { first: shifted(self.first), last: self.last.map(shifted) }
     }
 
-    /// Moves the beginning to frame `first`, if the range begins with frame 1.
+    /// Moves the start to frame `first`, if the range starts at frame 1.
     pub fn begun_at(self, first: usize) -> Self {
         Self { first: if self.first == 1 { first } else { self.first }, ..self }
     }
@@ -42,7 +41,7 @@ impl FrameRange {
         length.min(self.last.unwrap_or(length)).saturating_sub(self.first - 1)
     }
 
-    /// Returns the entries of these frames; `entries` has one a frame.
+    /// Returns the part of `entries` in the range; `entries` has one entry per frame.
     pub fn of<T>(&self, mut entries: Vec<T>) -> Vec<T> {
         entries.truncate(self.last.unwrap_or(usize::MAX));
         entries.drain(..entries.len().min(self.first - 1));
@@ -72,14 +71,14 @@ impl fmt::Display for FrameRange {
 }
 
 impl Sequence {
-    /// Puts the first line of the ground truth at frame `first`; frames before it have no truth.
+    /// Shifts the ground truth so that it starts at frame `first`; earlier frames get no box.
     pub fn with_truth_from(mut self, first: usize) -> Self {
         self.truth = self.truth.map(|truth| std::iter::repeat_n(None, first - 1).chain(truth).collect());
         self
     }
 
-    /// Cuts the recording to these frames and their boxes. If they begin with frame 1, the box to start from stays;
-    /// else it is the first of their ground truth, if any. `option` names the user's option in errors.
+    /// Cuts the recording to `range`. A range from frame 1 keeps the start box; another one starts from the ground
+    /// truth of its first frame, if any. `option` is the command-line option to name in errors.
     pub fn part(mut self, range: FrameRange, option: &str) -> Self {
         let truth = self.truth.map(|truth| range.of(truth));
         let init = if range.first == 1 { self.init } else { truth.as_ref().and_then(|truth| *truth.first()?) };
@@ -93,7 +92,6 @@ impl Sequence {
                     Some(Ok(_)) if number < first => {}
                     None if number <= first => {
                         let length = number - 1;
-                        // Nothing follows an error.
                         number = usize::MAX;
                         return Some(Err(anyhow!("{place}: expected 1 to {length}")));
                     }
@@ -106,7 +104,7 @@ impl Sequence {
     }
 }
 
-/// Returns words for ground truth with more or fewer boxes than frames; `None` if the numbers agree.
+/// Returns an error text if ground truth has more or fewer boxes than frames; `None` if the counts agree.
 pub fn misfit(frames: usize, boxes: usize) -> Option<String> {
     let mend = if boxes < frames {
         "say which frame the first box is of (--truth-from N), or read only the frames that have boxes (--frames A..B)"

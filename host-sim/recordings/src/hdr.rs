@@ -1,4 +1,4 @@
-//! Light beyond the range of a screen (HDR), mapped to the levels of a screen.
+//! Tone mapping: converts HDR light to the levels of an ordinary screen.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Transfer {
@@ -6,14 +6,14 @@ pub(super) enum Transfer {
     Hlg,
 }
 
-/// Maps light to levels of a screen. L is the light of the brightest of red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408);
-/// the screen shows L (1 + L / P^2) / (1 + L), where P is 1000 cd/m2. The other two colors are scaled by the same factor. Colors that the screen
-/// (BT.709) lacks are cut.
+/// Tone curve: the screen shows L (1 + L / P^2) / (1 + L) for a light L, where P is 1000 cd/m2. L is the brightest of
+/// red, green and blue, as a multiple of white paper (203 cd/m2, ITU-R BT.2408); the other two colors get the same
+/// factor. Colors outside of BT.709 are clipped.
 pub(super) struct Tones {
     transfer: Transfer,
-    /// Light of each 12-bit level, as a multiple of white; for HLG the light of the scene, from 0 to 1.
+    /// Light of each 12-bit level, as a multiple of white paper; for HLG the light of the scene, from 0 to 1.
     light: Vec<f32>,
-    /// Level of a screen (sRGB) for the root of light, in 4095 steps.
+    /// sRGB level of each square root of light, from 0 to 1 in 4095 steps.
     levels: Vec<u8>,
 }
 
@@ -49,7 +49,7 @@ impl Tones {
 
     fn shown(&self, pixel: [u16; 3]) -> [u8; 3] {
         let [red, green, blue] = pixel.map(|level| self.light[usize::from(level >> 4)]);
-        // A screen of 1000 cd/m2 shows the scene brighter where it is bright.
+        // The system gain of HLG for a screen of 1000 cd/m2 brightens the bright parts of a scene.
         let gain = match self.transfer {
             Transfer::Pq => 1.0,
             Transfer::Hlg => PEAK * (0.2627 * red + 0.678 * green + 0.0593 * blue).powf(0.2),

@@ -1,7 +1,7 @@
-//! Pictures as a recording: PNG, JPEG, PGM, PPM and PAM, one in a file of a folder, or several in one file.
+//! Recordings of pictures (PNG, JPEG, PGM, PPM, PAM): one picture in each file of a folder, or several in one file.
 //!
-//! Gray pictures pass unchanged. Of 16-bit values the high byte is taken, unless [`Levels`] map them. Alpha is ignored. Colour becomes gray by BT.601
-//! in integers, the same on every machine: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Pictures are turned as their Exif data say.
+//! A 16-bit value becomes its high byte, unless [`Levels`] map it. Alpha is ignored. Colour becomes gray by BT.601 in
+//! integers: `(19595 R + 38470 G + 7471 B + 32768) >> 16`. Exif orientation turns pictures upright.
 
 use super::damage::damaged;
 use super::samples::{CONVERT, EXPECTED, Levels, Samples, check_size, orientation, several, unread};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 const EXTENSIONS: [&str; 9] = ["png", "jpg", "jpeg", "jpe", "jfif", "pgm", "ppm", "pnm", "pam"];
 
-/// Extensions of pictures that are not read. A single GIF is read as a film.
+/// Extensions of unsupported picture formats. A single GIF is read as a video.
 const FOREIGN: [&str; 28] = [
     "bmp", "dib", "tif", "tiff", "webp", "gif", "heic", "heif", "avif", "jp2", "j2k", "jxl", "jls", "mpo", "pbm",
     "pfm", "tga", "exr", "hdr", "psd", "dng", "cr2", "cr3", "nef", "arw", "orf", "rw2", "raf",
@@ -30,7 +30,7 @@ pub(super) fn is_foreign(file: &Path) -> bool {
     has_extension(file, &FOREIGN)
 }
 
-/// Returns the kind of a picture by its name. Pictures of several kinds are not one recording.
+/// Returns the format of a picture by its extension. The pictures of a recording have one format.
 pub(super) fn kind(file: &Path) -> Option<String> {
     let extension = file.extension()?.to_string_lossy().to_ascii_lowercase();
     let is_jpeg = has_extension(file, &["jpg", "jpeg", "jpe", "jfif"]);
@@ -38,17 +38,16 @@ pub(super) fn kind(file: &Path) -> Option<String> {
     is_known.then(|| if is_jpeg { "jpg".to_owned() } else { extension })
 }
 
-/// Errors: The extension is that of a picture that is not read.
+/// Returns an error if the extension is that of an unsupported picture format.
 pub(super) fn check_kind(file: &Path) -> Result<()> {
     ensure!(!is_foreign(file), "{} is a picture of a kind that is not read: {CONVERT}", file.display());
     Ok(())
 }
 
-/// A picture of a recording.
+/// A picture file, or a range of bytes in a file of several pictures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     file: PathBuf,
-    /// Bytes of this picture, if the file has several.
     part: Option<Range<u64>>,
     pub(super) levels: Option<Levels>,
 }
@@ -60,7 +59,7 @@ impl From<PathBuf> for Picture {
 }
 
 impl Picture {
-    /// Returns the pictures in one file. Errors of the file come when they are read.
+    /// Returns all pictures in a file. An unreadable file counts as one; reading its pixels reports the error.
     pub(super) fn all_in(file: &Path) -> Vec<Self> {
         let whole = Self::from(file.to_owned());
         let Some(bytes) = whole.is_file().then(|| whole.bytes().ok()).flatten() else { return vec![whole] };
@@ -81,7 +80,7 @@ impl Picture {
         self.file.is_file()
     }
 
-    /// Returns the name of the file, if it holds no other picture.
+    /// Returns the name of the file; `None` if the file has several pictures.
     pub fn name(&self) -> Option<String> {
         let name = self.file.file_name().filter(|_| self.part.is_none())?;
         Some(name.to_string_lossy().into_owned())
@@ -105,7 +104,7 @@ impl Picture {
     }
 }
 
-/// Returns the frames from the one with the number `first` on; `pictures` are all pictures of the recording.
+/// Returns the frames from number `first` on; `pictures` are all pictures of the recording.
 pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item = Result<Frame>> + Send + use<> {
     let rest = pictures.get(first - 1..).unwrap_or_default().to_owned();
     (first..).zip(rest).map(|(number, picture)| {
@@ -115,24 +114,22 @@ pub(super) fn frames(pictures: &[Picture], first: usize) -> impl Iterator<Item =
     })
 }
 
-/// Decodes one picture from the bytes of its file.
 pub fn decode_picture(bytes: &[u8]) -> Result<GrayFrame> {
     samples(bytes)?.gray(None)
 }
 
-/// Decodes one picture from the bytes of its file, in its own colors.
 pub fn decode_colors(bytes: &[u8]) -> Result<ColorFrame> {
     samples(bytes)?.colors(None)
 }
 
-/// Number of levels (of 256) below which the user gets a note. 14-bit values in 16 bits use just as many.
+/// Count of used gray levels, of 256, below which the user gets a note. 14-bit values stored in 16 bits use 64.
 const FEW: usize = 64;
 
-/// One of this many pixels may be dead.
+/// One in this many pixels may be dead, so its value is ignored.
 const DEAD: u64 = 10_000;
 
-/// Returns a note if the first, the middle and the last of `pictures` have 16 bits but use few levels. One pixel in
-/// 10,000 at each end is not counted, because sensors have dead pixels.
+/// Returns a note if 16-bit pictures use few levels, judged by the first, middle and last of `pictures`. Ignores one
+/// pixel in 10,000 at each end of the histogram, because sensors have dead pixels.
 pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let mut counts = vec![0_u64; 1 << 16];
     let mut all = 0;
@@ -177,7 +174,7 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
     }
 }
 
-/// Returns the place of the next picture in the same file; `None` without one, or if the first one is damaged.
+/// Returns the byte offset of the second picture in a file; `None` without one, or if the first is damaged.
 fn next(bytes: &[u8]) -> Option<usize> {
     match bytes {
         [0x89, ..] => Chunks::of(bytes).next(bytes),
@@ -187,14 +184,14 @@ fn next(bytes: &[u8]) -> Option<usize> {
     }
 }
 
-/// Returns the kind of a picture that is not read, by its bytes instead of its name.
+/// Returns the name of an unsupported picture format, recognised by its first bytes.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let is =
         |at: usize, magic: &[&[u8]]| bytes.get(at..).is_some_and(|rest| magic.iter().any(|one| rest.starts_with(one)));
     FOREIGN_MAGIC.iter().find(|(at, magic, _)| is(*at, magic)).map(|(_, _, kind)| *kind)
 }
 
-/// Kinds of pictures that are not read: the place of their magic bytes, the magic bytes, and the name.
+/// Unsupported picture formats: offset of the magic bytes, their alternatives, and the name.
 const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
     (0, &[b"BM"], "a BMP picture"),
     (0, &[b"II*\0", b"MM\0*"], "a TIFF picture"),
@@ -210,10 +207,10 @@ const FOREIGN_MAGIC: [(usize, &[&[u8]], &str); 10] = [
 
 struct Chunks {
     orientation: u8,
-    /// Number of pictures in an animation.
+    /// Number of pictures in an animated PNG; 1 if it is not animated.
     count: u32,
     is_of_apple: bool,
-    /// Place behind the last chunk; `None` if that chunk is missing.
+    /// Byte offset behind the last chunk, IEND; `None` if it is missing.
     end: Option<usize>,
 }
 
@@ -254,10 +251,10 @@ fn png(bytes: &[u8]) -> Result<Samples> {
     ensure!(count <= 1, "it is an animated PNG of {count} pictures: expected one; {mend}");
     ensure!(!chunks.is_of_apple, unread("a PNG in Apple's own form"));
     ensure!(chunks.next(bytes).is_none(), several());
-    // The limit is for chunks besides pixels. The number of pixels is checked below.
+    // Limits the memory of chunks without pixels. `check_size` limits the number of pixels.
     let limits = png::Limits { bytes: 1 << 28 };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    // The transformation gives gray or RGB, with or without alpha, of 8 or 16 bits.
+    // `EXPAND` decodes to gray or RGB, with or without alpha, of 8 or 16 bits.
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(undecodable)?;
     let (width, height) = reader.info().size();

@@ -1,6 +1,6 @@
-//! An index of a video: the time of each frame in seconds, and the frames that can be sought.
+//! Index of a video: the time of each frame in seconds, and the frames that can be found by a seek.
 //!
-//! Times come from packets if each packet is one frame and times grow; else the file is decoded from its beginning.
+//! Times are read from packets if each packet is one frame and times grow; otherwise the whole file is decoded.
 
 use super::ffmpeg::{Ffmpeg, command, fraction, input};
 use super::video::{self, FROM_ZERO, Use};
@@ -12,7 +12,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The times of a recording's frames by number, found by a thread.
+/// Times of a video's frames by number, filled in by a thread.
 #[derive(Default)]
 pub(super) struct Index {
     found: Mutex<Found>,
@@ -22,21 +22,19 @@ pub(super) struct Index {
 #[derive(Default)]
 struct Found {
     times: Vec<f64>,
-    /// True if seeking by time finds the frame of that time; `None` until this is known.
+    /// True if a seek to a time finds the frame of that time; `None` while unknown.
     can_seek: Option<bool>,
-    /// True if all times are there, or none will come.
+    /// True if no more times will be added.
     is_whole: bool,
 }
 
 impl Index {
-    /// Makes the index of a recording without times.
     pub fn unknown() -> Arc<Self> {
         let index = Arc::<Self>::default();
         index.change(|found| found.is_whole = true);
         index
     }
 
-    /// Starts a thread that finds the index of a video.
     pub fn of(file: &Path, patience: Duration) -> Arc<Self> {
         let (index, file) = (Arc::<Self>::default(), file.to_owned());
         let found = Arc::clone(&index);
@@ -68,13 +66,13 @@ impl Index {
         self.grown.notify_all();
     }
 
-    /// Returns all times, once they are known.
+    /// Returns the times of all frames; `None` until all are known.
     pub fn times(&self) -> Option<Vec<f64>> {
         let found = locked(&self.found);
         (found.is_whole && !found.times.is_empty()).then(|| found.times.clone())
     }
 
-    /// Waits until the time of a frame is known and returns it; `None` if the frame cannot be sought by its time.
+    /// Waits until the time of a frame is known and returns it; `None` if a seek by time does not find the frame.
     pub fn sought(&self, number: usize) -> Option<f64> {
         let mut found = locked(&self.found);
         while !found.is_whole && found.can_seek != Some(false) && found.times.len() < number {
@@ -83,12 +81,11 @@ impl Index {
         found.times.get(number - 1).copied().filter(|_| found.can_seek == Some(true))
     }
 
-    /// True if the frame with this number is shown at this time.
     pub fn has(&self, number: usize, time: Option<f64>) -> bool {
         self.sought(number).zip(time).is_some_and(|(expected, time)| (expected - time).abs() < SAME)
     }
 
-    /// True if it is certain that there is no frame with this number.
+    /// True if the video certainly has no frame `number`.
     pub fn ends_before(&self, number: usize) -> bool {
         let found = locked(&self.found);
         found.is_whole && found.can_seek == Some(true) && found.times.len() < number
@@ -98,33 +95,32 @@ impl Index {
 /// Difference in seconds below which two times are equal.
 const SAME: f64 = 1e-6;
 
-/// Returns the number of frames of a file, if the file tells it without being decoded.
+/// Returns the number of frames of a file, if its packets tell it without decoding.
 pub(super) fn count(file: &Path, patience: Duration) -> Option<usize> {
     if let Packets::Frames(times) = packets(file, patience) { Some(times.len()) } else { None }
 }
 
-/// Decodes a file and returns the times of its frames.
 fn decoded(file: &Path, patience: Duration) -> impl Iterator<Item = f64> {
     video::good(file, Use::Times, patience).map_while(|picture| picture.seconds())
 }
 
-/// Facts about the frames of a file, as far as its packets tell.
+/// Result of reading the packets of a file without decoding them.
 #[derive(Debug, PartialEq)]
 enum Packets {
-    /// Each packet is a frame that is shown at this time.
+    /// Each packet is one frame, shown at this time in seconds.
     Frames(Vec<f64>),
-    /// Some packets hold no frame, and times grow.
+    /// Times grow, but some packets show no frame.
     Hidden,
-    /// Times are missing, repeat or go back, or it is not known how frames are packed.
+    /// Times are missing, repeat or go back, or the codec is not known.
     Unsure,
 }
 
-/// Codecs that show one frame for each packet, and can be decoded from each key frame on.
+/// Codecs with one shown frame in each packet, decodable from each key frame on.
 const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2video", "mjpeg", "prores", "rawvideo"];
-/// Codecs that can be decoded from each key frame on, but have packets without a frame that look like all others.
+/// Codecs decodable from each key frame on, in which some packets show no frame but look like all others.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
-/// Number of frames that are decoded to check the packets.
+/// Count of frames that are decoded to verify the times of the packets.
 const TRIED: usize = 48;
 
 fn packets(file: &Path, patience: Duration) -> Packets {
@@ -134,12 +130,12 @@ fn packets(file: &Path, patience: Duration) -> Packets {
     read_packets(file, patience).and_then(|read| read.checked(file, patience)).unwrap_or(Packets::Unsure)
 }
 
-/// The packets of a file in which no two have the same time.
+/// Facts about a file's packets, no two of which have the same time.
 struct Read {
     codec: String,
     /// Unit of `times` in seconds, as a fraction.
     base: (f64, f64),
-    /// Times in the order in which the packets are shown.
+    /// Presentation times of the packets, sorted.
     times: Vec<i64>,
     has_empty: bool,
 }
@@ -147,7 +143,7 @@ struct Read {
 /// Flag of packets that are decoded but not shown, because an edit list cuts them.
 const DISCARDED: u32 = 4;
 
-/// Reads ffmpeg's line of each packet: `stream, sent, shown, duration, size, sum[, F=flags]`. `None` if times repeat.
+/// Reads ffmpeg's line of each packet: `stream, DTS, PTS, duration, size, sum[, F=flags]`. `None` if times repeat.
 fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
     let mut command = command("ffmpeg", "quiet", &input(file), &FROM_ZERO);
     command.args(["-c", "copy", "-copyinkf", "-copypriorss", "1", "-f", "framecrc", "-"]);
@@ -162,7 +158,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
             read.codec = value("codec_id 0:").map_or(read.codec, str::to_owned);
         } else {
             let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-            // ffmpeg prints the least number for an unknown time.
+            // ffmpeg prints `i64::MIN` for an unknown time.
             let number = |at: usize| fields.get(at)?.parse().ok().filter(|&number| number != i64::MIN);
             let flags = fields.iter().find_map(|field| u32::from_str_radix(field.strip_prefix("F=0x")?, 16).ok());
             let (sent, shown) = (number(1)?, number(2)?);
@@ -184,7 +180,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// Returns the facts of the packets, if the first decoded frames agree with them.
+    /// Classifies the packets; `None` if the codec is not known or the first decoded frames disagree.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);
@@ -194,7 +190,7 @@ impl Read {
         }
         let seconds = |&time: &i64| time as f64 * self.base.0 / self.base.1;
         let tried: Vec<f64> = decoded(file, patience).take(TRIED).collect();
-        // Packets before the first decoded frame cannot be decoded: the recording was begun between two whole pictures.
+        // Packets before the first decoded frame cannot be decoded: the recording began between two key frames.
         let first = *tried.first()?;
         let mut times: Vec<f64> = self.times.drain(..).map(|time| seconds(&time)).collect();
         times.drain(..times.partition_point(|&time| time < first - SAME));
@@ -204,7 +200,7 @@ impl Read {
         if has_leap || !tried.iter().all(is_there) {
             return None;
         }
-        // The two fields of a frame may be two packets, whose times are half as far apart as those of frames.
+        // The two fields of an interlaced frame may be two packets, with half a frame interval between their times.
         let least = |times: &[f64]| times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let are_all = tried.len() == times.len()
             || tried.len() == TRIED && tried.last() <= times.get(TRIED - 1).map(|at| at + SAME).as_ref();

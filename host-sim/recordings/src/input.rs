@@ -1,4 +1,4 @@
-//! Files that are read whole, up to the size limit of their kind. A pipe that falls silent is not waited for.
+//! Reads files whole, up to a size limit. A pipe or device without data for five seconds is an error.
 
 use crate::messages;
 use anyhow::{Result, anyhow, ensure};
@@ -9,21 +9,20 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// A kind of files, for errors and limits.
+/// A kind of file: its description in errors, and its size limit.
 pub struct Kind {
-    /// Words after "expected" in errors.
     pub expected: &'static str,
     /// Size limit in MiB.
     pub most: u32,
 }
 
-/// A million frames with boxes, or with most polygons.
+/// Files of boxes: 64 MiB are enough for a million frames, even with most polygons.
 pub const BOXES: Kind = Kind { expected: "a text file with a box a line", most: 64 };
-/// A picture of up to 16384x16384 pixels, except in colour without compression.
+/// Pictures: 512 MiB are enough for 16384x16384 pixels, except in uncompressed color.
 pub const PICTURE: Kind = Kind { expected: "a PNG, JPEG, PGM, PPM or PAM picture", most: 512 };
 pub const FORMER: Kind = Kind { expected: "what `host-sim eval --robustness --json` writes", most: 64 };
 
-/// Longest silence of a pipe or a device.
+/// Longest time without data from a pipe or a device.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 pub fn text(file: &Path, kind: &Kind) -> Result<String> {
@@ -31,8 +30,8 @@ pub fn text(file: &Path, kind: &Kind) -> Result<String> {
     text.map_err(|_| anyhow!("it is not text in UTF-8: expected {}", kind.expected))
 }
 
-/// Reads the bytes of a file.
-/// Errors: The file is missing, unreadable, too long, or a silent pipe. The message does not name the file.
+/// Reads all bytes of a file.
+/// Errors: The file is missing, unreadable, too long, or a silent pipe. The message does not name it.
 pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let Kind { expected, most } = kind;
     let unreadable = |error: io::Error| match error.kind() {
@@ -56,20 +55,20 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     } else {
         Box::new(Patient::new(|| File::open(name), PATIENCE, |_| ErrorKind::TimedOut.into()))
     };
-    // A file may grow while it is read.
+    // The file may have grown since its length was read.
     stream.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     fits(bytes.len() as u64)?;
     Ok(bytes)
 }
 
-/// A stream whose reads fail after a silence longer than `patience`. Opening a pipe waits for its writer, so a thread opens and reads the stream.
+/// A stream whose reads fail after `patience` without data. A thread opens and reads it, because either may block.
 pub struct Patient {
-    /// Chunks of the stream; an empty chunk is the end.
+    /// Chunks of the stream; an empty chunk marks the end.
     chunks: Receiver<io::Result<Vec<u8>>>,
     chunk: Vec<u8>,
     read: usize,
     patience: Duration,
-    /// Makes the error of too long a silence.
+    /// Returns the error of a read that waited for `patience`.
     silent: fn(Duration) -> io::Error,
 }
 

@@ -1,5 +1,4 @@
-//! JPEG pictures. This file walks their segments up to the true end, because anything may follow it (a film, a second
-//! picture, noise); zune-jpeg decodes the pixels.
+//! Decodes JPEG pictures by zune-jpeg, up to their end marker, which a film or a second picture may follow.
 
 use super::damage::damaged;
 use super::samples::{EXIF, EXPECTED, Samples, check_size, orientation, several, unread};
@@ -14,7 +13,6 @@ pub(super) const MAGIC: &[u8] = &[0xFF, 0xD8, 0xFF];
 /// Webcams leave them out, because readers of their streams know them.
 const STANDARD_TABLES: &[u8] = b"\xFF\xE0\0\x07AVI1\0";
 
-/// Decodes one picture from the bytes of its file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let layout = Layout::of(bytes);
     if let Some(kind) = layout.unread() {
@@ -28,19 +26,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     Ok(Samples { orientation: layout.orientation, ..samples })
 }
 
-/// Returns the place of the next picture in the same file, as in a stream of JPEGs.
+/// Returns the byte offset of the second picture in a file, as in a stream of JPEGs.
 pub(super) fn next(bytes: &[u8]) -> Option<usize> {
     Layout::of(bytes).next(bytes)
 }
 
-/// Facts of a JPEG's segments: orientation, size, end.
 struct Layout {
     orientation: u8,
     frame: Option<Frame>,
     scanned: u8,
-    /// True if further views or sizes of this picture follow it in the file.
+    /// True if the file also holds other views or sizes of the same picture (MPF).
     has_views: bool,
-    /// Place behind the end marker; `None` if the marker is missing.
+    /// Byte offset behind the end marker; `None` if the marker is missing.
     end: Option<usize>,
 }
 
@@ -48,7 +45,7 @@ struct Layout {
 struct Frame {
     marker: u8,
     sizes: [u8; 6],
-    /// True if a component has more rows than another one.
+    /// True if one color component has fewer rows than another, that is, vertical subsampling.
     has_fewer_rows: bool,
 }
 
@@ -59,8 +56,7 @@ impl Layout {
         layout
     }
 
-    /// Walks from one marker to the next. Between markers are segments with their lengths, and pixels; in pixels, 0xFF
-    /// is followed by 0 or by the code of a restart.
+    /// Scans from marker to marker. In pixel data, 0xFF is followed by 0 or by a restart code.
     fn walk(&mut self, bytes: &[u8]) -> Option<usize> {
         let mut at = 2;
         loop {
@@ -70,7 +66,7 @@ impl Layout {
             at += 1;
             match marker {
                 0 | 1 | 0xD0..=0xD7 => continue,
-                // Another picture begins although this one has not ended.
+                // A start marker: another picture begins although this one has not ended.
                 0xD8 => return None,
                 0xD9 => return Some(at),
                 _ => {}
@@ -79,7 +75,7 @@ impl Layout {
             let end = at + usize::from(length);
             let segment = bytes.get(at + 2..end)?;
             match marker {
-                // DHT, JPG and DAC stand among the markers of frames.
+                // DHT, JPG and DAC have codes between those of frame headers.
                 0xC4 | 0xC8 | 0xCC => {}
                 0xC0..=0xCF | 0xF7 if self.frame.is_none() => {
                     let has_fewer_rows = segment.iter().skip(7).step_by(3).any(|sampling| sampling & 0xF > 1);
@@ -96,14 +92,14 @@ impl Layout {
         }
     }
 
-    /// Returns the place of the next picture, if it follows at once with the same header; a preview is smaller.
+    /// Returns the byte offset of a picture that follows at once with the same header; that of a preview differs.
     fn next(&self, bytes: &[u8]) -> Option<usize> {
         let rest = &bytes[self.end.filter(|_| !self.has_views)?..];
         let is_next = rest.starts_with(MAGIC) && Self::of(rest).frame == self.frame;
         is_next.then_some(bytes.len() - rest.len())
     }
 
-    /// Returns the kind of JPEG if it is not read.
+    /// Returns the name of an unsupported kind of JPEG; `None` if the kind is supported.
     fn unread(&self) -> Option<&'static str> {
         let Frame { marker, sizes: [precision, height @ .., _, _, components], has_fewer_rows } =
             self.frame.as_ref()?;
@@ -114,14 +110,14 @@ impl Layout {
             0xF7 => "a JPEG-LS picture",
             _ if *precision != 8 => "a JPEG of more than 8 bits",
             _ if *height == [0, 0] => "a JPEG whose height follows its pixels",
-            // The decoder would silently put the colors of such a picture in other places.
+            // The decoder would silently put the colors of such a JPEG in the wrong places.
             0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with a scan for each color",
             _ => return None,
         })
     }
 }
 
-/// Decodes pixels in strict mode: otherwise the decoder silently fills in missing data.
+/// Decodes in strict mode, because the decoder otherwise fills in missing data silently.
 fn pixels(bytes: &[u8]) -> Result<Samples> {
     let side = usize::from(u16::MAX);
     let options = DecoderOptions::default().set_strict_mode(true).set_max_width(side).set_max_height(side);

@@ -1,8 +1,7 @@
-//! Recordings: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes, by one call ([`open`]).
+//! Opens recordings by one call, [`open`]: folders of pictures, Y4M, video, raw dumps, cameras and built-in scenes.
 //!
-//! A [`Sequence`] is a stream of frames and the boxes known about them; it is never in memory as a whole. [`fault`] and
-//! [`cover`] change frames on their way to a tracker. Files are read up to a limit ([`input`]), written whole or not at
-//! all ([`output`]) and removed on a signal ([`cleanup`]); [`messages`] words errors for people. No tracker runs here.
+//! A [`Sequence`] streams frames with the boxes known about them. [`fault`] and [`cover`] change frames on their way to
+//! a tracker. [`output`] writes files whole or not at all, and [`cleanup`] removes them on a signal.
 
 pub mod away;
 mod border;
@@ -62,7 +61,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame: its pixels row after row, without gaps.
+/// A frame; its pixels are stored row by row, without gaps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Raster<P> {
     pub width: u16,
@@ -70,24 +69,21 @@ pub struct Raster<P> {
     pub pixels: Vec<P>,
 }
 
-/// One frame in 8-bit gray, as trackers see it.
 pub type GrayFrame = Raster<u8>;
 
-/// One frame in red, green and blue, on which boxes are drawn.
 pub type ColorFrame = Raster<[u8; 3]>;
 
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Number in the recording, from 1; a live source also counts the frames that it dropped.
     pub number: usize,
-    /// Time in seconds, if it is known.
     pub seconds: Option<f64>,
     pub gray: GrayFrame,
-    /// The frame in its own colors, if [they were asked for](Sequence::in_color).
+    /// The frame in color, if requested by [`Sequence::in_color`].
     pub color: Option<ColorFrame>,
-    /// Time at which a film shows the frame in color.
+    /// Presentation time and pixel aspect, for a video written from the color frames.
     pub moment: Option<Moment>,
-    /// Gray and color planes of a live source, which cannot be read again.
+    /// Luma and chroma planes of a live source, which cannot be read a second time.
     pub planes: Option<Planes>,
 }
 
@@ -97,17 +93,16 @@ impl Frame {
     }
 }
 
-/// Most pixels of a frame, 16384x16384; no memory is taken for a larger one.
+/// Most pixels of a frame, 16384x16384. A larger frame is refused before memory is allocated for it.
 const MOST_PIXELS: u64 = 1 << 28;
 
 impl GrayFrame {
-    /// Draws a frame row after row; `level` gives the gray level of each pixel.
+    /// Draws a frame row by row; `level` returns the gray level of the pixel (x, y).
     pub fn drawn(width: u16, height: u16, mut level: impl FnMut(i32, i32) -> u8) -> Self {
         let places = (0..i32::from(height)).flat_map(|y| (0..i32::from(width)).map(move |x| (x, y)));
         Self { width, height, pixels: places.map(|(x, y)| level(x, y)).collect() }
     }
 
-    /// Returns the frame as smr-core takes it.
     pub fn frame(&self) -> smr_core::Frame<'_> {
         smr_core::Frame::whole(self.image())
     }
@@ -117,7 +112,7 @@ impl GrayFrame {
         image.expect("a GrayFrame is made with as many pixels as its size says, and at least one")
     }
 
-    /// Returns the level of a pixel; 0 outside the frame, as the trackers see it.
+    /// Returns the gray level of a pixel; 0 outside the frame, as in the zero padding of the trackers.
     pub fn level(&self, x: i32, y: i32) -> u8 {
         let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return 0 };
         let inside = x < self.width && y < self.height;
@@ -133,28 +128,26 @@ impl From<smr_core::Image<'_>> for GrayFrame {
     }
 }
 
-/// A recording: its frames in order, and the boxes known about it.
+/// A recording: its frames in order, and the boxes known about them.
 pub struct Sequence {
-    /// The name of the folder, or of the file without its extension.
+    /// Name of the folder, or of the file without its extension.
     pub name: String,
-    /// The frames in order, all of the size of the first. A frame of another size is an error, and an error ends them.
+    /// Frames in order, all of the size of the first. A frame of another size is an error; no frame follows an error.
     pub frames: Frames,
-    /// The number of frames, if it is known before they are read.
+    /// Count of frames, if known before they are read.
     pub length: Option<usize>,
-    /// The number of the first frame in the recording: 1, or more of a [part](Sequence::part).
+    /// Number of the first frame: 1, or more after [`Sequence::part`].
     pub first: usize,
-    /// The box to start from, in the first frame.
+    /// Box in the first frame on which trackers lock.
     pub init: Option<BoundingBox>,
-    /// Ground truth, one entry a frame; `None` where the target is not visible.
+    /// Ground truth, one entry per frame; `None` where the target is not visible.
     pub truth: Option<Vec<Option<BoundingBox>>>,
-    /// The source of the frames in color.
     pub source: Source,
-    /// Remarks for the user, a line each.
     pub notes: Vec<String>,
 }
 
 impl Sequence {
-    /// Makes a sequence of generated frames. The box to start from is the first of `truth`.
+    /// Creates a sequence of generated frames. Trackers start from the first box of `truth`.
     pub fn made(
         name: &str,
         frames: impl ExactSizeIterator<Item = GrayFrame> + Send + 'static,
@@ -164,23 +157,21 @@ impl Sequence {
         Self { length, init, truth: Some(truth), ..Self::endless(name.to_owned(), frames) }
     }
 
-    /// Makes a sequence of generated frames, of unknown number.
     fn endless(name: String, frames: impl Iterator<Item = GrayFrame> + Send + 'static) -> Self {
         let frames = (1..).zip(frames).map(|(number, gray)| Ok(Frame::new(number, None, gray)));
         Self::streamed(name, frames, Source::Once)
     }
 
-    /// Makes a sequence of frames as they come, without boxes.
     fn streamed(name: String, frames: impl Iterator<Item = Result<Frame>> + Send + 'static, source: Source) -> Self {
-        // A pipe's header states a rate. Times by that rate are not those at which the frames come, so they are dropped.
+        // A pipe may deliver frames at another rate than its Y4M header states, so times by that rate are dropped.
         let has_times = !matches!(source, Source::Once);
         let timed = move |frame: Frame| Frame { seconds: frame.seconds.filter(|_| has_times), ..frame };
         let frames = damage::frames(frames.map(move |frame| frame.map(timed)), name.clone());
         Self { name, frames, length: None, first: 1, init: None, truth: None, source, notes: Vec::new() }
     }
 
-    /// Returns the box to start from in whole pixels, as every tracker takes it.
-    /// Errors: There is no box, or it has less than a pixel.
+    /// Returns the start box in whole pixels.
+    /// Errors: There is no box, or it is smaller than a pixel, too large or too far away.
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
@@ -190,18 +181,17 @@ impl Sequence {
     }
 }
 
-/// Options of [`open`]: facts that the path does not tell.
 #[derive(Clone, Debug, Default)]
 pub struct OpenOptions {
-    /// Width and height of a raw dump's frames. Any file is then a raw dump, unless its extension says otherwise.
+    /// Width and height of the frames of a raw dump. Any file but a picture, video or Y4M is then read as one.
     pub size: Option<(u16, u16)>,
-    /// Range of 16-bit values to stretch. If given, the recording must be 16-bit pictures.
+    /// Range of 16-bit values to stretch to 0..255; an error if the recording is not of 16-bit pictures.
     pub levels: Option<Levels>,
-    /// The box to start from, instead of the one found beside the recording.
+    /// Start box, in place of the one in files beside the recording.
     pub init: Option<BoundingBox>,
-    /// Longest silence of ffmpeg; a minute if `None`.
+    /// Time without output after which ffmpeg counts as hanging; one minute if `None`.
     pub ffmpeg_patience: Option<Duration>,
-    /// True if a live source may be opened, too.
+    /// True if a live source (a camera or a network address) is allowed.
     pub takes_live: bool,
 }
 
@@ -211,18 +201,18 @@ impl OpenOptions {
     }
 }
 
-/// The folder beside a recording with the answers of other trackers.
+/// Folder beside a recording that holds result files of other trackers.
 pub const RESULTS: &str = "trackers";
 
-/// The folders with the pictures of a recording in the layouts of OTB and VOT.
+/// Subfolders that hold a recording's pictures: `img` in the layout of OTB, `color` in that of VOT.
 pub const INNER: [&str; 2] = ["img", "color"];
 
-/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one video, Y4M
-/// file or raw dump, or such a file itself. The words `street`, `synthetic`, `periodic`, `border`, `noise` and `tiles` are the built-in
-/// recordings (a folder of such a name is `./synthetic`), and `-` is Y4M from standard input.
+/// Opens the recording at `path`: a folder of pictures (also one level down, in `img/` or `color/`), a folder with one
+/// video, Y4M file or raw dump, or such a file itself. A name in [`BUILT_IN`] is a built-in recording (a folder of that
+/// name is `./synthetic`), and `-` is Y4M from standard input.
 ///
-/// Boxes are looked for in the folder, or in the folder that the file is in: `init.txt`, `gt.txt` (TLD form), else
-/// `groundtruth_rect.txt` (OTB form), else `groundtruth.txt` (VOT and GOT-10k form). Without `init.txt` the first box of the ground truth is the one to start from.
+/// The folder also holds the start box (`init.txt`, else the first of the ground truth) and the ground truth (`gt.txt`
+/// in TLD form, else `groundtruth_rect.txt` in OTB form, else `groundtruth.txt` in VOT or GOT-10k form).
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     let mut sequence = if path == Path::new(STANDARD_INPUT) {
         ensure!(options.size.is_none(), "--size is for raw dumps: standard input is read as Y4M");
@@ -266,16 +256,14 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Sequence> {
     Ok(sequence)
 }
 
-/// Advice for frames that neither lie in a file nor come from a camera of Linux.
 const LIVE: &str = "let ffmpeg read it, and pipe its Y4M into `host-sim track -` (host-sim/README.md, A live camera)";
 
-/// Path that stands for Y4M from standard input, for example from a camera. No boxes lie beside it.
+/// Path that stands for Y4M from standard input, which has no files of boxes beside it.
 const STANDARD_INPUT: &str = "-";
 
-/// The built-in recordings, which need no file.
 pub const BUILT_IN: [&str; 6] = [street::NAME, synthetic::NAME, periodic::NAME, border::NAME, noise::NAME, tiles::NAME];
 
-/// Built-in recordings to check smr-core with. Noise has nothing to follow and only serves to time trackers.
+/// Names of the built-in recordings that smr-core is tested on. `noise` has no target, and only times trackers.
 pub const CHECKED: [&str; 3] = [synthetic::NAME, periodic::NAME, border::NAME];
 
 fn built_in(path: &Path) -> Option<Sequence> {
@@ -285,21 +273,21 @@ fn built_in(path: &Path) -> Option<Sequence> {
     exact.or_else(|| synthetic::seeded(path.to_str()?))
 }
 
-/// True if [`open`] can take `path`, as far as names tell. A folder of folders with recordings is not one.
+/// True if `path` looks like a recording that [`open`] reads, judged by names. A folder of recordings is not one.
 pub fn is_sequence(path: &Path) -> bool {
     if BUILT_IN.iter().chain([&STANDARD_INPUT]).any(|name| path == Path::new(name)) || path.is_file() || is_live(path) {
         return true;
     }
     let holds =
         |folder: &Path, is: fn(&Path) -> bool| files_in(folder).is_ok_and(|files| files.iter().any(|file| is(file)));
-    // Boxes beside pictures in a foreign format make a recording, so that `open` says why it cannot read them.
+    // Unsupported pictures beside boxes count as a recording, so that `open` reports why it cannot read them.
     let has_boxes = holds(path, boxes::is_known);
     let has_pictures =
         |folder: &Path| holds(folder, images::is_picture) || has_boxes && holds(folder, images::is_foreign);
     holds(path, is_recording) || has_pictures(path) || INNER.iter().any(|inner| has_pictures(&path.join(inner)))
 }
 
-/// Errors: The folder holds pictures in a format that is not read.
+/// Returns an error if the folder holds pictures of an unsupported format.
 fn check_pictures(folder: &Path) -> Result<()> {
     pictures_in(folder, &files_in(folder)?)?.first().map_or(Ok(()), |first| images::check_kind(first))
 }
@@ -307,7 +295,6 @@ fn check_pictures(folder: &Path) -> Result<()> {
 /// The box of each frame; `None` where the target is not visible.
 type Truth = Vec<Option<BoundingBox>>;
 
-/// Returns the ground truth that lies in a folder, and the box to start from.
 fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     let truth = boxes::find_truth(folder)?;
     let first = truth.as_ref().and_then(|truth| *truth.first()?);
@@ -315,7 +302,7 @@ fn boxes_in(folder: &Path) -> Result<(Option<Truth>, Option<BoundingBox>)> {
     Ok((truth, init))
 }
 
-/// Returns the start box that the folder of a file holds, for callers that read the frames without [`open`].
+/// Returns the start box in the folder of `file`, for callers that read its frames without [`open`].
 pub fn start_beside(file: &Path) -> Result<Option<BoundingBox>> {
     Ok(boxes_in(file.parent().unwrap_or(Path::new("")))?.1)
 }
@@ -327,7 +314,6 @@ fn folder_name(folder: &Path) -> String {
     name.map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Makes a sequence of pictures without boxes; `at` is the file or folder that holds them.
 fn pictures(mut pictures: Vec<Picture>, at: &Path, options: &OpenOptions) -> Sequence {
     let length = Some(pictures.len());
     pictures.iter_mut().for_each(|picture| picture.levels = options.levels);
@@ -351,15 +337,15 @@ fn source_in(folder: &Path, options: &OpenOptions) -> Result<Sequence> {
         );
     }
     images::check_kind(&pictures[0])?;
-    // A picture left out would shift all boxes after it.
+    // A skipped picture would shift the boxes of all later frames, so each must be a file.
     for (number, picture) in (1..).zip(&pictures) {
         check_file(picture, &format!("{} (frame {number})", picture.display()))?;
     }
     Ok(self::pictures(pictures.into_iter().map(Picture::from).collect(), folder, options))
 }
 
-/// Returns the pictures of a folder in the order of their names; `files` are the files in it.
-/// Errors: There are pictures of several kinds or in several folders, or two with one number.
+/// Returns the pictures of a folder, sorted by name; `files` are all files in it.
+/// Errors: Pictures are of several formats or in several folders, or two have the same number.
 fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let inner = INNER.map(|inner| folder.join(inner)).into_iter().filter(|inner| inner.is_dir());
     let mut kinds: Vec<Vec<PathBuf>> = Vec::new();
@@ -386,7 +372,7 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
     Ok(pictures)
 }
 
-/// Returns the one file of a folder without pictures that can be a recording.
+/// Returns the only video, Y4M file or raw dump of a folder without pictures.
 fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     let mut recordings = files.iter().filter(|file| is_recording(file));
     let Some(recording) = recordings.next() else {
@@ -400,7 +386,7 @@ fn only_recording<'a>(folder: &Path, files: &'a [PathBuf]) -> Result<&'a Path> {
     Ok(recording)
 }
 
-/// Errors: `file`, called `name` in messages, is a link to nothing, a pipe or a device.
+/// Returns an error if `file`, called `name` in messages, is a broken link, a pipe or a device.
 fn check_file(file: &Path, name: &str) -> Result<()> {
     ensure!(file.exists(), "{name} is a link to a file that is not there");
     ensure!(file.is_file(), "{name} is a pipe or a device: expected a file, or nothing of that name in the folder");
@@ -413,12 +399,12 @@ fn is_recording(file: &Path) -> bool {
 
 fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     let name = file.display().to_string();
-    // ffmpeg would show some of these pictures as a video of one frame. It does read a GIF, which may be a film.
+    // ffmpeg would read an unsupported picture as a video of one frame. A GIF may be an animation, so ffmpeg reads it.
     if !has_extension(file, &["gif"]) {
         images::check_kind(file)?;
     }
     let data = fs::metadata(file).with_context(|| format!("cannot open {name}"))?;
-    // A pipe has no length, and may be read all the same.
+    // A pipe has length 0, but can be read.
     ensure!(!data.is_file() || data.len() > 0, "{name} is empty: expected a recording");
     let is_other = video::is_video(file) || y4m::is_y4m(file) || images::is_picture(file);
     ensure!(options.size.is_none() || !is_other, "--size is for raw dumps: {name} is none");
@@ -433,29 +419,28 @@ fn source_of(file: &Path, options: &OpenOptions) -> Result<Sequence> {
     if std::os::unix::fs::FileTypeExt::is_char_device(&data.file_type()) {
         bail!("{name} is a device, and host-sim reads files: {LIVE}");
     }
-    // A pipe is read once.
     let source = if data.is_file() { Source::Video(file.to_owned()) } else { Source::Once };
     if y4m::is_y4m(file) {
         return Ok(Sequence::streamed(name, y4m::open(file)?, source));
     }
-    // ffmpeg would draw text as a video of a terminal.
+    // ffmpeg would render a text file as a video of a terminal.
     ensure!(!has_extension(file, &["txt"]), "{name} is a text file: expected a recording (a video, Y4M or pictures)");
     let pictures = video::open("ffmpeg", file, video::Use::Gray, options.patience())?;
     let frames = (1..).zip(pictures).map(|(number, picture)| Ok(picture?.gray(number)));
     Ok(Sequence::streamed(name, frames, source))
 }
 
-/// True if the name of a file says that it holds frames of the recording in its folder.
+/// True if the extension is that of a picture, video, Y4M file or raw dump.
 pub fn is_of_frames(file: &Path) -> bool {
     images::is_picture(file) || is_recording(file)
 }
 
-/// True if the name of a file says that it holds boxes of the recording beside it, or another tracker's answers.
+/// True if the file has the name of an annotation file, or lies in the folder of other trackers' results.
 pub fn is_of_boxes(file: &Path) -> bool {
     boxes::is_known(file) || file.parent().is_some_and(|folder| folder.ends_with(RESULTS))
 }
 
-/// All entries of a folder except folders: files, links to nothing, pipes and devices.
+/// Returns the entries of a folder except subfolders: files, broken links, pipes and devices.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = folders::entries(folder).with_context(|| format!("cannot list the folder {}", folder.display()))?;
     files.retain(|path| !path.is_dir());
@@ -468,11 +453,10 @@ fn has_extension(file: &Path, extensions: &[&str]) -> bool {
     extension.is_some_and(|extension| extensions.iter().any(|known| known.eq_ignore_ascii_case(extension)))
 }
 
-/// The paper's tracker; tests run it on the built-in scenes.
 #[cfg(test)]
 type Paper = smr_core::Paper<65536, 4096>;
 
-/// A hash by which a test notices a changed pixel.
+/// FNV-1a hash, by which tests notice a changed pixel.
 #[cfg(test)]
 fn fnv(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))

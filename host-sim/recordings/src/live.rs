@@ -1,4 +1,4 @@
-//! Frames of a camera, an address or standard input, as they come: a slow reader gets the newest, the rest are counted.
+//! Live frames of a camera, a network address or standard input. A slow reader gets only the newest frame.
 
 use super::Frame;
 use super::ffmpeg::{self, Ffmpeg};
@@ -12,17 +12,17 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A camera, an address or standard input, read by a thread of its own; dropping it closes the source.
+/// A live source (camera, network address or standard input), read by a thread; dropping it closes the source.
 pub struct Live {
-    /// The address without its secrets.
+    /// The address without user, password and query.
     pub name: String,
     pub arrivals: Arc<Arrivals>,
-    /// `None` for standard input.
+    /// The process that reads the source; `None` for standard input.
     ffmpeg: Option<Ffmpeg>,
     secrets: Vec<String>,
 }
 
-/// The newest frame of a live source, and counts of all its frames.
+/// The newest frame of a live source, and counts of its frames.
 #[derive(Debug, Default)]
 pub struct Arrivals {
     state: Mutex<State>,
@@ -31,17 +31,16 @@ pub struct Arrivals {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Newest frame: its number, its time in seconds since the first frame, and its pixels.
+    /// Newest frame: number, time in seconds since the first frame, and pixels.
     newest: Option<(usize, f64, Planes)>,
     came: usize,
     taken: usize,
     first: Option<Instant>,
     is_over: bool,
-    /// The reason for the end, if it is known.
     reason: Option<String>,
 }
 
-/// True for a source that is read as it comes: an address with `://`, or a camera of Linux.
+/// True for a live source: an address with `://`, or a camera of Linux.
 pub fn is_live(path: &Path) -> bool {
     let text = path.to_string_lossy();
     let is_scheme = |text: &str| !text.is_empty() && text.bytes().all(|letter| letter.is_ascii_alphanumeric());
@@ -63,8 +62,7 @@ pub(super) fn without_secrets(address: &Path) -> (String, Vec<String>) {
 }
 
 impl Live {
-    /// Starts to read a source for which [`is_live`] is true, and waits for the first frame.
-    /// Errors: There is no ffmpeg, or it cannot read the source.
+    /// Starts to read a live source and waits for its first frame; an error if ffmpeg is missing or cannot read it.
     pub fn open(address: &Path, patience: Duration) -> Result<Self> {
         let (name, secrets) = without_secrets(address);
         let mut ffmpeg = Ffmpeg::run(&mut command(address), &name, patience)?;
@@ -77,7 +75,6 @@ impl Live {
         Self { name, arrivals: Arc::default(), ffmpeg: Some(ffmpeg), secrets }.read(stream)
     }
 
-    /// Starts to read Y4M from standard input.
     pub fn stdin() -> Result<Self> {
         let name = "standard input".to_owned();
         Self { name, arrivals: Arc::default(), ffmpeg: None, secrets: Vec::new() }.read(BufReader::new(stdin()))
@@ -102,9 +99,9 @@ impl Live {
     }
 }
 
-/// Makes a command for ffmpeg to hand over frames at once: luma over all levels, as in files, color at half the size.
+/// Builds the command of an ffmpeg with low delay: luma in full range, as in files, chroma at half the size.
 fn command(address: &Path) -> Command {
-    // By default, ffmpeg examines a stream for five seconds before it begins.
+    // ffmpeg by default examines a stream for five seconds before it begins.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
     let options = if is_camera(address) { &options[..] } else { &options[..6] };
     let mut command = ffmpeg::command("ffmpeg", "level+warning", address.as_os_str(), options);
@@ -117,8 +114,7 @@ fn without(text: String, secrets: &[String]) -> String {
     secrets.iter().fold(text, |text, secret| text.replace(secret, ""))
 }
 
-/// Waits for the newest frame that was not taken yet. The frames end if the source does, or after a signal that asks to
-/// stop ([`cleanup::stop_first`]).
+/// Waits for a newer frame than the last one. Ends with the source, or when a signal requests a stop.
 impl Iterator for Live {
     type Item = Frame;
 
@@ -147,7 +143,7 @@ impl Arrivals {
     fn add(&self, planes: Planes) {
         let mut state = locked(&self.state);
         state.came += 1;
-        // The first frame, in which targets are locked, waits until it is taken.
+        // The first frame, in which targets are locked, is kept until it is taken.
         if state.taken == 0 && state.newest.is_some() {
             return;
         }
@@ -157,13 +153,13 @@ impl Arrivals {
         self.changed.notify_all();
     }
 
-    /// Returns the number of frames that came and that nobody took.
+    /// Returns the number of frames that were replaced by newer ones before they were taken.
     pub fn dropped(&self) -> usize {
         let state = locked(&self.state);
         state.came - state.taken - usize::from(state.newest.is_some())
     }
 
-    /// Returns the reason for the end, if it is known.
+    /// Returns the reason for the end of the stream, if known.
     pub fn ended(&self) -> Option<String> {
         locked(&self.state).reason.clone()
     }

@@ -1,20 +1,18 @@
-//! Text for people: errors in plain words instead of the system's or a library's, without control characters, and the names of choices.
+//! Messages for people: errors in plain words, without control characters, and the names of choices.
 
 use clap::ValueEnum;
 use std::io::{self, ErrorKind};
 
-/// Returns a choice as it is typed on the command line.
 pub fn choice_name<T: ValueEnum>(choice: &T) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// Returns the error and its causes in one line.
 pub fn of(error: &anyhow::Error) -> String {
     let words = error.chain().map(|cause| cause.downcast_ref().map_or_else(|| cause.to_string(), of_io));
     words.collect::<Vec<_>>().join(": ")
 }
 
-/// Returns the system's error in plain words, without its number.
+/// Returns an I/O error in plain words, without the system's error code.
 pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
@@ -34,13 +32,12 @@ pub fn of_io(error: &io::Error) -> String {
     words.to_owned()
 }
 
-/// Writes out the control characters of a text, as `\u001b`: the name of a file must not steer a terminal. Ends of
-/// lines and tabs stay. JSON keeps its meaning.
+/// Escapes control characters except line ends and tabs, because the name of a file must not control a terminal.
 pub fn plain(text: &str) -> String {
     written_out(text, |letter| letter == '\n' || letter == '\t')
 }
 
-/// Returns the text as one line, without the users and passwords of addresses.
+/// Returns the text as one line, without the user names and passwords in URLs.
 pub fn line(text: &str) -> String {
     let mut parts = text.split("://");
     let first = parts.next().unwrap_or_default().to_owned();

@@ -1,4 +1,4 @@
-//! The order of pictures by their names: numbers count as numbers, also decimal ones such as time stamps.
+//! Sorts pictures by their names: numbers compare by value, also decimal ones such as time stamps.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn sort(files: &mut [PathBuf]) {
     let decimals: Option<Vec<_>> = files.iter().map(|file| Decimal::of(&stem(file))).collect();
     let are_decimals = decimals.is_some_and(|all| Decimal::are_one_series(&all));
-    // Names that differ only in white space are equal by nature; the order must not depend on the file system.
+    // Names that differ only in white space are equal in natural order; the order must not depend on the file system.
     files.sort_by(|a, b| {
         let (first, second) = (stem(a), stem(b));
         let decimals = Decimal::of(&first).zip(Decimal::of(&second)).filter(|_| are_decimals);
@@ -21,12 +21,12 @@ fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A name that ends in a decimal number. Fields compare in their order, so numbers of any length compare exactly.
+/// A name that ends in a decimal number. The derived order compares field by field, so digits of any length are exact.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Decimal {
-    /// Digits before the point, without leading zeros: first their number, then the digits.
+    /// Digits before the point, without leading zeros: their count, then the digits.
     whole: (usize, String),
-    /// Digits behind the point, without zeros at the end.
+    /// Digits behind the point, without trailing zeros.
     fraction: String,
     has_zero_at_the_end: bool,
     prefix: String,
@@ -53,14 +53,14 @@ impl Decimal {
         })
     }
 
-    /// True if all are decimal numbers of one series. After letters, a zero at the end tells a count: `a1.9`, `a1.10`.
+    /// True if all are decimal numbers of one series. After letters, a trailing zero means a counter: `a1.9`, `a1.10`.
     fn are_one_series(all: &[Self]) -> bool {
         let prefix = all.first().map(|first| &first.prefix);
         all.iter().all(|one| Some(&one.prefix) == prefix && (one.prefix.is_empty() || !one.has_zero_at_the_end))
     }
 }
 
-/// Finds two pictures of one number, such as `7.png` and `7_mask.png`: they are no frames of one recording.
+/// Finds two pictures with one number, such as `7.png` and `7_mask.png`, which cannot both be frames of a recording.
 pub(super) fn twins(files: &[PathBuf]) -> Option<[&Path; 2]> {
     let mut of_numbers = HashMap::new();
     files.iter().find_map(|file| {

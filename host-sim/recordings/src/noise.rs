@@ -1,14 +1,14 @@
-//! The worst case of a search that excludes offsets: pictures in which nothing resembles anything, so nothing is excluded.
+//! The worst case of a search that excludes offsets early: frames of random pixels, in which it can exclude none.
 //!
-//! Every pixel of every frame is random and independent. The box stays in the middle, with room around it for a second
-//! window of the paper's tracker wherever an update moves it within the first.
+//! The box stays in the middle, so that the search window of a second update lies in the frame wherever the first moves
+//! it.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::random::Random;
 
 pub const NAME: &str = "noise";
 
-/// A search is timed in 60 frames, and needs the two before each.
+/// Count of frames: a search is timed in 60 of them, and needs two frames before each.
 const LENGTH: usize = 62;
 const WIDTH: u16 = 320;
 const HEIGHT: u16 = 272;

@@ -1,4 +1,4 @@
-//! Files, folders and text that this program writes: a file is written whole or not at all, and an error names it.
+//! Output of files, folders and text: a file is written whole or not at all, and an error names it.
 
 use crate::cleanup::{self, Kept};
 use crate::messages;
@@ -8,15 +8,15 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
 
-/// A file under way. It gets its name in [`Output::finish`]; dropped before, it leaves a former file as it was.
+/// A file being written under a temporary name. [`Output::finish`] renames it; dropping it keeps an existing file.
 pub struct Output {
     name: PathBuf,
     file: BufWriter<fs::File>,
-    /// `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
+    /// The temporary file; `None` for a device or a pipe, which cannot be replaced, and in a [`Folder`].
     whole: Option<Whole>,
 }
 
-/// A file that lies beside the file that it will replace.
+/// A temporary file beside the target that it will replace.
 struct Whole {
     path: TempPath,
     target: PathBuf,
@@ -24,8 +24,8 @@ struct Whole {
 }
 
 impl Output {
-    /// Begins the file `name`. Call it before the work whose result the file will hold.
-    /// Errors: There is no such folder, it cannot be written to, or `name` is a folder.
+    /// Begins the file `name`. Call it before computing the content, so that an unwritable path fails early.
+    /// Errors: The folder is missing or cannot be written to, or `name` is a folder.
     pub fn create(name: &Path) -> Result<Self> {
         let target = if is_open(name) { name.to_owned() } else { behind_links(name) };
         let folder = folder_of(&target);
@@ -34,12 +34,11 @@ impl Output {
         Ok(Self { name: name.to_owned(), file: BufWriter::new(file), whole })
     }
 
-    /// Returns the path at which another program can write the file; `None` for a device or a pipe.
+    /// Returns the temporary path, for another program to write to; `None` for a device or a pipe.
     pub fn path(&self) -> Option<&Path> {
         self.whole.as_ref().map(|whole| &*whole.path)
     }
 
-    /// Writes the last bytes, and gives the file its name.
     pub fn end(mut self, bytes: &[u8]) -> Result<()> {
         self.write(bytes)?;
         self.finish()
@@ -59,7 +58,7 @@ impl Output {
     }
 }
 
-/// Encoders write by this trait. Its errors do not name the file.
+/// Used by encoders. Unlike those of the inherent methods, its errors do not name the file.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
@@ -74,16 +73,16 @@ fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Follows a link, also to a file that does not exist yet, so that the link itself stays.
+/// Resolves a link, also one to a file that does not exist yet, so that writing keeps the link.
 pub fn behind_links(name: &Path) -> PathBuf {
     match fs::read_link(name) {
         Ok(next) if fs::metadata(name).is_err() => folder_of(name).join(next),
-        // Links to pipes, as in /proc, have no other name.
+        // A link to a pipe in /proc resolves to no path, so its own path is kept.
         _ => fs::canonicalize(name).unwrap_or_else(|_| name.to_owned()),
     }
 }
 
-/// True for a name of a file that is open already, such as /dev/stdout. Its former content stays.
+/// True for the path of an already open file, such as /dev/stdout. Writing appends to its content.
 fn is_open(name: &Path) -> bool {
     let behind = fs::read_link(name).unwrap_or_default();
     [name, &behind].iter().any(|path| path.starts_with("/dev/fd") || path.starts_with("/proc"))
@@ -93,7 +92,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     let there = fs::metadata(&target);
     match &there {
         Ok(data) if data.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-        // If standard output were opened anew, the two would overwrite each other.
+        // A second handle of standard output would have its own position, and the two would overwrite each other.
         #[cfg(unix)]
         Ok(_) if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| target == Path::new(name)) => {
             return Ok((std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?.into(), None));
@@ -103,7 +102,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
         }
         _ => {}
     }
-    // Temporary files are for the user alone; this one gets the permissions of any new file.
+    // A temporary file is readable by this user alone; 0o666 gives it the permissions of any new file.
     let make = || temporary(".smr-", 0o666).suffix(".part").tempfile_in(folder_of(&target));
     let (made, _kept) = cleanup::keep_path(make)?;
     if let Ok(data) = there {
@@ -113,7 +112,7 @@ fn open(target: PathBuf) -> io::Result<(fs::File, Option<Whole>)> {
     Ok((file, Some(Whole { path, target, _kept })))
 }
 
-/// Returns a builder of files and folders with this prefix and, on Unix, these permissions.
+/// Returns a builder of temporary files and folders with a name prefix and, on Unix, these permissions.
 #[cfg_attr(not(unix), allow(unused_variables))]
 fn temporary(prefix: &str, mode: u32) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
@@ -127,7 +126,7 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     Output::create(name)?.end(bytes)
 }
 
-/// A folder under way, new or empty so far. Its files appear together in [`Folder::finish`].
+/// A folder being filled, new or empty before. Its files appear together in [`Folder::finish`].
 pub struct Folder {
     name: PathBuf,
     target: PathBuf,
@@ -136,8 +135,8 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Begins the folder `name`, and makes all folders above it.
-    /// Errors: The folder is not empty, or it cannot be made.
+    /// Begins the folder `name`, and creates its parent folders.
+    /// Errors: The folder is not empty, or cannot be created.
     pub fn create(name: &Path) -> Result<Self> {
         let target = behind_links(name);
         let is_there = fs::symlink_metadata(&target).is_ok();
@@ -180,7 +179,7 @@ impl Folder {
                 return Ok(());
             }
             fs::rename(made.path(), &target)?;
-            // The former name is gone, so there is nothing to remove.
+            // The rename has moved the temporary folder, so nothing is left to remove.
             let _ = made.keep();
             Ok(())
         };
@@ -188,14 +187,14 @@ impl Folder {
     }
 }
 
-/// A folder of this user alone, for files that this program and another one exchange. Dropping it removes it.
+/// A private temporary folder for files that this program and another one exchange. Dropping it removes it.
 pub struct Exchange {
     made: TempDir,
     _kept: Kept,
 }
 
 impl Exchange {
-    /// Errors: The system has no place for a temporary folder.
+    /// Creates the folder; an error if the system has no place for temporary folders.
     pub fn create() -> Result<Self> {
         let make = || temporary("smr-", 0o700).tempdir();
         let (made, _kept) = cleanup::keep_path(make).context("cannot make a temporary folder")?;
@@ -206,8 +205,8 @@ impl Exchange {
         self.made.path()
     }
 
-    /// Writes a file that nobody else can read, not even after an [`Output`] replaces it. Returns its path.
-    /// Errors: The file exists already, or the disk's.
+    /// Writes a file that only this user can read, also after an [`Output`] replaces it. Returns its path.
+    /// Errors: The file exists already, or cannot be written.
     pub fn private(&self, name: &str, bytes: &[u8]) -> Result<PathBuf> {
         let place = self.path().join(name);
         let mut options = fs::OpenOptions::new();
@@ -219,8 +218,8 @@ impl Exchange {
     }
 }
 
-/// Writes text to standard output, [in plain letters](messages::plain).
-/// Errors: The reader is gone ([`ErrorKind::BrokenPipe`]), or the disk's.
+/// Writes text to standard output, with control characters escaped by [`messages::plain`].
+/// Errors: The reader has closed its pipe ([`ErrorKind::BrokenPipe`]), or writing fails.
 pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     let mut bytes = Vec::new();
     text(&mut bytes)?;
@@ -229,13 +228,12 @@ pub fn print(text: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<()> {
     out.write_all(plain.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
 }
 
-/// Writes a line to standard error.
 pub fn complain(text: &str) {
-    // Nobody may read it any more.
+    // Standard error may be closed, so an error is ignored.
     let _ = writeln!(io::stderr(), "{}{}", if has_cursor() { ERASE } else { "" }, messages::line(text));
 }
 
-/// Erases a line of progress on a terminal.
+/// Escape sequence that erases a line of progress on a terminal.
 pub const ERASE: &str = "\r\x1b[2K";
 
 /// True if standard error is a terminal whose lines can be erased.
@@ -315,7 +313,7 @@ mod tests {
             made.finish().unwrap();
             assert!(path("pictures").is_symlink());
             assert_eq!(names(&path("made")), ["1"]);
-            // The second round finds it empty.
+            // The second round starts from an empty folder.
             fs::remove_file(path("made/1")).unwrap();
         }
         fs::create_dir(path("plain folder")).unwrap();

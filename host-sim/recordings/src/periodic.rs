@@ -1,8 +1,8 @@
-//! A built-in recording of patterns without noise, where many offsets score exactly the same.
+//! A built-in recording of patterns without noise, where many offsets have exactly the same score, to test tie rules.
 //!
-//! A natural recording hardly ever has a tie, so it cannot show whether ties are decided as stated. Here a checkerboard moves by half of its period,
-//! where the offsets to the left and to the right, above and below are equally close. Some frames show nothing at all; in others a cone stands alone,
-//! whose score falls with every pixel, so that the runner-up tells where exactly the neighbourhood of the peak ends.
+//! A checkerboard moves by half of its period, where offsets to the left and right, above and below are equally close.
+//! Some frames are uniform. Others show a single cone, whose score falls with every pixel of distance, so that the
+//! runner-up shows where the neighbourhood of the peak ends.
 
 use super::{GrayFrame, Sequence};
 
@@ -14,10 +14,9 @@ const CELL: i32 = 4;
 
 const FLAT: i32 = 0;
 const BOARD: i32 = 1;
-/// A cone in the dark.
 const CONE: i32 = 2;
 
-/// The pattern of each frame, and its shift to the right and down; for a cone the place of its top.
+/// For each frame: the pattern, and its shift to the right and down in pixels; for a cone the position of its peak.
 const SCRIPT: [i32; 57] = [
     BOARD, 0, 0, BOARD, 4, 0, BOARD, 4, 4, BOARD, 6, 4, BOARD, 6, 6, BOARD, 2, 6, FLAT, 0, 0, FLAT, 0, 0, BOARD, 2, 2,
     BOARD, 6, 2, BOARD, 5, 1, BOARD, 5, 5, FLAT, 0, 0, BOARD, 1, 5, CONE, 32, 24, CONE, 32, 24, CONE, 35, 22, CONE, 30,

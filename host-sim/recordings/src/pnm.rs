@@ -1,10 +1,9 @@
-//! PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits a value.
+//! Decodes PGM, PPM and PAM pictures: P2, P3, P5, P6 and P7 with 8 or 16 bits per value.
 
 use super::damage::damaged;
 use super::samples::{EXPECTED, Samples, check_size, several};
 use anyhow::{Error, Result, ensure};
 
-/// Decodes one picture from the bytes of its file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     let mut reader = Reader(bytes);
     let samples = reader.picture()?;
@@ -12,20 +11,20 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Samples> {
     Ok(samples)
 }
 
-/// Returns the place of the next picture in the same file.
+/// Returns the byte offset of the second picture in a file; `None` without one.
 pub(super) fn next(bytes: &[u8]) -> Option<usize> {
     let mut reader = Reader(bytes);
     reader.picture().ok()?;
     reader.next(bytes)
 }
 
-/// True for the first bytes of a PGM, PPM or PAM picture, or of a bitmap of their family, which is not read.
+/// True if the bytes begin as a PGM, PPM or PAM picture, or as a PBM bitmap, which is not supported.
 pub(super) fn is_pnm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1'..=b'7', space, ..] if space.is_ascii_whitespace() || *space == b'#')
 }
 
 struct Header {
-    /// True if the values are decimal numbers.
+    /// True if values are decimal text, false if they are bytes.
     is_text: bool,
     width: u32,
     height: u32,
@@ -43,7 +42,7 @@ impl Reader<'_> {
 
     fn picture(&mut self) -> Result<Samples> {
         let Header { is_text, width, height, channels, largest } = self.header()?;
-        // Pixels with another largest value would have to be scaled; unscaled, they would be almost black.
+        // Refuses another maximum: its values would have to be scaled, because unscaled ones may be almost black.
         ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
         check_size(width, height)?;
         ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");
@@ -52,7 +51,7 @@ impl Reader<'_> {
         let cut = || damaged(format!("{EXPECTED}: it is cut short"));
         let samples = if is_text {
             let mut samples = Vec::new();
-            // A file may state a larger size than it has, so memory is taken as numbers come.
+            // The header may state a larger size than the file has, so memory grows with the values read.
             for _ in 0..count {
                 let value = self.number().and_then(|value| u16::try_from(value).ok());
                 let [high, low] = value.filter(|&value| u32::from(value) <= largest).ok_or_else(cut)?.to_be_bytes();
@@ -83,7 +82,7 @@ impl Reader<'_> {
         Ok(Header { is_text, width, height, channels, largest })
     }
 
-    /// Reads the header of a P7: a name and its value on each line.
+    /// Reads the header of a P7 picture: a field name and its value on each line.
     fn pam(&mut self) -> Result<Header> {
         let mut header = Header { is_text: false, width: 0, height: 0, channels: 0, largest: 0 };
         loop {
@@ -94,7 +93,7 @@ impl Reader<'_> {
                 "HEIGHT" => &mut header.height,
                 "DEPTH" => &mut header.channels,
                 "MAXVAL" => &mut header.largest,
-                // TUPLTYPE and comments are not needed: DEPTH says how many values a pixel has.
+                // Skips TUPLTYPE and comments, because DEPTH states how many values a pixel has.
                 _ => {
                     let end = self.0.iter().position(|&byte| byte == b'\n').unwrap_or(self.0.len());
                     self.0 = &self.0[end..];
@@ -109,7 +108,7 @@ impl Reader<'_> {
         self.word()?.parse().ok()
     }
 
-    /// Returns the next word. Skips comments before it and one white space after it.
+    /// Returns the next word; skips comments before it and one whitespace byte after it.
     fn word(&mut self) -> Option<String> {
         loop {
             self.0 = self.0.trim_ascii_start();

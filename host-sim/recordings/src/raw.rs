@@ -11,7 +11,7 @@ pub(super) fn is_raw(file: &Path) -> bool {
     has_extension(file, &["raw", "gray", "bin", "y8"])
 }
 
-/// Opens a dump. Returns its frames, and the number of whole ones (unknown for a pipe).
+/// Opens a raw dump. Returns its frames, and the count of whole ones (`None` for a pipe).
 pub(super) fn open(
     file: &Path,
     size: (u16, u16),
@@ -34,7 +34,7 @@ pub(super) fn open(
 
 fn read(dump: &mut impl Read, (width, height): (u16, u16)) -> Result<Option<GrayFrame>> {
     let expected = usize::from(width) * usize::from(height);
-    // Memory grows with the bytes that come: a mistyped size must not take all memory.
+    // Memory grows with the bytes read, so that a mistyped size does not allocate all of it.
     let mut pixels = Vec::new();
     let found = dump.take(expected as u64).read_to_end(&mut pixels)?;
     if found != 0 && found != expected {

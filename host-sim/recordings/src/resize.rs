@@ -1,4 +1,4 @@
-//! A recording in another size, with its boxes.
+//! Scales the frames and boxes of a recording to another size.
 
 use super::{Frame, MOST_PIXELS, Raster, Sequence};
 use anyhow::{Context, Result, bail, ensure};
@@ -6,7 +6,7 @@ use rgb::FromSlice as _;
 use std::fmt;
 use std::str::FromStr;
 
-/// The size that frames are scaled to: `320x240`, or a fraction of their own size, `1/2`.
+/// Target size of scaled frames: `320x240`, or a fraction of their own size, `1/2`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resize {
     To(u16, u16),
@@ -45,7 +45,6 @@ impl Resize {
             Self::To(width, height) => return Ok((width, height)),
             Self::By(numerator, denominator) => (u64::from(numerator), u64::from(denominator)),
         };
-        // Sides are rounded to the nearest pixel.
         let side = |side: u16| u16::try_from((2 * u64::from(side) * numerator + denominator) / (2 * denominator)).ok();
         let (new_width, new_height) = side(width).zip(side(height)).with_context(|| {
             format!("--resize {self} of {width}x{height}: expected at most 65535 pixels on each side")
@@ -55,10 +54,8 @@ impl Resize {
 }
 
 impl Sequence {
-    /// Scales all frames and their boxes. Pixels of smaller frames are averages (with the weights of a triangle).
-    ///
-    /// Reads the first frame, which tells the size. Also returns the factors on width and height.
-    /// Errors: The new size is too large, or the first frame cannot be read.
+    /// Scales all frames, by a triangle filter, and their boxes; also returns the factors on width and height.
+    /// Errors: The new size is too large, or the first frame, which is read to learn its size, cannot be read.
     pub fn resized(self, resize: Resize) -> Result<(Self, (f64, f64))> {
         let mut frames = self.frames;
         let first = frames.next().with_context(|| format!("{} holds no frame", self.name))??;
@@ -77,7 +74,6 @@ impl Sequence {
     }
 }
 
-/// A kind of pixel whose frames can be scaled.
 pub trait Scalable: Copy {
     fn scale(from: (u16, u16), source: &[Self], to: (u16, u16), target: &mut [Self]);
 }
@@ -95,7 +91,7 @@ impl Scalable for [u8; 3] {
     }
 }
 
-/// Returns the frame in another size, neither side of which may be 0.
+/// Scales a frame to `width` and `height`, neither of which may be 0.
 pub fn resized<P: Scalable>(frame: Raster<P>, width: u16, height: u16) -> Raster<P> {
     if (frame.width, frame.height) == (width, height) {
         return frame;

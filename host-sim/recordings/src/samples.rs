@@ -1,4 +1,4 @@
-//! Decoded samples as an upright frame in gray or in color, and the errors of pictures.
+//! Converts decoded samples to an upright frame in gray or color; also has the errors about pictures.
 
 use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -14,19 +14,18 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// Returns the error for a picture that may be undamaged, but is of a kind that is not read.
+/// Returns the error for a picture of an unsupported kind, which may be undamaged.
 pub(super) fn unread(kind: &str) -> Error {
     anyhow!("it is {kind}, which is not read: {CONVERT}")
 }
 
 pub(super) const CONVERT: &str = "convert it to PNG first";
 
-/// Returns the error for a file with several pictures in place of one.
 pub(super) fn several() -> Error {
     anyhow!("it holds several pictures: expected one in a file; a file with several is a recording of its own")
 }
 
-/// A range of 16-bit values, stretched to 0 to 255; values outside become black or white. As text `7600..8366`.
+/// A range of 16-bit values, stretched to 0..255; values outside become black or white. Text form: `7600..8366`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     pub(super) black: u16,
@@ -62,17 +61,17 @@ impl fmt::Display for Levels {
 pub(super) struct Samples {
     pub width: u16,
     pub height: u16,
-    /// Samples in each pixel, 1 to 4.
+    /// Samples per pixel, 1 to 4.
     pub channels: usize,
-    /// Samples of 8 bits, or of 16 with the high byte first.
+    /// 8-bit samples, or 16-bit ones with the high byte first.
     pub samples: Vec<u8>,
     pub is_wide: bool,
-    /// Orientation as Exif counts it, 1 to 8.
+    /// Exif orientation, 1 (upright) to 8.
     pub orientation: u8,
 }
 
 impl Samples {
-    /// Makes upright samples of 8 bits.
+    /// Creates upright 8-bit samples; an error if a side is longer than 65535 pixels.
     pub fn new(width: u32, height: u32, channels: usize, samples: Vec<u8>) -> Result<Self> {
         let side = |side: u32| {
             u16::try_from(side)
@@ -89,8 +88,7 @@ impl Samples {
         self.is_wide.then(|| values.map(|&bytes| u16::from_be_bytes(bytes)))
     }
 
-    /// Returns samples of 8 bits: the high byte, or the value stretched by `levels`.
-    /// Errors: Levels are given for samples of 8 bits.
+    /// Converts to 8 bits: the high byte, or the value stretched by `levels`, which are an error for 8-bit samples.
     fn narrow(self, levels: Option<Levels>) -> Result<Self> {
         ensure!(self.is_wide || levels.is_none(), "--levels is for 16-bit pictures: this one has 8 bits");
         if !self.is_wide {
@@ -121,7 +119,7 @@ impl Samples {
 }
 
 impl<P: Copy> Raster<P> {
-    /// Returns the picture upright, by its Exif orientation: 2 to 4 are mirrored or turned by 180 degrees, 5 to 8 also have rows and columns swapped.
+    /// Turns a picture upright by its Exif orientation. Values from 5 on also swap rows and columns.
     fn turned(self, orientation: u8) -> Self {
         if orientation == 1 {
             return self;
@@ -140,7 +138,7 @@ impl<P: Copy> Raster<P> {
     }
 }
 
-/// Returns the gray level. The weights add up to 65536, so the quotient is the third byte from the right.
+/// Returns the gray level by BT.601. The weights add up to 65536, so the level is bits 16 to 23 of the sum.
 pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     let sum = 19595 * u32::from(r) + 38470 * u32::from(g) + 7471 * u32::from(b) + 32768;
     sum.to_be_bytes()[1]
@@ -153,7 +151,7 @@ pub(super) fn orientation(exif: &[u8]) -> u8 {
 }
 
 fn stated(exif: &[u8]) -> Option<u32> {
-    // In PNG, some writers put the head of JPEG's segment before the Exif data.
+    // Some writers of PNG put the header of the JPEG segment before the Exif data.
     let exif = exif.strip_prefix(EXIF).unwrap_or(exif);
     let is_little_endian = match exif.get(..2)? {
         b"II" => true,
@@ -168,11 +166,11 @@ fn stated(exif: &[u8]) -> Option<u32> {
     let directory = usize::try_from(number(4, 4)?).ok()?;
     let entries = (0..number(directory, 2)? as usize).map(|entry| directory.saturating_add(2 + 12 * entry));
     let entry = entries.into_iter().find(|&entry| number(entry, 2) == Some(0x112))?;
-    // A SHORT fills half of the four bytes of a value, a LONG all of them.
+    // A SHORT fills two of the four value bytes of a TIFF entry, a LONG all four.
     number(entry + 8, if number(entry + 2, 2)? == 4 { 4 } else { 2 })
 }
 
-/// The first bytes of Exif data in JPEG.
+/// Header of the Exif segment in JPEG.
 pub(super) const EXIF: &[u8] = b"Exif\0\0";
 
 #[cfg(test)]

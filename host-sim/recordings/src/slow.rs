@@ -1,5 +1,4 @@
-//! Generated recordings, each of one target that moves slowly on ordinary ground. The targets are dark, bright,
-//! textured, smooth and noisy, so that a measurement covers each kind. Integers only, own random numbers, fixed seeds.
+//! Generated recordings of a slow target on a textured background: dark, bright, textured, smooth and noisy targets.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::PIXEL;
@@ -13,16 +12,16 @@ const HEIGHT: u16 = 120;
 /// Width and height of the target, in pixels.
 const SIDE: i32 = 36;
 
-/// Left and top edge of the target, in pixels.
+/// Key frames of the left and top edge of the target: frame number and position in pixels.
 const X: &Keys = &[(0, 28), (70, 84), (119, 60)];
 const Y: &Keys = &[(0, 52), (50, 30), (119, 66)];
 
 struct Kind {
     name: &'static str,
-    /// Pixels between the random levels of the target's texture, coarse and fine.
+    /// Distance in pixels between random levels of the target's texture, in its coarse and its fine grid.
     grain: (i32, i32),
     levels: (i32, i32),
-    /// Noise of the sensor; 1 is a standard deviation of 2.3 gray levels.
+    /// Strength of the sensor noise; 1 is a standard deviation of 2.3 gray levels.
     noise: i32,
 }
 
@@ -36,7 +35,7 @@ const KINDS: [Kind; 5] = [
 
 pub const COUNT: usize = KINDS.len();
 
-/// Makes the recording of this number, below [`COUNT`].
+/// Generates recording `number`, which must be below [`COUNT`].
 pub fn sequence(number: usize) -> Sequence {
     KINDS[number].sequence(number as u64)
 }
@@ -49,7 +48,6 @@ fn place(index: usize) -> (i32, i32) {
 
 impl Kind {
     fn sequence(&'static self, number: u64) -> Sequence {
-        // Each recording has ground of its own.
         let target = Box::new(Texture::new(0x7A00 + number, self.grain, self.levels));
         let ground = Box::new(Texture::new(0x6B00 + number, (16, 8), (40, 200)));
         let frames = (0..LENGTH).map(move |index| self.frame(index, number, &target, &ground));
@@ -60,7 +58,7 @@ impl Kind {
         let mut noise = Random(0x5107_0000 + (number << 12) + index as u64);
         let (left, top) = place(index);
         GrayFrame::drawn(WIDTH, HEIGHT, |x, y| {
-            // A pixel shows what is at its middle.
+            // A pixel shows the texture at its centre.
             let (right, down) = (x * PIXEL + PIXEL / 2 - left, y * PIXEL + PIXEL / 2 - top);
             let inside = (0..SIDE * PIXEL).contains(&right) && (0..SIDE * PIXEL).contains(&down);
             let sampled = if inside { target.sample(right, down) } else { ground.sample(x * PIXEL, y * PIXEL) };

@@ -1,4 +1,4 @@
-//! The source of a recording: it gives frames in color, and frames from any number on.
+//! The source of a recording, from which frames are read again: in color, or from any frame number on.
 
 use super::ffmpeg::Moment;
 use super::index::{self, Index};
@@ -11,25 +11,24 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The source that a recording can be read from again.
+/// The source from which a recording can be read again.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// Gray frames or a pipe: they cannot be read again.
+    /// No source to read again: a pipe, or frames that have no color.
     #[default]
     Once,
     Pictures(Vec<images::Picture>),
     Video(PathBuf),
-    /// A live source; its frames carry their colors.
+    /// A live source, whose frames carry their own color planes.
     Live(Arc<Arrivals>),
-    /// A function that draws a frame from its index, and the number of frames.
+    /// A function that draws the frame of an index, and the number of frames.
     Made(fn(usize) -> ColorFrame, usize),
 }
 
-/// Frames in color, and the time at which a film shows each.
 type Colors = Box<dyn Iterator<Item = (ColorFrame, Option<Moment>)> + Send>;
 
 impl Source {
-    /// Returns the file of a video, which may have sound.
+    /// Returns the path of a video, which may have sound.
     pub fn video(&self) -> Option<&Path> {
         if let Self::Video(file) = self { Some(file) } else { None }
     }
@@ -39,7 +38,7 @@ impl Source {
         pictures.iter().filter_map(images::Picture::name).collect()
     }
 
-    /// Returns the number of frames of a video, if the file tells it without being decoded.
+    /// Returns the number of frames of a video, if known without decoding.
     pub fn length(&self, patience: Duration) -> Option<usize> {
         index::count(self.video()?, patience)
     }
@@ -48,8 +47,8 @@ impl Source {
         if let Self::Live(arrivals) = self { Some(Arc::clone(arrivals)) } else { None }
     }
 
-    /// Returns the frames from the one with the number `first` on, as long as they can be read. In a video, ffmpeg
-    /// makes frames smaller, which is quick: no side is longer than `side`.
+    /// Returns color frames from number `first` on, up to the first unreadable one. ffmpeg scales those of a video down
+    /// to at most `side` pixels on a side, which is fast.
     fn color_from(&self, first: usize, side: u16, patience: Duration) -> Colors {
         match self {
             Self::Once | Self::Live(_) => Box::new(std::iter::empty()),
@@ -75,8 +74,8 @@ impl From<&GrayFrame> for ColorFrame {
 }
 
 impl Sequence {
-    /// Adds to each frame its colors, in the size of the gray frame, and the time at which a film shows it. A frame
-    /// whose colors cannot be read becomes gray.
+    /// Adds to each frame its colors, in the size of the gray frame, and its presentation time. If the colors cannot be
+    /// read, the gray levels take their place.
     pub fn in_color(self, patience: Duration) -> Self {
         let mut colors = self.source.color_from(self.first, u16::MAX, patience);
         let frames = self.frames.map(move |frame| Ok(colored(frame?, &mut colors)));
@@ -98,10 +97,10 @@ fn colored(frame: Frame, colors: &mut Colors) -> Frame {
     Frame { color: Some(resized(color, width, height)), moment, ..frame }
 }
 
-/// Returns the shape of a pixel that is made `by` times as wide, so that the picture keeps its shape.
+/// Multiplies the aspect ratio of a pixel by `by`, so that a picture scaled unevenly keeps its shape.
 fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     if (by - 1.0).abs() < 0.01 {
-        // Rounding half of an odd side causes so small a stretch.
+        // Rounding the half of an odd side causes a difference below 1 %.
         return (width, height);
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and it saturates
@@ -109,10 +108,8 @@ fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     (thousandths.max(1), 1000)
 }
 
-/// A recording that can be read from any of its frames on.
-///
-/// Pictures and Y4M are read by number. A video is read from the nearest place where ffmpeg can begin, as long as each
-/// frame from there is at its time in the index and ffmpeg does not complain; else from its beginning. Raw dumps are always read from the beginning.
+/// A recording that can be read from any frame on: pictures and Y4M by frame number, a video after a seek. A video is
+/// decoded from its start, as raw dumps are, if a sought frame misses its time in the index or ffmpeg reports an error.
 pub struct Seekable {
     path: PathBuf,
     options: OpenOptions,
@@ -122,8 +119,7 @@ pub struct Seekable {
 }
 
 impl Seekable {
-    /// Opens the recording at `path`. Also returns it as a sequence that is read in order.
-    /// Errors: Those of [`open`].
+    /// Opens the recording at `path`, also as a sequence that is read in order. Errors are those of [`open`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<(Self, Sequence)> {
         let sequence = open(path, options)?;
         let index = sequence.source.video().map_or_else(Index::unknown, |file| Index::of(file, options.patience()));
@@ -131,13 +127,12 @@ impl Seekable {
         Ok((Self { path: path.to_owned(), options: options.clone(), source, length, index }, sequence))
     }
 
-    /// Returns the number of frames and the time of each in seconds, once both are known. Times may be missing.
+    /// Returns the number of frames and the time of each in seconds: `None` and empty if unknown.
     pub fn known(&self) -> (Option<usize>, Vec<f64>) {
         self.index.times().map_or_else(|| (self.length, Vec::new()), |times| (Some(times.len()), times))
     }
 
-    /// Returns the gray frames from `number` on.
-    /// Errors: The recording cannot be read.
+    /// Returns the gray frames from `number` on; an error if the recording cannot be read.
     pub fn gray_from(&self, number: usize) -> Result<Frames> {
         Ok(match &self.source {
             Source::Pictures(files) => Box::new(images::frames(files, number)),
@@ -150,8 +145,8 @@ impl Seekable {
         })
     }
 
-    /// Returns the color frames from `number` on, as long as they can be read; `side` limits the frames of a video.
-    /// Errors: The recording cannot be read.
+    /// Returns the color frames from `number` on, up to the first unreadable one; those of a video have sides of at
+    /// most `side` pixels. An error if the recording cannot be opened.
     pub fn color_from(&self, number: usize, side: u16) -> Result<Box<dyn Iterator<Item = ColorFrame> + Send>> {
         Ok(match &self.source {
             Source::Video(file) if number > 1 => {
@@ -165,8 +160,8 @@ impl Seekable {
         })
     }
 
-    /// Returns the pictures of a video from `number` on: after a seek, as long as each is at its time and ffmpeg does
-    /// not complain; then read from the beginning.
+    /// Returns the pictures of a video from `number` on: after a seek, as long as each has its time in the index and
+    /// ffmpeg reports no error; after that by decoding from the start.
     fn pictures_from(
         &self,
         file: &Path,
@@ -201,7 +196,7 @@ impl Seekable {
     }
 }
 
-/// True if frames of `path` can be read again and again: not standard input, a pipe or a device.
+/// True if `path` can be read repeatedly: a file, folder or built-in recording, not a pipe or a device.
 pub fn is_seekable(path: &Path) -> bool {
     BUILT_IN.iter().any(|name| path == Path::new(name)) || path.is_file() || path.is_dir()
 }
@@ -251,8 +246,7 @@ mod tests {
         assert_eq!(gray(&recording, 100), synthetic::frame(99));
     }
 
-    /// Makes a file of this name with 30 frames by these options, twice in a row if the name begins with `joined`.
-    /// `None` if this ffmpeg cannot write it.
+    /// Encodes a test video, repeated if its name begins with `joined`; `None` if this ffmpeg cannot write it.
     fn made(folder: &Path, name: &str, options: &str) -> Option<PathBuf> {
         let (file, map) = (folder.join(name), if options.contains("-map") { "" } else { "-map 0:v" });
         let inputs =
@@ -266,7 +260,7 @@ mod tests {
 
     const H264: &str = "-c:v libx264 -g 10 -bf 3 -flags +cgop -preset ultrafast";
 
-    /// Each kind of file, with options, the number of frames, the time of the 12th, and true if its frames are sought.
+    /// Each case: file name, ffmpeg options, number of frames, time of frame 12, and true if a seek finds its frames.
     #[test]
     fn a_video_is_read_from_any_place_on() {
         let test = "a_video_is_read_from_any_place_on";

@@ -1,34 +1,33 @@
-//! The boxes that targets are locked on, as they are typed: `150,100,40,48`, `car=150,100,40,48@300`, and `car=gone@400` while there is none.
+//! Start boxes of targets on the command line: `150,100,40,48`, `car=150,100,40,48@300` or `car=gone@400`.
 
 use super::BoundingBox;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use std::fmt;
 use std::str::FromStr;
 
-/// A box, the name of the target in it, and the frame that it lies in; or the first frame without the target.
+/// A box of a target in a frame; or, without a box, the first frame in which the target is gone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// Name of the target; `None` if there is only one target.
     pub name: Option<String>,
-    /// Number of the frame in the recording, from 1; `None` for the first one that is read.
+    /// Frame number from 1; `None` for the first frame that is read.
     pub frame: Option<usize>,
-    /// `None`: the target is gone from this frame on until its next box.
+    /// Box to lock on; `None` if the target is gone from this frame on until its next box.
     pub bbox: Option<BoundingBox>,
 }
 
-/// One target: its name, and the boxes that it is locked on, each with the number of its frame.
+/// A target, and the boxes to lock on, each with its frame number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
-    /// At least one entry, in the order of frames; the first is a box. `None`: the target is gone until the next box.
+    /// Frame numbers and boxes, at least one, sorted by frame; the first is a box. `None`: gone until the next box.
     pub starts: Vec<(usize, Option<BoundingBox>)>,
 }
 
 impl Target {
-    /// Collects starts by target, in the order in which they were given. Frame `first` is the first that is read.
-    /// Errors: Two boxes of one target in one frame, a target without a name beside others, a frame before `first`, or
-    /// those of [`check_gone`].
+    /// Groups starts by target, in the order given. Frame `first` is the first that is read.
+    /// Errors: Two starts of a target in one frame, a target without a name beside others, a frame before `first`, or
+    /// as [`check_gone`].
     pub fn all(starts: &[Start], first: usize) -> Result<Vec<Self>> {
         let mut targets: Vec<Self> = Vec::new();
         for Start { name, frame, bbox } in starts {
@@ -57,9 +56,9 @@ impl Target {
         Ok(targets)
     }
 
-    /// Errors: A box lies in a frame that a recording of this length does not have.
+    /// Returns an error if a box lies in a frame beyond the end of the recording.
     pub fn check_frames(targets: &[Self], first: usize, length: Option<usize>) -> Result<()> {
-        // A recording without frames gets another error.
+        // A recording without frames is reported elsewhere.
         let last = length.filter(|&length| length > 0).map_or(usize::MAX, |length| first + length - 1);
         let starts =
             targets.iter().flat_map(|target| target.starts.iter().map(move |(frame, _)| (*frame, &target.name)));
@@ -70,7 +69,7 @@ impl Target {
         bail!("there is no frame {frame}{of} (--init): expected {first} to {last}")
     }
 
-    /// Returns the boxes in whole pixels, as every tracker takes them, each with its frame.
+    /// Returns each frame number with its box in whole pixels; `None` where the target is gone.
     pub fn rects(&self) -> Result<Vec<(usize, Option<smr_core::Rect>)>> {
         let rect = |(frame, bbox): &(usize, Option<BoundingBox>)| {
             let rect = bbox.map(|bbox| bbox.pixels()).transpose();
@@ -84,7 +83,7 @@ impl Target {
     }
 }
 
-/// Checks the order of the locks of the target `name`: each is a frame, and true for a box or false for "gone".
+/// Checks the starts of the target `name`, in order: each a frame, with true for a box or false for "gone".
 /// Errors: The target is gone before its first box, or twice without a box between.
 pub fn check_gone(name: &str, locks: impl Iterator<Item = (usize, bool)>) -> Result<()> {
     let mut gone_from = Some(0);
@@ -105,7 +104,7 @@ pub fn check_gone(name: &str, locks: impl Iterator<Item = (usize, bool)>) -> Res
 const EXPECTED: &str = "expected X,Y,W,H, NAME=X,Y,W,H or X,Y,W,H@FRAME";
 const GONE: &str = "gone";
 
-/// `[NAME=]X,Y,W,H[@FRAME]` or `[NAME=]gone@FRAME`; the frame may also follow the name: `NAME@FRAME=X,Y,W,H`.
+/// Parses `[NAME=]X,Y,W,H[@FRAME]` or `[NAME=]gone@FRAME`; the frame may also follow the name: `NAME@FRAME=X,Y,W,H`.
 impl FromStr for Start {
     type Err = Error;
 
@@ -122,14 +121,14 @@ impl FromStr for Start {
     }
 }
 
-/// Splits text at the `@FRAME` that may follow it.
+/// Splits off the `@FRAME` that may end a text.
 fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
     let number = frame.parse().ok().filter(|&number: &usize| number > 0);
     Ok((before, Some(number.with_context(|| format!("@{frame}: expected the number of a frame; the first is 1"))?)))
 }
 
-/// Checks a name, which stands in tables, file names and pictures.
+/// Checks the name of a target, which appears in tables, file names and pictures.
 pub fn checked_name(name: &str) -> Result<String> {
     let fits = |letter: char| letter.is_alphanumeric() || "-_. ".contains(letter);
     let plain = !name.trim().is_empty() && name.trim() == name && name.chars().all(fits);

@@ -1,4 +1,4 @@
-//! The built-in recording to look at: `smr_scene::street`.
+//! The built-in recording `street`, which `smr_scene::street` draws, for demonstrations.
 
 use super::{BoundingBox, ColorFrame, GrayFrame, Sequence, Source, luma};
 use smr_scene::street::{HEIGHT, LENGTH, Street, WIDTH};
@@ -24,7 +24,6 @@ fn frame(index: usize) -> ColorFrame {
     ColorFrame { width: WIDTH, height: HEIGHT, pixels }
 }
 
-/// The box of the car in frame `index`; `None` where more than half of it is hidden.
 fn truth(index: usize) -> Option<BoundingBox> {
     street().truth(index).map(BoundingBox::from)
 }
@@ -49,7 +48,6 @@ mod tests {
         assert_eq!(truth(LENGTH), Some(last), "it stands still at the end");
     }
 
-    /// Red is inside the box, and nothing of the car is beside it.
     #[test]
     fn the_truth_lies_on_the_car() {
         for index in [0, 100, 140, 180, 260] {

@@ -1,4 +1,4 @@
-//! The built-in recording to check with: `smr_scene::synthetic`.
+//! The built-in recording `synthetic`, which `smr_scene::synthetic` draws, to test trackers.
 
 use super::{BoundingBox, GrayFrame, Sequence};
 use smr_scene::synthetic::Textures;
@@ -13,7 +13,7 @@ pub fn frames() -> impl Iterator<Item = GrayFrame> + Send + 'static {
     (0..LENGTH).map(frame)
 }
 
-/// Frame `index`, counted from 0. After the last one everything stands still, but for the noise.
+/// Draws frame `index`, from 0. After the last frame nothing moves; only the noise goes on.
 pub fn frame(index: usize) -> GrayFrame {
     drawn(&TEXTURES, index, 0x5EED_0000 + index as u64)
 }
@@ -22,7 +22,7 @@ fn drawn(textures: &Textures, index: usize, noise: u64) -> GrayFrame {
     GrayFrame { width: WIDTH, height: HEIGHT, pixels: textures.frame(index, noise).collect() }
 }
 
-/// Makes frames without end in textures of this seed: the recording forward and backward, with new noise.
+/// Generates endless frames with textures of this seed: the recording forward and backward, with new noise.
 fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
     let seed = u64::from(seed);
     let textures = Box::new(Textures::new(seed));
@@ -30,13 +30,12 @@ fn endless(seed: u32) -> impl Iterator<Item = GrayFrame> + Send + 'static {
     turns.zip(seed << 32..).map(move |(index, noise)| drawn(&textures, index, noise))
 }
 
-/// The endless recording `synthetic:SEED`; `None` of another name.
+/// Returns the endless recording `synthetic:SEED`; `None` if `name` is another one.
 pub(super) fn seeded(name: &str) -> Option<Sequence> {
     let seed = name.strip_prefix(NAME)?.strip_prefix(':')?.parse().ok()?;
     Some(Sequence { init: truth(0), ..Sequence::endless(name.to_owned(), endless(seed)) })
 }
 
-/// The box of the target in frame `index`; `None` where more than half of it is hidden or outside.
 pub fn truth(index: usize) -> Option<BoundingBox> {
     smr_scene::synthetic::truth(index).map(BoundingBox::from)
 }
@@ -52,7 +51,6 @@ mod tests {
     use smr_core::paper::Config;
     use smr_core::{State, Tracker};
 
-    /// Hashes of all pixels and boxes show that the script has not changed.
     #[test]
     fn the_script_is_kept() {
         let fnv = crate::fnv(frames().flat_map(|frame| frame.pixels));
@@ -66,7 +64,6 @@ mod tests {
         assert_eq!(truth(LENGTH - 1), truth(usize::MAX), "it stands still at the end");
     }
 
-    /// The recording can check a tracker: all its states occur, and the target is found again.
     #[test]
     fn the_tracker_follows_loses_and_finds_again() {
         let mut tracker = Tracker::<Paper>::with(Config::paper()).unwrap();

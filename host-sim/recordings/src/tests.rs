@@ -1,10 +1,9 @@
-//! Every source, read from files.
-
 use super::*;
 use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 
-/// Makes a folder from a text: `NAME=TEXT` with `|` for ends of lines, `LINK->TARGET`, and pictures of 4x3 pixels whose number is their level.
+/// Creates a folder from a text of names separated by spaces: `NAME=TEXT` with `|` for line ends, `LINK->TARGET`, or
+/// the bare name of a picture of 4x3 pixels, whose gray level is the number in its name.
 pub fn folder(files: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for file in files.split(' ').filter(|file| !file.is_empty()) {
@@ -32,7 +31,7 @@ fn message<T>(result: Result<T>) -> String {
     format!("{:#}", result.err().expect("an error"))
 }
 
-/// Returns the good frames, and the error after them, with `@` in place of the folder.
+/// Returns the frames before the first error, and the error with `@` in place of the folder.
 fn read(path: &Path, options: &OpenOptions) -> (Vec<GrayFrame>, String) {
     let (mut good, mut error) = (Vec::new(), String::new());
     let opened = open(path, options).map(|sequence| sequence.frames);
@@ -51,7 +50,7 @@ fn levels(frames: &[GrayFrame]) -> Vec<u8> {
     frames.iter().map(|frame| frame.pixels[0]).collect()
 }
 
-/// Checks that a file with these bytes gives frames with these first pixels, and then this error; `...` stands for any text.
+/// Asserts that a file of `bytes` has frames with these first pixels, then this error; `...` matches any text.
 #[track_caller]
 fn reads(name: &str, size: Option<(u16, u16)>, bytes: &[u8], expected: &[u8], error: &str) {
     let folder = folder("");
@@ -212,19 +211,18 @@ mod pictures {
         bytes
     }
 
-    /// A JPEG with detail everywhere, so that most bytes are pixels.
+    /// A JPEG of random pixels, so that most of its bytes are pixel data.
     fn jpeg() -> Vec<u8> {
         let pixels: Vec<u8> = (0..96 * 96_u32).map(|at| at.wrapping_mul(2_654_435_761).to_be_bytes()[0]).collect();
         jpeg_of(75, 96, jpeg_encoder::ColorType::Luma, &pixels)
     }
 
-    /// A JPEG with one more segment behind its first two bytes.
     fn jpeg_with(marker: u8, data: &[u8]) -> Vec<u8> {
         let (whole, length) = (jpeg(), u16::try_from(data.len() + 2).unwrap().to_be_bytes());
         [&whole[..2], &[0xFF, marker], &length, data, &whole[2..]].concat()
     }
 
-    /// Colors by BT.601, the high byte of 16 bits, and small PNGs expanded.
+    /// Colors become gray by BT.601, 16-bit values by their high byte, and small bit depths are expanded to 8 bits.
     #[test]
     fn every_kind_becomes_gray() {
         let dot = |color, depth, samples: &[u8]| png((1, 1), color, depth, samples);
@@ -263,7 +261,6 @@ mod pictures {
         }
     }
 
-    /// Only damaged files are called damaged.
     #[test]
     fn what_is_damaged_or_not_read_is_named() {
         let jpeg_as = |marker: u8, precision: u8, height: u8| {
@@ -334,7 +331,7 @@ mod pictures {
         written.join().unwrap().unwrap();
     }
 
-    /// An upright picture of 3x2 pixels with six values, as it is stored for each orientation.
+    /// Stores an upright picture of 3x2 pixels in each Exif orientation, and expects it upright after decoding.
     #[test]
     fn pictures_are_turned_as_their_exif_data_say() {
         let upright = [1, 2, 3, 4, 5, 6];
@@ -375,7 +372,7 @@ mod pictures {
         }
     }
 
-    /// Pictures of webcams, and frames cut out of AVI, lack some or all tables.
+    /// Pictures of webcams, and frames cut out of AVI, lack some or all Huffman tables.
     #[test]
     fn huffman_tables_that_are_missing_are_the_standard_ones() {
         let whole = jpeg();
@@ -495,7 +492,7 @@ mod y4m_files {
         }
     }
 
-    /// Pure red has luma 81 and differences of color 90 and 240 in limited range (BT.601).
+    /// In limited range (BT.601), pure red has Y 81, Cb 90 and Cr 240.
     #[test]
     fn planes_have_colors_in_both_ranges() {
         let color = |header: &str, planes: &[u8]| {
@@ -513,7 +510,7 @@ mod y4m_files {
     }
 }
 
-/// False if this ffmpeg cannot write such a file.
+/// Runs ffmpeg to write the file `out`; false if this ffmpeg cannot write such a file.
 pub fn ffmpeg(arguments: &str, out: &Path) -> bool {
     let mut ffmpeg = std::process::Command::new("ffmpeg");
     missing::runs(ffmpeg.args("-nostdin -v error".split(' ')).args(arguments.split_whitespace()).arg(ffmpeg_input(out)))
@@ -523,7 +520,7 @@ mod videos {
     use super::*;
     use crate::missing::has_ffmpeg;
 
-    /// Gray in limited range would lose levels.
+    /// Requires exact gray levels: a conversion to limited range would lose some.
     #[test]
     fn a_lossless_video_gives_the_same_pixels_up_to_its_damage() {
         if !has_ffmpeg("a_lossless_video_gives_the_same_pixels_up_to_its_damage") {

@@ -1,7 +1,7 @@
-//! Pictures of any video that ffmpeg decodes, one after the other, each with its time.
+//! Decodes videos by ffmpeg, picture by picture, each with its time.
 //!
 //! Gray pixels equal those of `ffmpeg -i FILE -pix_fmt gray -fps_mode passthrough -f rawvideo -`. Sizes and times are
-//! those that its filter `showinfo` prints on standard error.
+//! read from standard error, where the filter `showinfo` prints them.
 
 use super::ffmpeg::{Ffmpeg, Moment, Shown, command, input};
 use super::hdr::Tones;
@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::time::Duration;
 
-/// Extensions of videos in a folder. A file that the user names is given to ffmpeg whatever its extension.
+/// Extensions that mark a video in a folder. A file that the user names goes to ffmpeg whatever its extension.
 const EXTENSIONS: [&str; 22] = [
     "mpg", "mpeg", "mp4", "m4v", "mov", "avi", "mkv", "webm", "wmv", "flv", "ts", "mts", "m2ts", "ogv", "3gp", "m1v",
     "m2v", "h264", "h265", "hevc", "ivf", "mjpeg",
@@ -25,13 +25,13 @@ pub(super) fn is_video(file: &Path) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     Gray,
-    /// In color, to be looked at; no side is longer than this.
+    /// In color for display, scaled down to at most this many pixels on a side.
     Color(u16),
     Times,
 }
 
-/// Returns all pictures of a file, then an error if ffmpeg has complained.
-/// Errors: There is no ffmpeg, or it decodes nothing of the file.
+/// Returns all pictures of a file, then an error if ffmpeg has reported damage.
+/// Errors: There is no ffmpeg, or it decodes no picture of the file.
 pub(super) fn open(
     program: &str,
     file: &Path,
@@ -68,12 +68,11 @@ pub(super) fn good(file: &Path, wanted: Use, patience: Duration) -> impl Iterato
     open("ffmpeg", file, wanted, patience).into_iter().flatten().map_while(Result::ok)
 }
 
-/// A picture from ffmpeg: gray, or red, green and blue.
 pub(super) struct Picture {
     size: (u16, u16),
     pub moment: Option<Moment>,
     bytes: Vec<u8>,
-    /// True if ffmpeg has complained before this picture.
+    /// True if ffmpeg has reported an error before this picture.
     pub is_doubtful: bool,
 }
 
@@ -93,26 +92,24 @@ impl Picture {
     }
 }
 
-/// The pictures of a running ffmpeg.
 pub(super) struct Pictures {
     ffmpeg: Ffmpeg,
     pixels: Patient,
-    /// Facts of the next picture, if they are known already.
+    /// Size and time of the next picture, if read ahead.
     shown: Option<Shown>,
     tones: Option<Tones>,
     depth: usize,
     times: Continued,
 }
 
-/// Options by which times begin with the file, not with the first picture that is read.
+/// ffmpeg options that count times from the start of the file, also after a seek.
 pub(super) const FROM_ZERO: [&str; 2] = ["-copyts", "-start_at_zero"];
 
-/// A seek is right if it ends within this many seconds of the wanted time: files in milliseconds round by up to 0.0005.
-/// Afterwards `Index::has` tests the time of each picture to the microsecond.
+/// Tolerance of a seek in seconds, because files with times in milliseconds round by up to 0.0005.
 const NEAR: f64 = 0.0006;
 
 impl Pictures {
-    /// Starts ffmpeg on a file with these options; `filters` come before all others.
+    /// Starts ffmpeg on a file; `filters` run before all other filters.
     fn start(
         (program, file): (&str, &Path),
         options: &[&str],
@@ -120,7 +117,7 @@ impl Pictures {
         wanted: Use,
         patience: Duration,
     ) -> Result<Self> {
-        // Frames of another size would be scaled silently; without a new filter, ffmpeg warns at least.
+        // ffmpeg would silently scale frames of another size; with `-reinit_filter 0` it at least warns.
         let options = [&FROM_ZERO, &["-reinit_filter", "0"], options].concat();
         let (scale, format, depth) = match wanted {
             Use::Gray => (String::new(), "gray", 1),
@@ -131,7 +128,7 @@ impl Pictures {
         };
         let start = |format, depth| -> Result<Self> {
             let mut command = command(program, "level+info", &input(file), &options);
-            // After showinfo, times must grow, or ffmpeg would not write the frames.
+            // `setpts` after `showinfo` makes times grow, because ffmpeg writes no frame whose time goes back.
             let filters = format!("{filters}{scale}format={format},showinfo=checksum=0,setpts=N*1000/TB");
             command.args(["-vf", &filters, "-fps_mode", "passthrough", "-f", "rawvideo", "-"]);
             let mut ffmpeg = Ffmpeg::run(&mut command, &file.display().to_string(), patience)?;
@@ -147,10 +144,10 @@ impl Pictures {
         Ok(pictures)
     }
 
-    /// Seeks the picture shown at `time`. Returns it and all after it; `None` if the seek does not find it.
+    /// Seeks the picture shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
     pub fn at(file: &Path, time: f64, wanted: Use, patience: Duration) -> Option<(Picture, Self)> {
         let select = format!("select='gte(t,{:.6})',", time - NEAR / 2.0);
-        // In some files no picture begins at that place: the second seek goes ten seconds further back.
+        // In some files no picture can be decoded from there, so the second seek starts ten seconds earlier.
         [0.0001, 10.0].iter().find_map(|before| {
             let seek = format!("{:.6}", (time - before).max(0.0));
             let mut pictures = Self::start(("ffmpeg", file), &["-ss", &seek], &select, wanted, patience).ok()?;
@@ -159,7 +156,6 @@ impl Pictures {
         })
     }
 
-    /// Returns the next picture; `None` at the end.
     pub fn next(&mut self) -> Result<Option<Picture>> {
         let shown = self.shown.take().map_or_else(|| self.ffmpeg.shown(), |shown| Ok(Some(shown)))?;
         let Some(Shown { size: (width, height), moment, is_doubtful, .. }) = shown else { return Ok(None) };
@@ -179,23 +175,23 @@ impl Pictures {
         Ok(Some(Picture { size, moment, bytes, is_doubtful }))
     }
 
-    /// Errors: ffmpeg has reported damage. A damaged packet counts only if frames are missing.
+    /// Returns an error if ffmpeg has reported damage. A damaged packet counts only if frames are missing.
     pub fn verdict(&mut self) -> Result<()> {
         self.ffmpeg.verdict(self.times.has_gap)
     }
 }
 
-/// A jump by more seconds begins a new piece: in MPEG-TS, time that goes back looks like a clock that ran over.
+/// Jump in seconds above which a joined video begins: in MPEG-TS, time that goes back looks like a clock overflow.
 pub(super) const LEAP: u32 = 43_200;
 
-/// Times that never go back: in a file of joined pieces, each piece continues the times of the one before.
+/// Times that never go back: in a file of joined videos, each video continues the times of the one before.
 #[derive(Default)]
 struct Continued {
     last: Option<i64>,
     step: i64,
-    /// Number added to the times of the file.
+    /// Offset added to the times of the file.
     shift: i64,
-    /// True if frames are missing for less than a second; a longer gap begins another piece.
+    /// True if frames are missing for less than a second; a longer gap counts as a join of two videos.
     has_gap: bool,
 }
 
@@ -204,7 +200,7 @@ impl Continued {
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // A time that goes back by less than `step` is an error of one picture, not a new piece.
+            // Time that goes back by less than `step`, the frame interval, is an error of one picture and not a join.
             if now <= last - self.step || now - last > i64::from(LEAP) * second {
                 now = last + self.step;
                 self.shift = now - time;
@@ -232,7 +228,6 @@ mod tests {
         );
     }
 
-    /// Writes a program that stands in for ffmpeg.
     #[cfg(unix)]
     fn program(folder: &Path, script: &str) -> String {
         use std::os::unix::fs::PermissionsExt;
@@ -263,7 +258,7 @@ mod tests {
         assert!(begin.elapsed() < Duration::from_secs(30));
     }
 
-    /// Half of the levels of PQ are 92 cd/m2 (ITU-R BT.2100), of HLG 51.
+    /// The middle level is 92 cd/m2 in PQ (ITU-R BT.2100), and 51 cd/m2 in HLG.
     #[test]
     fn light_of_more_than_a_screen_has_is_mapped_to_what_it_has() {
         let test = "light_of_more_than_a_screen_has_is_mapped_to_what_it_has";

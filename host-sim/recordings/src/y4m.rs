@@ -1,6 +1,4 @@
-//! YUV4MPEG2 (`.y4m`) as a recording: the luma plane is the gray picture, byte for byte.
-//!
-//! A live source comes through here as well: see [`super::live`].
+//! YUV4MPEG2 (`.y4m`) as a recording: the luma plane is the gray picture, byte for byte. Live sources use it, too.
 
 use super::damage::damaged;
 use super::{ColorFrame, Frame, GrayFrame, MOST_PIXELS, has_extension};
@@ -9,7 +7,7 @@ use std::fs::{File, Metadata};
 use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-/// Most bytes of a line: the header of the stream or of a frame.
+/// Most bytes of a header line, of the stream or of a frame.
 const LINE_BYTES: u64 = 1024;
 
 pub(super) fn is_y4m(file: &Path) -> bool {
@@ -39,14 +37,13 @@ pub(super) struct Frames<R> {
 }
 
 impl<R: BufRead> Frames<R> {
-    /// Reads the header. Errors call the stream `name`.
+    /// Reads the stream's header. Errors call the stream `name`.
     pub(super) fn new(mut stream: R, name: String) -> Result<Self> {
         let line = line(&mut stream).with_context(|| format!("cannot read {name}"))?;
         let header = Header::parse(&line).with_context(|| name.clone())?;
         Ok(Self { stream, header, name, number: 0 })
     }
 
-    /// Reads the next frame with its colors; `None` at the end.
     pub(super) fn next_planes(&mut self) -> Result<Option<Planes>> {
         self.number += 1;
         let read = self.read();
@@ -54,7 +51,6 @@ impl<R: BufRead> Frames<R> {
         Ok(bytes.map(|bytes| Planes { size: self.header.size, chroma: self.header.chroma, bytes }))
     }
 
-    /// Reads all planes of a frame; `None` at the end.
     fn read(&mut self) -> Result<Option<Vec<u8>>> {
         let frame_bytes = self.header.frame_bytes;
         let line = line(&mut self.stream)?;
@@ -79,7 +75,6 @@ impl<R: BufRead> Frames<R> {
 }
 
 impl Frames<BufReader<File>> {
-    /// Returns the frames from the one with the number `first` on.
     pub(super) fn from(mut self, first: usize) -> impl Iterator<Item = Result<Frame>> {
         while self.number + 1 < first && self.skip_frame().is_some() {
             self.number += 1;
@@ -87,7 +82,7 @@ impl Frames<BufReader<File>> {
         self
     }
 
-    /// Skips a frame. Returns the place of the next one; `None` if no frame begins here.
+    /// Skips a frame and returns the byte offset behind it; `None` if no frame begins here.
     fn skip_frame(&mut self) -> Option<u64> {
         line(&mut self.stream).ok()?.starts_with(b"FRAME").then_some(())?;
         self.stream.seek_relative(self.header.frame_bytes.try_into().ok()?).ok()?;
@@ -111,7 +106,7 @@ impl<R: BufRead> Iterator for Frames<R> {
     }
 }
 
-/// A frame as it is in the stream: luma, then color.
+/// A frame in the layout of the stream: the luma plane, then two chroma planes, if any.
 #[derive(Clone, Debug)]
 pub struct Planes {
     size: (u16, u16),
@@ -121,10 +116,10 @@ pub struct Planes {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Chroma {
-    /// Pixels across that share one color; 0 in gray frames, as `down`.
+    /// Horizontal chroma subsampling: pixels that share one chroma sample; 0 in gray frames, as `down`.
     across: usize,
     down: usize,
-    /// True if levels go from 0 to 255, not from 16 on. Gray frames are shown as they are.
+    /// True for full range (0 to 255), false for limited range (from 16). Gray frames have full range.
     is_full: bool,
 }
 
@@ -135,7 +130,7 @@ impl Planes {
         GrayFrame { width, height, pixels: self.bytes[..luma].to_vec() }
     }
 
-    /// Returns the frame in red, green and blue by the matrix of BT.601, since the stream names none.
+    /// Converts the frame to RGB by the matrix of BT.601, because the stream names no matrix.
     pub fn color(&self) -> ColorFrame {
         let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
         let Chroma { across, down, is_full } = self.chroma;
@@ -162,7 +157,7 @@ struct Header {
     size: (u16, u16),
     frame_bytes: u64,
     chroma: Chroma,
-    /// A number of frames, and the seconds that they take.
+    /// Frame rate as a fraction: a number of frames, and the seconds that they last.
     rate: Option<(f64, f64)>,
 }
 
@@ -184,7 +179,7 @@ impl Header {
         let frame_bytes = plane(1, 1) as u64 + if across == 0 { 0 } else { 2 * plane(across, down) as u64 };
         let has = format!("a frame of {width}x{height} has {frame_bytes} bytes");
         ensure!(frame_bytes <= MOST_PIXELS, "{has}: expected at most {MOST_PIXELS}");
-        // The ratios tell such a header from other text.
+        // Requires the frame rate (F) and the pixel aspect (A) to be ratios, which tells a header from other text.
         let is_ratio =
             |text: &str| text.split_once(':').is_some_and(|(a, b)| [a, b].iter().all(|n| n.parse::<u64>().is_ok()));
         let mut ratios = fields.split(' ').filter_map(|field| field.strip_prefix(['F', 'A']));
@@ -203,7 +198,7 @@ fn side(letter: char, value: Option<&str>) -> Result<u16> {
     side.with_context(|| format!("its header says {letter}{value}: expected a size of 1 to 65535"))
 }
 
-/// Returns the pixels across and down that share one color; 0 for gray.
+/// Returns the chroma subsampling across and down; 0 for gray.
 fn chroma(colour: &str) -> Result<(usize, usize)> {
     Ok(match colour {
         "mono" => (0, 0),
@@ -211,7 +206,7 @@ fn chroma(colour: &str) -> Result<(usize, usize)> {
         "422" => (2, 1),
         "444" => (1, 1),
         _ => {
-            // mono12, 420p10: the depth stands at the end.
+            // The bit depth is a suffix, as in mono12 or 420p10.
             let family = ["mono", "420p", "422p", "444p"].into_iter().find_map(|family| colour.strip_prefix(family));
             if let Some(depth) = family.and_then(|depth| depth.parse::<u8>().ok()) {
                 bail!("its pixels have {depth} bits (C{colour}): expected 8");
