@@ -1,9 +1,9 @@
-//! Evaluation: trackers run over recordings, and their answers scored against ground truth.
+//! Evaluation: runs trackers over recordings, and scores their answers against ground truth.
 //!
-//! Trackers are those of smr-core and the baselines beside them ([`MethodKind`]); a [`Variant`] is one with its settings. A [`Follower`] follows
-//! a target frame by frame; a [`Run`] is the record of that, and all figures are made from it. [`Evaluation`] scores by the protocols of the
-//! paper, OTB and VOT, also the answers of other trackers. [`robustness`] (from several starts), [`faults`] and [`covers`] use the same driver.
-//! Results are [`Tables`] for programs and people.
+//! Trackers are those of smr-core and baselines ([`MethodKind`]); a [`Variant`] is a tracker with its settings. A
+//! [`Follower`] follows a target frame by frame; a [`Run`] records the answers, from which all figures are computed.
+//! [`Evaluation`] scores by the protocols of the paper, OTB and VOT. [`robustness`], [`faults`] and [`covers`] use one
+//! driver. Results are [`Tables`].
 
 mod baseline;
 pub mod covers;
@@ -35,10 +35,10 @@ pub use table::{Layout, TableName, Tables};
 pub use variant::{Configs, Origin, Variant};
 pub use vot::Vot;
 
-/// The most pixels of a template: as many as the 32 bits of a score can sum, for example 256x256.
+/// Most pixels of a template, for example 256x256: the sum of a larger one could overflow the 32 bits of a score.
 pub const MOST_PIXELS: usize = 65536;
 
-/// The most offsets of a window on an axis: the whole of a frame of up to about 4000x4000 pixels.
+/// Most offsets of a search window on an axis, enough for the whole of a frame of up to about 4000x4000 pixels.
 pub const MOST_OFFSETS: usize = 4096;
 
 /// The paper's tracker with its largest capacities.
@@ -48,7 +48,7 @@ pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;
 pub(crate) mod tests {
     use smr_recordings::{BoundingBox, GrayFrame, Sequence};
 
-    /// Four frames of a target that moves by two pixels a frame, and nothing beside them.
+    /// Four frames of a textured target that moves by two pixels per frame on a uniform background.
     pub fn sequence() -> Sequence {
         let frame = |left: i32| {
             let texture = |x: i32, y: i32| u8::try_from(100 + (x * 31 + y * 17) % 97).unwrap();

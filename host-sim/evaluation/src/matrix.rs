@@ -1,5 +1,5 @@
-//! Driver of all measurements: a tracker makes a run for each case of a recording. A [`Protocol`] says which cases a
-//! recording has, and which figures of a run are kept.
+//! Driver of all measurements: runs each tracker through every case (start, end, fault) of each recording. A
+//! [`Protocol`] returns the cases of a recording and the figures of a run.
 
 use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -19,16 +19,16 @@ const MIB: u64 = 1 << 20;
 
 pub struct Measured {
     pub tables: Result<Tables>,
-    /// Errors of runs and recordings that could not be measured; none after a signal has asked to stop.
+    /// Errors of runs and recordings; empty after a signal has requested a stop.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
-    /// True if there is no result.
+    /// True if nothing was measured.
     pub is_empty: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// More frames and recordings are about to be measured.
+    /// Announces further frames and recordings to measure.
     Expected {
         frames: u64,
         recordings: usize,
@@ -42,18 +42,18 @@ pub(super) trait Protocol: Sync {
     /// True if a recording counts only if every tracker was measured on it.
     const IS_COMMON: bool;
 
-    /// The runs that each tracker makes in the recording at `place` of the list.
+    /// Returns the runs of each tracker on the recording with index `place`.
     fn cases(&self, place: usize, recording: &Recording) -> Result<Vec<Case>>;
 
     fn figures(&self, variant: &Variant, recording: &Recording, case: &Case, run: &Run) -> Result<Self::Figures>;
 }
 
-/// A run that a protocol asks for. Frames count from 0.
+/// A run of each tracker on a recording. Frames count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Case {
     /// Name of the start in JSON and in errors; may be empty.
     pub name: String,
-    /// The frame to lock in.
+    /// Frame in which the tracker locks on `target`.
     pub frame: usize,
     pub target: Rect,
     /// The run ends before this frame.
@@ -61,13 +61,13 @@ pub(super) struct Case {
     pub intervention: Intervention,
 }
 
-/// A change of the frames between a recording and a tracker.
+/// A change of the frames on their way from the recording to the tracker.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// The camera has a fault from the first of these frames to before the second.
+    /// A camera fault in the frames from the first number to before the second.
     Fault(usize, usize, Fault, Away),
-    /// Frames of the cover, or of another scene, come before a frame: its number, and how many frames come.
+    /// A covered lens: before the frame of the first number, as many covered frames as the second are inserted.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
 }
 
@@ -76,7 +76,7 @@ impl Intervention {
         if let Self::Fault(.., fault, _) = *self { Some(fault) } else { None }
     }
 
-    /// Returns the frames that the tracker gets for the one at `place`.
+    /// Returns the frames that the tracker gets in place of frame `place`.
     fn shown<'a>(&'a self, frames: &'a [GrayFrame], place: usize) -> Box<dyn Iterator<Item = Cow<'a, GrayFrame>> + 'a> {
         let own = std::iter::once(Cow::Borrowed(&frames[place]));
         match *self {
@@ -92,9 +92,8 @@ impl Intervention {
     }
 }
 
-/// The runs of one tracker in one recording.
 pub(super) struct Record<'a, F> {
-    /// Place of the recording in the list.
+    /// Index of the recording in the list.
     pub place: usize,
     pub sequence: String,
     pub variant: &'a Variant,
@@ -107,10 +106,10 @@ struct Held {
     cases: Vec<Case>,
 }
 
-/// Runs every variant through the cases of each of `count` recordings; `open` opens a recording by its place.
+/// Runs every variant through the cases of each of `count` recordings; `open` opens a recording by its index.
 ///
-/// Recordings, variants and cases are spread over all threads. A recording is decoded once and kept in memory. Records come recording by recording,
-/// in the order of `variants`. A case that fails leaves no record of its variant and recording. After a signal only complete records are returned.
+/// Recordings, variants and cases run in parallel. Records are sorted by recording, then in the order of `variants`. If
+/// a case fails, its variant has no record of the recording. After a signal only complete records are returned.
 pub(super) fn measure<'a, P: Protocol>(
     protocol: &P,
     count: usize,
@@ -130,7 +129,7 @@ pub(super) fn measure<'a, P: Protocol>(
             let start = if case.name.is_empty() { String::new() } else { format!(": start {}", case.name) };
             Ok((case.clone(), figures.with_context(|| format!("{name}: {}{start}", variant.name))?))
         };
-        // Runs are of very different length, so a thread takes one at a time.
+        // Runs differ in length, so a thread takes one at a time.
         let runs: Vec<Result<_>> = held.cases.par_iter().with_max_len(1).map(run).collect();
         let runs = runs.into_iter().collect::<Result<_>>()?;
         Ok(Record { place: held.place, sequence: name.clone(), variant, runs })
@@ -175,18 +174,19 @@ fn separate<T>(results: Vec<Result<T>>, good: &mut Vec<T>, failures: &mut Vec<Er
     });
 }
 
-/// A recording with all its frames in memory, so that many runs read it and it is decoded once.
+/// A recording with all its frames in memory, so that it is decoded once for many runs.
 pub(super) struct Recording {
     pub name: String,
-    /// Frames, one for each entry of the truth; at least one.
+    /// At least one frame; as many as entries of `truth`.
     pub frames: Vec<GrayFrame>,
     pub init: BoundingBox,
     pub truth: Vec<Option<BoundingBox>>,
 }
 
 impl Recording {
-    /// Errors: No ground truth, one that shows the target nowhere, or one of another length; no box to start from; a frame that
-    /// cannot be read; more than `most_bytes` of frames.
+    /// Reads all frames.
+    /// Errors: No ground truth, one of another length or without a visible target; no start box; a frame that cannot be
+    /// read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
         let Sequence { name, frames, init, truth, .. } = sequence;
@@ -206,7 +206,7 @@ impl Recording {
                 ensure!(bytes <= most_bytes, "{name}: {need}: at most {most} MiB are used for a recording");
             }
             count += 1;
-            // Frames beyond the truth are only counted: they are an error, and may be many.
+            // Frames beyond the ground truth are an error and may be many, so they are only counted.
             if count <= boxes {
                 kept.push(frame);
             }
@@ -215,8 +215,8 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
-    /// Follows the target of a case. `progress` is called for each frame of the recording.
-    /// Errors: The tracker cannot be built or fails, or a signal asks to stop.
+    /// Runs a tracker through a case; calls `progress` for each frame of the recording.
+    /// Errors: The tracker cannot be built or fails, or a signal requests a stop.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();
@@ -239,7 +239,7 @@ impl Recording {
     }
 }
 
-/// Returns the ground truth of the sequence called `name`; nothing can be measured without it.
+/// Returns the ground truth of the sequence `name`, or an error if there is none.
 pub(super) fn truth_of<T>(name: &str, truth: Option<T>) -> Result<T> {
     truth.with_context(|| format!("{name}: no ground truth beside it: expected gt.txt, groundtruth_rect.txt or groundtruth.txt (`track` needs none)"))
 }

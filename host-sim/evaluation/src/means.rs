@@ -1,6 +1,6 @@
-//! Means over recordings and their standard errors: recordings are a sample of all that there could be.
+//! Means over recordings, and their standard errors: the recordings count as a random sample.
 
-/// Applies `of` to each figure over all recordings; each recording has all figures.
+/// Applies `of` to the values of each figure; an entry of `recordings` has all figures of one recording.
 fn over(recordings: &[Vec<f64>], of: fn(&[f64]) -> f64) -> Vec<f64> {
     let values = |figure: usize| recordings.iter().map(|one| one[figure]).collect::<Vec<_>>();
     (0..recordings.first().map_or(0, Vec::len)).map(|figure| of(&values(figure))).collect()
@@ -10,7 +10,8 @@ pub fn means(recordings: &[Vec<f64>]) -> Vec<f64> {
     over(recordings, mean)
 }
 
-/// Returns the standard error of each mean: the standard deviation (over n - 1) over the square root of n. `None` of fewer than two recordings.
+/// Returns the standard error of each mean: the standard deviation (over n - 1) over the square root of n. `None` for
+/// fewer than two recordings.
 pub fn standard_errors(recordings: &[Vec<f64>]) -> Option<Vec<f64>> {
     (recordings.len() > 1).then(|| over(recordings, standard_error))
 }

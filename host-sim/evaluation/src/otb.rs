@@ -1,25 +1,25 @@
-//! The figures of OTB: Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013, one run from the first frame.
+//! Figures of the benchmark OTB: Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013, one run from the
+//! first frame.
 //!
 //! The figures count the frames in which the target is visible, with boxes as they were answered:
 //!
-//! - success at a threshold: the fraction of frames with IoU > threshold; the AUC is the mean of the success at
-//!   0, 0.05, ... 1
-//! - precision at a distance: the fraction of frames in which the centres of answer and truth are at most so far apart; it
-//!   is quoted at 20 pixels
+//! - success at a threshold: fraction of frames with IoU > threshold; the AUC is its mean at 0, 0.05, ... 1
+//! - precision at a distance: fraction of frames whose centres of answer and truth are at most so far apart; quoted at
+//!   20 px
 //!
-//! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21, as with the benchmark's own code.
+//! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21.
 
 use super::Trajectory;
 use super::means::means;
 use smr_recordings::BoundingBox;
 
-/// Intervals between the thresholds of the success curve, which has one point more.
+/// Number of intervals between thresholds of the success curve, which has one point more.
 pub const STEPS: usize = 20;
 
-/// The distance in pixels at which precision is quoted.
+/// Distance in pixels at which precision is quoted.
 pub const NEAR: usize = 20;
 
-/// The largest distance of the precision curve, in pixels.
+/// Largest distance of the precision curve, in pixels.
 pub const FARTHEST: usize = 50;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Otb {
 }
 
 impl Otb {
-    /// Computes the figures of trajectories of the same length.
+    /// Computes the figures; answers and truth have the same length.
     pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let passed: u32 = counts.above.iter().sum();
@@ -51,7 +51,6 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// Computes the curves of trajectories of the same length.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let curve = |of: &[u32]| of.iter().map(|&count| counts.per_frame(count)).collect();
@@ -68,7 +67,6 @@ impl Curves {
         area(&self.success)
     }
 
-    /// Returns the area under the precision curve, up to 50 pixels.
     pub fn precision_area(&self) -> f64 {
         area(&self.precision)
     }
@@ -136,13 +134,13 @@ mod tests {
             (&[None, None], &[near; 2], 0.0, 0.0),
             (&[near; 2], &[None, None], 0.0, 0.0),
             (&[], &[], 0.0, 0.0),
-            // Two frames right, one far away, one without an answer.
+            // Two right answers, one far away, one frame without an answer.
             (&[near, near, far, None], &[near; 4], 10.0, 0.5),
             // 5 to the right: the IoU is 50 / 150, above the thresholds 0, 0.05, ... 0.30.
             (&[at(5.0, 0.0)], &[near], 7.0, 1.0),
             // 6 to the right: the IoU is 40 / 160, which is not above the threshold 0.25.
             (&[at(6.0, 0.0)], &[near], 5.0, 1.0),
-            // Centres 20 pixels apart are near, farther ones are not; IoU is 0, so no threshold is passed.
+            // Centres 20 pixels apart count as near, farther ones do not; IoU is 0, so no threshold is passed.
             (&[at(12.0, 16.0)], &[near], 0.0, 1.0),
             (&[at(12.0, 16.1)], &[near], 0.0, 0.0),
             (&[far], &[near], 0.0, 0.0),
@@ -159,7 +157,7 @@ mod tests {
         let answers = [at(0.0, 0.0), at(3.0, 4.0), None, at(1.0, 1.0)];
         assert_eq!(centre_errors(&answers, &truth), [Some(0.0), Some(5.0), None, None]);
         let curves = Curves::new(&answers, &truth);
-        // The IoU of the second is 42 of 158.
+        // The IoU of the second frame is 42 / 158.
         assert_eq!([0, 5, 6, 19, 20].map(|step| curves.success[step] * 3.0), [2.0, 2.0, 1.0, 1.0, 0.0]);
         assert_eq!([0, 4, 5, 50].map(|pixels| curves.precision[pixels] * 3.0), [1.0, 1.0, 2.0, 2.0]);
         assert!((curves.precision_area() - (5.0 + 46.0 * 2.0) / 3.0 / 51.0).abs() < 1e-12);

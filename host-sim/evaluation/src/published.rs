@@ -1,11 +1,11 @@
-//! The paper's Table 2 as it is printed: published figures, nothing that was measured here.
+//! Table 2 of the paper as printed; nothing in it was measured here.
 
 pub(super) const SOURCE: &str = "printed";
 
-/// The recordings of the table, known by the names of their folders.
+/// Recordings of the table, by the names of their folders.
 const SEQUENCES: [&str; 6] = ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
 
-/// A tracker's correct frames; `None` where the paper has no figure.
+/// Correct frames of a tracker, by recording; `None` where the paper has no figure.
 pub(super) struct Row {
     pub tracker: &'static str,
     correct: [Option<u16>; 6],

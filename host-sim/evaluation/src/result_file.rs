@@ -1,4 +1,4 @@
-//! The result files of other trackers, to be measured and shown beside the methods.
+//! Result files of other trackers, which are scored and shown beside the trackers run here.
 
 use super::{Score, Trajectory};
 use anyhow::{Context, Result};
@@ -8,16 +8,14 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 pub struct ResultFile {
-    /// Name of the file, without its extension.
     pub name: String,
     pub answers: Vec<Option<BoundingBox>>,
     pub note: Option<String>,
 }
 
 impl ResultFile {
-    /// Reads the answers for `frames` frames, or for the frames of `part` if only a part of the recording is shown. A file that ends
-    /// early has no answer from there on; lines beyond the last frame are ignored. Published files have both faults.
-    /// Errors: The file cannot be read.
+    /// Reads the answers for `frames` frames, from the first one of `part` on. Published files may be too short or too
+    /// long: missing lines are frames without an answer, extra lines are ignored.
     pub fn read(path: &Path, part: Option<FrameRange>, frames: usize) -> Result<Self> {
         let mut answers = part.unwrap_or(FrameRange::from(1)).of(Form::Tld.read(path)?);
         let boxes = answers.len();
@@ -26,7 +24,7 @@ impl ResultFile {
         Ok(Self { name: name(path), answers, note })
     }
 
-    /// Errors: The ground truth is of another length.
+    /// Scores the answers; an error if the ground truth has another length.
     pub fn score(&self, truth: &Trajectory) -> Result<Score> {
         Score::with_confidence(&self.answers, &vec![None; truth.len()], truth)
     }
@@ -36,8 +34,8 @@ pub(super) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Returns other trackers' result files for the sequence at `path`: `trackers/*.txt` in its folder, in natural order.
-/// Errors: The folder exists, but cannot be read.
+/// Returns the result files beside the recording at `path`: `trackers/*.txt` in its folder, in natural order.
+/// Errors: The folder `trackers` exists, but cannot be read.
 pub fn result_files(path: &Path) -> Result<Vec<PathBuf>> {
     let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
     let folder = folder.join(RESULTS);

@@ -1,5 +1,5 @@
-//! The score of VOT's long-term challenge: Lukezic et al., *Now you see me: evaluating performance in long-term visual
-//! tracking*, 2018. The score is the highest F of a recording.
+//! The score of VOT's long-term challenge: the highest F of a recording. Lukezic et al., *Now you see me: evaluating
+//! performance in long-term visual tracking*, 2018.
 //!
 //! At a threshold, only answers with at least this confidence count, and they are not normalised:
 //!
@@ -7,14 +7,14 @@
 //! - recall: sum of their IoU over the number of frames in which the target is visible
 //! - F: 2 precision recall / (precision + recall)
 //!
-//! F is taken at the threshold at which it is largest, for each recording on its own. Thresholds are the confidences that were reported. An answer
-//! without a confidence has confidence 1, so it counts at every threshold; so does the box that the tracker was given.
+//! The threshold is the reported confidence at which F of the recording is largest. An answer without a confidence, or
+//! the box given to the tracker, has confidence 1, so it counts at every threshold.
 
 use super::Trajectory;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vot {
-    /// The largest F; 0 if no answer meets the target.
+    /// The largest F; 0 if no answer overlaps the target.
     pub vot_f: f64,
     pub vot_precision: f64,
     pub vot_recall: f64,
@@ -23,7 +23,7 @@ pub struct Vot {
 }
 
 impl Vot {
-    /// Computes the figures of trajectories of the same length; a confidence is `None` where none was reported.
+    /// Computes the figures; all arguments have the same length.
     pub(super) fn new(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Self {
         let visible = truth.iter().flatten().count() as f64;
         let answers = answers.iter().zip(truth).zip(confidences).filter_map(|((answer, truth), confidence)| {
@@ -38,7 +38,7 @@ impl Vot {
         for same in answers.chunk_by(|a, b| a.0 == b.0) {
             answered += same.len() as f64;
             sum += same.iter().map(|(_, iou)| iou).sum::<f64>();
-            // 2PR / (P + R), reduced by `sum`.
+            // F = 2PR / (P + R), with P = `sum` / `answered` and R = `sum` / `visible`.
             let f = 2.0 * sum / (answered + visible);
             if f > best.vot_f {
                 let (vot_precision, vot_recall) = (sum / answered, sum / visible);
@@ -65,7 +65,8 @@ mod tests {
         let truth = [right, at(3.0), None];
         let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
         let half = [right, right, wrong, wrong];
-        // All answers count: precision 1/2, recall 1/2. The wrong ones are less sure, so they can be left out: precision 1, recall 1/2.
+        // With all answers, precision and recall are 1/2. A threshold can exclude the wrong ones: precision 1, recall
+        // 1/2.
         let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
         let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
         let cases: [(&[_], &[_], &[_], Vot); 7] = [
@@ -87,8 +88,8 @@ mod tests {
         let truth = [at(0.0), at(0.0), at(0.0), None];
         let answers = [at(0.0), at(5.0), at(0.0), at(0.0)];
         let confidences = [None, Some(0.5), Some(0.5), Some(0.25)];
-        // At 1: sum 1 of 1 answer, F = 2 / (1 + 3) = 0.5. At 0.5, equal ones together: sum 1 + 1/3 + 1 of 3 answers, F = (14/3) / 6 = 7/9. At 0.25:
-        // hidden, so the same sum of 4 answers, F = (14/3) / 7 = 2/3.
+        // Threshold 1: IoU 1 in 1 answer, F = 2 / (1 + 3). Threshold 0.5: 1 + 1/3 + 1 in 3 answers, F = (14/3) / 6 =
+        // 7/9. Threshold 0.25: the target is hidden, F = (14/3) / 7 = 2/3.
         let vot = Vot::new(&answers, &confidences, &truth);
         assert_eq!(vot.vot_threshold, Some(0.5));
         for figure in [vot.vot_f, vot.vot_precision, vot.vot_recall] {

@@ -1,4 +1,4 @@
-//! Built-in scenes, drawn by code alone and alike on every machine. The browser's page has them as WebAssembly, which is without `std`.
+//! Built-in scenes, drawn by code, equal on every machine. For the browser they are WebAssembly, without `std`.
 
 #![cfg_attr(target_family = "wasm", no_std)]
 
@@ -12,8 +12,8 @@ pub mod tiles;
 #[allow(unsafe_code)] // the boundary to JavaScript
 mod web;
 
-/// Units in a pixel: positions are counted in sixteenths of a pixel.
+/// Units per pixel: positions are in sixteenths of a pixel.
 pub const PIXEL: i32 = 16;
 
-/// Left, top, width and height in pixels.
+/// A box: left, top, width and height in pixels.
 pub type Sides = [i32; 4];

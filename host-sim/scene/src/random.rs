@@ -1,16 +1,16 @@
-//! Random numbers that are the same on every machine: scenes, faults and covers are made from them.
+//! Random numbers for scenes, faults and covers, equal on every machine.
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
+/// The generator SplitMix64 (Steele, Lea, Flood 2014).
 pub struct Random(pub u64);
 
 impl Random {
-    /// A number from 0 to one below `end`; 0 if there is none.
+    /// Returns a random number from 0 to `end - 1`; 0 if `end` is not positive.
     pub fn below(&mut self, end: i64) -> i64 {
         let product = u128::from(self.next()) * u128::from(end.max(0).cast_unsigned());
         i64::try_from(product >> 64).unwrap_or(0)
     }
 
-    /// A random index of a list with this many entries.
+    /// Returns a random index of a list with this many entries.
     pub fn place(&mut self, entries: usize) -> usize {
         let product = u128::from(self.next()) * entries as u128;
         usize::try_from(product >> 64).unwrap_or(0)
@@ -24,7 +24,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Nearly normal with a standard deviation of 2.3: the sum of four uniform bytes, less its mean, over 64.
+    /// Returns nearly normal noise of standard deviation 2.3: the sum of four uniform bytes, less its mean, over 64.
     pub fn noise(&mut self) -> i32 {
         let [a, b, c, d, ..] = self.next().to_le_bytes().map(i32::from);
         (a + b + c + d - 4 * 255 / 2 + 32) >> 6

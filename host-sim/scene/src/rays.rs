@@ -1,19 +1,19 @@
-//! Rays that meet balls and blocks in sunlight, to draw generated scenes.
+//! Ray casting of balls and blocks in sunlight, for generated scenes.
 //!
-//! Only sums, products, quotients, remainders and square roots are used: IEEE 754 rounds them alike on every machine.
+//! Uses only sums, products, quotients, remainders and square roots, which IEEE 754 rounds alike on every machine.
 
 use super::texture::Texture;
 #[cfg(target_family = "wasm")]
 pub use super::web::sqrt;
 
-/// A place or a direction in meters (right, up, away), or a color as red, green and blue from 0 to 1.
+/// A position or direction in meters (right, up, away), or a color (red, green, blue) from 0 to 1.
 pub type Triple = [f64; 3];
 
-/// The direction of the sun.
+/// Direction towards the sun.
 pub const SUN: Triple = [-0.48, 0.77, -0.42];
 const HAZE: Triple = [0.78, 0.84, 0.90];
 
-/// Returns a color as it is seen at a distance, in the sun or in the shade.
+/// Shades a color by sunlight, and by haze at the distance `far` in meters.
 pub fn shown(color: Triple, normal: Triple, far: f64, is_lit: bool) -> Triple {
     let sun = if is_lit { 0.75 * dot(normal, SUN).max(0.0) } else { 0.0 };
     let light = 0.42 + 0.10 * normal[1] + sun;
@@ -25,12 +25,12 @@ pub fn levels(color: Triple) -> [u8; 3] {
     color.map(|channel| (channel * 255.0) as u8)
 }
 
-/// A ball, or a block whose four sides may lean, at `origin` and turned to its heading.
+/// A ball, or a block with four sides that may be slanted.
 pub struct Solid {
     pub origin: Triple,
-    /// Direction of the front, seen from above: right and away.
+    /// Direction of the front on the ground: right and away.
     heading: [f64; 2],
-    /// Radius around `origin` that holds the whole solid.
+    /// Radius in meters of a bounding sphere around `origin`.
     reach: f64,
     /// Outward normal of each face, and its distance from the origin; `None` for a ball.
     faces: Option<[(Triple, f64); 6]>,
@@ -38,27 +38,27 @@ pub struct Solid {
     paint: Paint,
 }
 
-/// Returns the color at a place of a solid with this normal, both in the solid's own axes; `leaves` is the texture of leaves.
+/// Returns the color at a position and normal, both in the solid's own axes; `leaves` is the texture of foliage.
 pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) -> Triple;
 
-/// Place where a ray enters a solid.
+/// Point where a ray enters a solid.
 pub struct Hit<'a> {
     pub far: f64,
     solid: &'a Solid,
-    /// Place and normal in the solid's own axes.
+    /// Position in the solid's own axes, as is `normal`.
     at: Triple,
     normal: Triple,
 }
 
 impl Hit<'_> {
-    /// Returns the color and the normal.
+    /// Returns the color, and the normal in the axes of the scene.
     pub fn seen(&self, leaves: &Texture) -> (Triple, Triple) {
         let (Solid { heading: [c, s], base, paint, .. }, [x, y, z]) = (self.solid, self.normal);
         (paint(*base, self.at, self.normal, leaves), [x * c - z * s, y, x * s + z * c])
     }
 }
 
-/// Back end, front end and half width of a block at its bottom and at its top.
+/// Back end, front end and half width of a block at one height, in meters.
 pub type Ends = [f64; 3];
 
 impl Solid {
@@ -89,7 +89,7 @@ impl Solid {
         Self { origin, heading, reach: length(corner), faces, base, paint }
     }
 
-    /// False if no line in this direction that begins within `reach` of a place meets the solid.
+    /// False if no ray in the direction `along` that starts within `reach` of `place` meets the solid.
     pub fn may_meet(&self, place: Triple, along: Triple, reach: f64) -> bool {
         let apart = minus(self.origin, place);
         let ahead = dot(apart, along);
@@ -131,12 +131,10 @@ impl Solid {
     }
 }
 
-/// True if the ray meets one of the solids.
 pub fn is_met<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, along: Triple) -> bool {
     solids.into_iter().any(|solid| solid.hit(from, along).is_some())
 }
 
-/// Returns the nearest hit among the solids.
 pub fn nearest<'a>(solids: impl IntoIterator<Item = &'a Solid>, from: Triple, along: Triple) -> Option<Hit<'a>> {
     solids.into_iter().filter_map(|solid| solid.hit(from, along)).min_by(|a, b| a.far.total_cmp(&b.far))
 }

@@ -1,7 +1,6 @@
-//! The built-in recording to look at: a street seen from a mast, drawn by code in color, with a red car to follow.
+//! A built-in recording for demonstrations: a street seen from a mast, in color, with a red car as the target.
 //!
-//! 300 frames of 320x240 pixels, the same on every platform: see `rays.rs`. The still objects are drawn once; each
-//! frame adds the two cars and their shadows.
+//! 300 frames of 320x240 pixels, the same on every platform: see `rays.rs`.
 //!
 //! | frames (from 0) | what happens |
 //! |---|---|
@@ -22,7 +21,7 @@ use core::array;
 pub const LENGTH: usize = 300;
 pub const WIDTH: u16 = 320;
 pub const HEIGHT: u16 = 240;
-/// Rays along each side of a pixel.
+/// Rays along each side of a pixel, which are averaged.
 const FINE: u16 = 3;
 
 const EYE: Triple = [0.0, 12.0, 0.0];
@@ -35,9 +34,9 @@ const RAYS: usize = FINE as usize * FINE as usize;
 const PIXELS: usize = WIDTH as usize * HEIGHT as usize;
 const SOLIDS: usize = 85;
 
-/// The street as it is drawn: 12 MB, which are zeros at first.
+/// Buffers in which the street is drawn: 12 MB, all zero before the first frame.
 pub struct Street {
-    /// Frame in `pixels`, counted from 1.
+    /// Number of the frame in `pixels`, from 1; 0 if none is drawn.
     number: usize,
     pixels: [[u8; 4]; PIXELS],
     still: [[u8; 4]; PIXELS],
@@ -54,7 +53,7 @@ impl Street {
         leaves: Texture::BLANK,
     };
 
-    /// Draws frame `index`, counted from 0: red, green, blue and opacity of each pixel.
+    /// Draws frame `index`, from 0: red, green, blue and opacity of each pixel.
     pub fn frame(&mut self, index: usize) -> &[[u8; 4]] {
         if self.number == index.saturating_add(1) {
             return &self.pixels;
@@ -62,7 +61,7 @@ impl Street {
         self.stand();
         self.number = index.saturating_add(1);
         let cars = cars(index);
-        // No part of a car lies farther than 4 meters from its middle.
+        // No part of a car is farther than 4 meters from its centre.
         let shading = solids(&|solid| cars.iter().any(|car| solid.may_meet(car[0].origin, SUN, 4.0)));
         self.pixels = self.still;
         for (x, y) in cars.iter().flat_map(|car| around(car)) {
@@ -77,7 +76,7 @@ impl Street {
         &self.pixels
     }
 
-    /// Draws what stands still, once.
+    /// Draws the still objects of the scene, on the first call only.
     fn stand(&mut self) {
         if self.still[0] != [0; 4] {
             return;
@@ -123,7 +122,6 @@ fn place(x: u16, y: u16) -> usize {
     usize::from(y) * usize::from(WIDTH) + usize::from(x)
 }
 
-/// Returns the direction of ray number `ray` of a pixel.
 fn direction(x: u16, y: u16, ray: usize) -> Triple {
     let within = |place: usize| (place as f64 + 0.5) / f64::from(FINE);
     let right = f64::from(x) + within(ray % usize::from(FINE)) - f64::from(WIDTH) / 2.0;
@@ -131,11 +129,11 @@ fn direction(x: u16, y: u16, ray: usize) -> Triple {
     unit([right, up - DOWN * FOCAL, FOCAL + DOWN * up])
 }
 
-/// Returns the pixels that a car and its shadow may reach.
+/// Returns the pixels that a car and its shadow may cover.
 fn around(car: &[Solid]) -> impl Iterator<Item = (u16, u16)> + use<> {
     let [x, y, z] = minus(car[0].origin, EYE);
     let scale = FOCAL * (1.0 + DOWN * DOWN) / (z - DOWN * y);
-    // `middle` and `reach` in meters.
+    // `middle` and `reach` are in meters.
     let side = |middle: f64, reach: f64, most: u16| {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
         let at = |place: f64| ((f64::from(most) / 2.0 + place * scale) as u16).min(most);
@@ -156,11 +154,11 @@ fn mean(color: impl Fn(usize) -> [u8; 3]) -> [u8; 4] {
     [red, green, blue, u8::MAX]
 }
 
-/// The first still object that a ray meets.
+/// The nearest still object on a ray.
 #[derive(Clone, Copy)]
 struct Ray {
     far: f64,
-    /// Color in the sun, if no other object stands between.
+    /// Color in sunlight, or in the shadow of another still object.
     lit: [u8; 3],
     shaded: [u8; 3],
 }
@@ -205,10 +203,10 @@ impl Ray {
     }
 }
 
-/// The car to follow, and its twin, which comes the other way.
+/// Returns the target and its twin, which drives the other way; a car is a body and a cabin.
 fn cars(index: usize) -> [[Solid; 2]; 2] {
     let frame = index.min(LENGTH - 1) as f64;
-    // The cars brake a little.
+    // Distance driven, in meters; the cars slow down a little.
     let gone = (0.24 - 0.00014 * frame) * frame;
     let road = road();
     let on = |along: f64, way: f64| {
@@ -251,11 +249,11 @@ fn car([x, z]: [f64; 2], heading: [f64; 2], base: Triple) -> [Solid; 2] {
     ]
 }
 
-/// Middle line of the road: points less than half a meter apart, each with its distance along the road.
+/// Centre line of the road: points less than half a meter apart, each with its distance along the road.
 type Road = [([f64; 2], f64); 400];
 
 fn road() -> Road {
-    /// Ends of bends in turn with the points where the tangents of two ends meet.
+    /// Control points of Bezier curves: ends of bends alternate with the points where the tangents of two ends meet.
     const BENDS: [f64; 18] =
         [48.0, 62.0, 26.0, 62.0, 6.0, 62.0, -12.0, 62.0, -9.5, 48.5, -7.1, 35.5, 5.0, 32.8, 22.0, 29.0, 39.0, 25.2];
     let bends = BENDS.as_chunks::<2>().0;
@@ -269,7 +267,7 @@ fn road() -> Road {
     })
 }
 
-/// Returns the place at a distance along the road, and the heading there.
+/// Returns the position at the distance `along` (meters) on the road, and the heading there.
 fn at(road: &Road, along: f64) -> ([f64; 2], [f64; 2]) {
     let next = road.partition_point(|(_, length)| *length <= along).clamp(1, road.len() - 1);
     let ((from, start), (to, end)) = (road[next - 1], road[next]);
@@ -277,9 +275,8 @@ fn at(road: &Road, along: f64) -> ([f64; 2], [f64; 2]) {
     ([0, 1].map(|axis| from[axis] + step[axis] * (along - start)), step)
 }
 
-/// Returns the color of the ground at a place.
 fn ground(road: &Road, [grass, asphalt]: &[Texture; 2], [x, _, z]: Triple) -> Triple {
-    // Squares, because roots take long.
+    // Compares squared distances, because square roots are slow.
     let (mut square, mut along) = (f64::INFINITY, 0.0);
     for &([right, away], length) in road {
         let (right, away) = (right - x, away - z);
@@ -305,7 +302,7 @@ fn ground(road: &Road, [grass, asphalt]: &[Texture; 2], [x, _, z]: Triple) -> Tr
     }
 }
 
-/// Returns the brightness of a texture at a place, from 0 to 1.
+/// Returns the brightness of a texture at a position in meters, from 0 to 1.
 fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation)] // it saturates
     let sixteenths = |side: f64| (side * f64::from(PIXEL)) as i32;
@@ -314,7 +311,7 @@ fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
 
 type Solids = [Option<Solid>; SOLIDS];
 
-/// Returns the solids that stand still and are `wanted`.
+/// Returns the still solids for which `wanted` is true.
 fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
     let mut solids = [const { None }; SOLIDS];
     let mut count = 0;
@@ -336,7 +333,7 @@ fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
         let (eaves, ridge) = ([-5.0, 5.0, 4.1], [-4.2, 4.2, 0.0]);
         add(Solid::block([x, tall, z], [1.0, 0.0], [0.0, 3.2], [eaves, ridge], roof, tiles));
     }
-    // Each tree: right, away, height and width.
+    // Each tree: position to the right and away, height of the trunk and scale of the crown.
     const TREES: [f64; 44] = [
         3.4, 46.0, 3.3, 0.65, -2.5, 45.0, 0.7, 0.7, 0.2, 40.6, 0.5, 0.6, 10.5, 41.5, 0.8, 0.8, -7.9, 27.5, 0.6, 0.8,
         -5.9, 26.6, 0.4, 0.6, 8.2, 25.0, 0.5, 0.6, -18.5, 60.0, 4.2, 1.0, 1.5, 73.0, 4.4, 1.2, 15.0, 72.5, 4.0, 1.1,
@@ -361,7 +358,7 @@ fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
 fn tree(mut add: impl FnMut(Solid), [x, z]: [f64; 2], tall: f64, wide: f64) {
     let (low, high) = ([-0.2, 0.2, 0.2], [-0.12, 0.12, 0.12]);
     add(Solid::block([x, 0.0, z], [1.0, 0.0], [0.0, tall], [low, high], [0.38, 0.27, 0.18], plain));
-    // Each ball: right, up, away and size.
+    // Each ball of a crown: offset to the right, up and away, and radius, times the scale of the crown.
     const BALLS: [f64; 20] =
         [0.0, 0.0, 0.0, 1.5, -0.9, -0.5, -0.3, 1.1, 0.9, -0.4, -0.2, 1.15, 0.2, 0.9, 0.1, 1.1, -0.1, -0.7, -0.7, 1.1];
     for &[right, up, away, reach] in BALLS.as_chunks().0 {
@@ -379,7 +376,7 @@ fn leaves(base: Triple, [x, y, z]: Triple, _: Triple, texture: &Texture) -> Trip
     base.map(|channel| channel * (0.55 + 0.9 * spots))
 }
 
-/// A wall with windows and a door.
+/// Paints a wall with windows and a door.
 fn front(base: Triple, [x, y, _]: Triple, normal: Triple, _: &Texture) -> Triple {
     let (beside, above) = (((x + 4.6) % 2.3 - 1.15).abs(), ((y - 0.3) % 2.7 - 1.3).abs());
     let is_door = (0.0..2.3).contains(&x) && y < 2.2;

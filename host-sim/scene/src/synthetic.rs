@@ -1,8 +1,8 @@
-//! The built-in recording that is generated, for checks on a machine without recordings.
+//! A generated built-in recording, for tests on a machine without recordings.
 //!
-//! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A textured target of 24x28 pixels moves,
-//! in whole pixels, over a textured background that pans in sixteenths of a pixel. All the time the sensor adds noise (standard deviation 2.3); the
-//! light drifts from 100 % to 78 % to 113 % to 98 %.
+//! 240 frames of 160x120 pixels, the same on every platform: integers only, own random numbers, fixed seeds. A textured
+//! target of 24x28 pixels moves in whole pixels over a textured background that pans in sixteenths of a pixel. The
+//! sensor adds noise (standard deviation 2.3); the light drifts from 100 % to 78 % to 113 % to 98 %.
 //!
 //! | frames (from 0) | what happens |
 //! |---|---|
@@ -26,23 +26,23 @@ const TARGET_WIDTH: i32 = 24 * PIXEL;
 const TARGET_HEIGHT: i32 = 28 * PIXEL;
 const POST_WIDTH: i32 = 36 * PIXEL;
 
-/// Frames and values. A value holds in its frame and changes smoothly to the value of the next.
+/// Key frames: pairs of a frame number and a value, with smooth interpolation between them.
 pub type Keys = [(i32, i32)];
 
-/// Left and top edge of the target in whole pixels: with fractions, a template that is replaced every frame loses a
-/// part of each step of a slow motion, and this recording is to be followed to its end.
+/// Left and top edge of the target in whole pixels. At fractions, a template that is replaced in every frame drifts,
+/// but trackers must be able to follow this recording to its end.
 const TARGET_X: &Keys =
     &[(0, 36), (32, 84), (66, 60), (134, 64), (160, 8), (184, -28), (190, -28), (224, 56), (239, 66)];
 const TARGET_Y: &Keys = &[(0, 24), (32, 52), (66, 66), (134, 62), (184, 46), (190, 46), (239, 54)];
-/// Left edge of the post, which is as high as the picture, in pixels.
+/// Left edge in pixels of the post, which is as high as the picture.
 const POST_X: &Keys = &[(48, 161), (75, 85), (100, 76), (110, 76), (134, 88), (154, 161)];
-/// Motion of the background to the left and up in pixels: never so far that its texture repeats.
+/// Motion of the background to the left and up in pixels, too small for its texture to repeat.
 const PAN_X: &Keys = &[(0, 0), (120, 70), (239, 10)];
 const PAN_Y: &Keys = &[(0, 12), (80, 26), (160, 0), (239, 20)];
-/// Light; 256 leaves the textures as they are. It does not change while the target is outside.
+/// Brightness in 256ths, constant while the target is outside of the picture.
 const LIGHT: &Keys = &[(0, 256), (80, 200), (150, 290), (210, 290), (239, 250)];
 
-/// The box of the target in frame `index`; `None` where more than half of it is hidden or outside.
+/// Returns the box of the target in frame `index`; `None` where more than half of it is hidden or outside.
 pub fn truth(index: usize) -> Option<Sides> {
     let scene = Scene::at(index);
     let sides = [scene.target_x, scene.target_y, TARGET_WIDTH, TARGET_HEIGHT];
@@ -72,15 +72,15 @@ impl Scene {
         }
     }
 
-    /// Returns the pixel whose top left corner is at (`x`, `y`), as the sensor gives it.
+    /// Returns the gray level, with sensor noise, of the pixel at (`x`, `y`), its top left corner in sixteenths.
     fn pixel(&self, textures: &Textures, x: i32, y: i32, noise: &mut Random) -> u8 {
         let lit = (self.texture(textures, x, y) * self.light) >> 16;
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
     }
 
-    /// The texture at a place, in 256ths of a gray level: the post before the target before the background.
+    /// Returns the texture in 256ths of a gray level: the post covers the target, which covers the background.
     fn texture(&self, textures: &Textures, x: i32, y: i32) -> i32 {
-        // A pixel shows what is at its middle.
+        // A pixel shows the texture at its centre.
         let (dx, dy) = (x - self.target_x + PIXEL / 2, y - self.target_y + PIXEL / 2);
         let post = x - self.post_x + PIXEL / 2;
         if (0..POST_WIDTH).contains(&post) {
@@ -92,7 +92,7 @@ impl Scene {
         }
     }
 
-    /// The area of the target that is inside the picture and not behind the post.
+    /// Returns the area of the target inside the picture and not behind the post, in squared sixteenths of a pixel.
     fn visible(&self) -> i32 {
         let (width, height) = (i32::from(WIDTH) * PIXEL, i32::from(HEIGHT) * PIXEL);
         let inside = |from: i32, to: i32| (to.min(width) - from.max(0)).max(0);
@@ -103,7 +103,7 @@ impl Scene {
     }
 }
 
-/// Returns the value in `frame`, times `unit`. It changes fastest half way between two keys (3 t^2 - 2 t^3).
+/// Interpolates the value in `frame` between two keys by 3 t^2 - 2 t^3, and multiplies it by `unit`.
 pub fn between(keys: &Keys, frame: i32, unit: i32) -> i32 {
     let next = keys.partition_point(|&(key, _)| key <= frame);
     let Some(&(start, from)) = keys.get(next.saturating_sub(1)) else { return 0 };
@@ -128,7 +128,7 @@ impl Textures {
         }
     }
 
-    /// Draws frame `index`, counted from 0, with this noise: its pixels row after row. After the last one everything stands still, but for the noise.
+    /// Draws frame `index`, from 0, row by row; `noise` is the seed of its noise. After the last frame nothing moves.
     pub fn frame(&self, index: usize, noise: u64) -> impl Iterator<Item = u8> {
         let (scene, mut noise) = (Scene::at(index), Random(noise));
         let places = (0..i32::from(HEIGHT)).flat_map(|y| (0..i32::from(WIDTH)).map(move |x| (x, y)));

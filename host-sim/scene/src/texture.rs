@@ -1,15 +1,16 @@
-//! Textures: gray levels that repeat.
+//! Periodic textures of random gray levels.
 
 use super::PIXEL;
 use super::random::Random;
 
-/// 256x256 gray levels: the low byte of a coordinate is the column or the row.
+/// A texture of 256x256 gray levels, indexed by the low bytes of row and column, so it repeats.
 pub struct Texture([u8; 1 << 16]);
 
 impl Texture {
     pub(super) const BLANK: Self = Self([0; 1 << 16]);
 
-    /// Averages random gray levels `coarse` pixels apart and others `fine` pixels apart, with blended levels between; from `darkest` to `brightest`.
+    /// Averages two grids of random levels, `coarse` and `fine` pixels apart and interpolated between, in the range
+    /// from `darkest` to `brightest`.
     pub fn new(seed: u64, (coarse, fine): (i32, i32), (darkest, brightest): (i32, i32)) -> Self {
         let mut random = Random(seed);
         let mut grid = || Self(core::array::from_fn(|_| random.next().to_le_bytes()[0]));
@@ -23,7 +24,7 @@ impl Texture {
         Self(levels)
     }
 
-    /// Blends the four pixels around the position, in 256ths of a gray level.
+    /// Interpolates bilinearly at a position in sixteenths of a pixel; returns 256ths of a gray level.
     pub fn sample(&self, x: i32, y: i32) -> i32 {
         let (column, row) = (x.div_euclid(PIXEL), y.div_euclid(PIXEL));
         let (right, low) = (x.rem_euclid(PIXEL), y.rem_euclid(PIXEL));

@@ -1,7 +1,6 @@
-//! A target of strong tiles on a background of weak ones: it moves by two pixels to the right and one down in each frame, and is hidden
-//! in the frames 12 to 19 (from 0).
-//!
-//! Integers only and nothing in memory, so that firmware draws the same pixels as the host.
+//! A built-in recording: a target of strong tiles moves over a background of weak ones, by 2 pixels to the right and 1
+//! down per frame; it is hidden in frames 12 to 19 (from 0). Integers only and no buffer, so that firmware draws the
+//! same pixels as the host.
 
 pub const WIDTH: u16 = 320;
 pub const HEIGHT: u16 = 240;
@@ -20,14 +19,13 @@ pub const fn is_hidden(frame: u16) -> bool {
     frame >= 12 && frame < 20
 }
 
-/// The gray level of a pixel in a frame.
 pub fn level(frame: u16, x: u16, y: u16) -> u8 {
     let (left, top) = place(frame);
     let inside = (left..left + SIDE).contains(&x) && (top..top + SIDE).contains(&y);
     if inside && !is_hidden(frame) { tile((x - left) / 5, (y - top) / 5) } else { 90 + tile(x / 8, y / 8 + 40) / 6 }
 }
 
-/// A level for each tile, which looks random.
+/// Returns a pseudo-random level for each tile.
 fn tile(column: u16, row: u16) -> u8 {
     let number = (u32::from(column) * 73 + u32::from(row) * 179 + 7).wrapping_mul(2_654_435_761);
     number.to_be_bytes()[0]

@@ -1,10 +1,10 @@
-//! The functions by which JavaScript (`core/web/page/worker.js`) draws the street.
+//! Functions by which JavaScript (`core/web/page/worker.js`) draws the street.
 
 use crate::street::Street;
 
 static mut STREET: Street = Street::BLANK;
 
-/// Draws frame `index`, counted from 0, and returns the place of its pixels: red, green, blue and opacity.
+/// Draws frame `index`, from 0, and returns a pointer to its pixels: red, green, blue and opacity.
 #[unsafe(no_mangle)]
 extern "C" fn street_frame(index: usize) -> *const [u8; 4] {
     // SAFETY: A module has one thread, and nothing else uses the street.
