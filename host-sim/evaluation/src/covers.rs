@@ -1,7 +1,7 @@
-//! A covered lens: in the middle of a recording, 300 frames show nothing of the target; then the recording goes on.
+//! Test of a covered lens: 300 frames that show nothing of the target are inserted in the middle of a recording.
 //!
-//! The goals of a tracker: *tracking* in at most `TRACKING` covered frames, *lost* by covered frame `LOST_BY`, and a
-//! right box within `AGAIN` frames after the cover, if the box was right before it.
+//! A tracker should report *tracking* in at most `TRACKING` covered frames, *lost* by covered frame `LOST_BY`, and a
+//! right box within `AGAIN` frames after the cover, if its box was right before.
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Recording};
 use super::robustness::whole;
@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const FRAMES: usize = 300;
-/// The most covered frames that may be called *tracking*.
+/// Most covered frames in which a tracker may report *tracking*.
 const TRACKING: usize = 2;
-/// Covered frame by which the target must be lost, counted from 1.
+/// Covered frame, from 1, by which a tracker must report *lost*.
 const LOST_BY: usize = 30;
-/// Frames after the cover within which the box must become right.
+/// Frames after the cover within which the box must become right again.
 const AGAIN: usize = 10;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,18 +34,18 @@ struct Counts {
     tracking: usize,
     /// The first covered frame with the state *lost*, counted from 1.
     lost_at: Option<usize>,
-    /// Number of the first frame after the cover in which the box was right, from 1 to `AGAIN`.
+    /// First frame after the cover in which the box was right, from 1 to `AGAIN`.
     right_again: Option<usize>,
 }
 
-/// A goal: its words in the list of misses, and a check that is true if a recording misses the goal.
+/// A goal: its text in the list of misses, and a check that is true if a recording misses it.
 type Goal = (&'static str, fn(&Counts) -> bool);
 
 const NOT_TRACKING: Goal = ("tracking in more than 2 frames", |of| of.tracking > TRACKING);
 const LOST: Goal = ("not lost by frame 30", |of| of.lost_at.is_none_or(|frame| frame > LOST_BY));
 const RIGHT_AGAIN: Goal = ("not right again", |of| of.right_before && of.right_again.is_none());
 
-/// Counts of a tracker and a cover, over all recordings.
+/// Counts of a tracker under a cover, over all recordings.
 struct Row {
     tracker: String,
     origin: Origin,
@@ -53,7 +53,7 @@ struct Row {
     recordings: Vec<Counts>,
 }
 
-/// Runs every variant through every cover, in the middle of the recordings at `paths` and of the generated ones.
+/// Runs every variant through every cover, in the middle of the recordings at `paths` and of generated ones.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -76,9 +76,9 @@ struct Covers<'a> {
 }
 
 impl Covers<'_> {
-    /// Returns a frame of another scene, in the size of the recording at `place`.
+    /// Returns a frame of another scene than the recording at `place`, scaled to `width` x `height`.
     fn other(&self, place: usize, width: u16, height: u16) -> Result<GrayFrame> {
-        // The recording half the list away: neighbours by name often show the same scene.
+        // Takes the recording half the list away, because neighbours by name often show the same scene.
         let path = match self.paths.len() {
             count if count > 1 && place < count => &self.paths[(place + count / 2) % count],
             _ => Path::new(synthetic::NAME),
@@ -133,7 +133,7 @@ const MEASURED: &[Column<Counts>] = &[
     ("right_again", "", 0, |of| of.right_again.into()),
 ];
 
-/// Columns of a cover. The median is the larger of two middle values.
+/// Columns of the table of covers. The median is the larger of two middle values.
 const COVERS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("cover", "cover", 0, |row| choice_name(&row.cover).into()),
@@ -157,7 +157,7 @@ impl Row {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
 
-    /// Returns the frames with the state *tracking* in the median of the recordings, and in the worst.
+    /// Returns the median and the maximum, over the recordings, of the frames with the state *tracking*.
     fn tracking(&self) -> (usize, usize) {
         let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
         all.sort_unstable();
@@ -176,7 +176,7 @@ impl Row {
         self.recordings.iter().filter(|of| misses(of)).map(|of| of.sequence.as_str()).collect()
     }
 
-    /// Returns a line for each goal that is missed, with the recordings that miss it.
+    /// Returns a line for each missed goal, with the recordings that miss it.
     fn missed(&self) -> Vec<String> {
         let missed = [NOT_TRACKING, LOST, RIGHT_AGAIN].map(|goal| (goal.0, self.missing(goal)));
         let missed = missed.iter().filter(|(_, which)| !which.is_empty());
@@ -185,7 +185,7 @@ impl Row {
     }
 }
 
-/// Makes the tables of counts and of rows over recordings, and a line for each missed goal.
+/// Returns the tables of single runs and of covers, and a line for each missed goal.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let cases = variants.iter().flat_map(|variant| Cover::value_variants().iter().map(move |&cover| (variant, cover)));
     let row = |(variant, cover): (&Variant, Cover)| {

@@ -1,4 +1,4 @@
-//! Scores of whole recordings from one start: trackers run here and results of others, in tables with the paper's.
+//! Scores of whole recordings from one start: of trackers run here and of result files, in tables beside the paper's.
 
 use super::matrix::truth_of;
 use super::means::{means, standard_errors};
@@ -30,10 +30,8 @@ impl Contestant {
     }
 }
 
-/// A recording, and the score of each contestant.
 pub struct Evaluation {
     pub sequence: String,
-    /// Frames in which the target is visible.
     pub visible: usize,
     pub scores: Vec<(Contestant, Score)>,
     /// Errors of contestants without a score.
@@ -41,7 +39,7 @@ pub struct Evaluation {
     pub notes: Vec<String>,
 }
 
-/// Evaluates recordings in parallel, each on one thread; if `compares`, also other trackers' results beside them.
+/// Evaluates recordings in parallel, each on one thread; if `compares`, scores the result files beside them, too.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -67,7 +65,7 @@ pub fn measure(
             Err(error) => failures.push(error),
         }
     }
-    // A run that was stopped is no failure.
+    // A run stopped by a signal is no failure.
     failures.retain(|_| !cleanup::is_stopped());
     evaluations.retain(|evaluation| !evaluation.scores.is_empty());
     Measured {
@@ -78,11 +76,11 @@ pub fn measure(
     }
 }
 
-/// Runs `variants` over the sequence, and scores the results of other trackers in `files`.
+/// Runs `variants` over the sequence, and scores the result files of other trackers in `files`.
 ///
-/// One thread decodes each frame once and drops it when all methods have seen it; then `progress` is called.
-/// Errors: No ground truth or one of another length, no box to start from, or a frame that cannot be read. The error of
-/// a single contestant goes to [`Evaluation::failures`].
+/// Each frame is decoded once and dropped when all methods have seen it; then `progress` is called.
+/// Errors: No ground truth or one of another length, no start box, or a frame that cannot be read. The error of a
+/// single contestant goes to [`Evaluation::failures`].
 pub fn evaluate(
     sequence: Sequence,
     variants: &[Variant],
@@ -126,15 +124,14 @@ impl Evaluation {
         }
     }
 
-    /// Makes tables of all scores and their means over recordings, and one of correct frames beside the paper's.
-    ///
-    /// Methods come first, in the user's order, then the files of other trackers, in natural order.
+    /// Returns tables of all scores, of their means over recordings, and of correct frames beside the paper's. Methods
+    /// come first, in the user's order, then result files, in natural order.
     pub fn tables(all: &[Self]) -> Tables {
         let origin = Head::all(Origin::COLUMNS);
         let figures = Score::FIGURES.iter().map(|of| Head::new(of.key, of.title, of.digits)).collect();
         let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence")]);
         let mut measured = Table::new(TableName::Measured, 2, [names, figures, origin.clone()].concat());
-        // People see the means as remarks below the measured rows.
+        // Text and Markdown show the means as remarks below the measured rows, not as a table.
         let names = Head::list(&[("tracker", ""), ("recordings", "")]);
         let with_errors = Head::with_errors(with_mean().map(|figure| figure.key));
         let mut means_of_all = Table::new(TableName::Means, 0, [names, with_errors, origin].concat());
@@ -169,7 +166,7 @@ impl Evaluation {
             if scores.len() < 2 {
                 continue;
             }
-            // Recordings count alike; a recording in which the target is never visible is in no mean.
+            // All recordings have equal weight; one in which the target is never visible enters no mean.
             let known = scores.iter().filter(|score| score.visible > 0);
             let known: Vec<Vec<f64>> =
                 known.map(|score| with_mean().map(|figure| (figure.of)(score).unwrap_or(0.0)).collect()).collect();
@@ -192,7 +189,6 @@ fn with_mean() -> impl Iterator<Item = &'static Figure> {
     Score::FIGURES.iter().filter(|figure| figure.has_mean)
 }
 
-/// Returns all contestants with a score on at least one sequence.
 fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
     let mut all: Vec<Contestant> = Vec::new();
     for (contestant, _) in evaluations.iter().flat_map(|e| &e.scores) {
@@ -200,7 +196,7 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
             all.push(contestant.clone());
         }
     }
-    // The sort is stable: methods, being equal here, keep their order.
+    // The sort is stable, so methods, which compare as equal, keep their order.
     all.sort_by(|a, b| match (&a.origin, &b.origin) {
         (None, None) => natord::compare(&a.name, &b.name),
         (a, b) => a.is_none().cmp(&b.is_none()),
@@ -208,7 +204,7 @@ fn contestants(evaluations: &[Evaluation]) -> Vec<Contestant> {
     all
 }
 
-/// Runs the followers side by side. After an error a follower gets no more frames; the others go on.
+/// Runs the followers over the frames. After an error a follower gets no more frames.
 fn follow(
     frames: impl Iterator<Item = Result<Frame>>,
     followers: Vec<Follower>,

@@ -1,8 +1,8 @@
-//! Faults of the camera: the state during one, how soon the box is right again, and how often *tracking* was said and wrong.
+//! Test of camera faults: states during a fault, frames until the box is right again, and wrong *tracking* states.
 //!
-//! A fault is put into a recording at several places. Each is a run of its own: the tracker is locked on the ground truth's box
-//! `LEAD` frames before the fault, and is watched for `WATCHED` frames after it. The same runs are repeated without a
-//! fault, to show what goes wrong anyway.
+//! A fault is inserted at several frames of a recording, in a run each. The tracker is locked on the ground truth
+//! `LEAD` frames before the fault, and runs until `WATCHED` frames after it. The same runs without a fault are the
+//! control.
 
 use super::matrix::{self, Case, Intervention, Measured, Progress, Protocol, Record, Recording};
 use super::table::{Column, Table, TableName, Tables};
@@ -19,18 +19,18 @@ use std::path::{Path, PathBuf};
 const LEAD: usize = 10;
 /// Frames after the fault in which the box may become right again.
 const WATCHED: usize = 50;
-/// Most places of a fault in a recording.
+/// Most frames of a recording at which a fault is inserted, each in a run of its own.
 const PLACES: usize = 8;
 
 /// The default trackers: both of smr-core.
 pub const METHODS: [MethodKind; 2] = [MethodKind::Smr, MethodKind::Robust];
 
-/// A tracker and a fault, over all places of all recordings.
+/// Results of a tracker under a fault, over all runs on all recordings.
 #[derive(Debug)]
 struct Row {
     tracker: String,
     origin: Origin,
-    /// `None` for the same runs without a fault.
+    /// The fault; `None` for the same runs without a fault.
     fault: Option<Fault>,
     /// Counts of the runs whose box was right in the frame before the fault.
     runs: Vec<Counts>,
@@ -38,29 +38,29 @@ struct Row {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Counts {
-    /// Frames that came during the fault, by state.
+    /// Frames delivered during the fault, by the state of the tracker.
     states: [usize; 4],
-    /// Frames that came during the fault with the target visible.
+    /// Frames delivered during the fault in which the target is visible.
     visible: usize,
     /// Frames during the fault in which the box was right.
     right: usize,
-    /// Frames after the fault until the box was right again; `None` if it was not in the frames watched.
+    /// Frames after the fault until the box was right again; `None` if it never was.
     until_right: Option<usize>,
     /// True if the box was right in the last frame in which the target is visible.
     right_at_the_end: bool,
-    /// Frames from the first of the fault to the last that was watched.
+    /// Frames from the start of the fault to the end of the run.
     frames: usize,
-    /// Frames in which *tracking* was said although the box was wrong or the target hidden.
+    /// Frames with the state *tracking* although the box was wrong or the target hidden.
     tracking_while_wrong: usize,
 }
 
 struct Faults<'a> {
-    /// Cases at each place: first no fault, then each of the faults.
+    /// Faults to insert at each place: first none, as a control, then each of the faults.
     cases: Vec<Option<&'a Fault>>,
     longest: usize,
 }
 
-/// Runs every variant without a fault, and through each of `faults`, at every place of each recording.
+/// Runs every variant without a fault, and through each of `faults`, at several frames of each recording.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -83,12 +83,11 @@ impl<'f> Faults<'f> {
         Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
     }
 
-    /// Returns the frame after a fault at `place`. A run without a fault counts as many frames as the longest fault.
+    /// Returns the end of a fault that begins in frame `place`; without a fault, of one as long as the longest.
     fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
         place + fault.map_or(self.longest, Fault::frames)
     }
 
-    /// Returns a row for each variant and fault; none if nothing was measured.
     fn rows(&self, records: &[Record<'_, Option<Counts>>], variants: &[Variant]) -> Vec<Row> {
         let cases = variants.iter().flat_map(|variant| self.cases.iter().map(move |&fault| (variant, fault.copied())));
         let row = |(variant, fault): (&Variant, Option<Fault>)| {
@@ -135,7 +134,7 @@ impl Protocol for Faults<'_> {
 }
 
 /// Returns the frames in which faults begin, spread evenly over the recording, and the box to lock on before each. The
-/// target is visible at the lock and where the fault begins.
+/// target is visible in the frame of the lock and where the fault begins.
 fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
     let visible = |frame: usize| recording.truth.get(frame).is_some_and(Option::is_some);
     let bounds = recording.bounds();
@@ -150,7 +149,7 @@ fn places(recording: &Recording, longest: usize) -> Vec<(usize, Rect)> {
 }
 
 impl Counts {
-    /// Returns the frames that came during the fault and have an answer: those that are not *lost*.
+    /// Returns the number of frames during the fault that have an answer, that is, are not *lost*.
     fn answered(&self) -> usize {
         self.states.iter().sum::<usize>() - self.states[State::Lost as usize]
     }
@@ -183,7 +182,7 @@ impl Counts {
     }
 }
 
-/// Columns of a fault. Frames until the box was right: the median and the most, over the runs in which it became right.
+/// Table columns. Frames until the box was right are median and maximum over the runs in which it became right.
 const COLUMNS: &[Column<Row>] = &[
     ("tracker", "tracker", 0, |row| row.tracker.as_str().into()),
     ("fault", "fault", 0, |row| row.fault.map_or("none".to_owned(), |fault| fault.to_string()).into()),
@@ -231,14 +230,13 @@ impl Row {
         self.runs.iter().map(of).sum()
     }
 
-    /// Returns the frames until the box was right again, sorted, for the runs in which it became right.
     fn until_right(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.runs.iter().filter_map(|run| run.until_right).collect();
         all.sort_unstable();
         all
     }
 
-    /// Returns the share of each state in the frames that came during the fault.
+    /// Returns the percentage of each state in the frames during the fault.
     fn states(&self) -> Value {
         let of = |state: State| self.runs.iter().map(|run| run.states[state as usize]).sum::<usize>();
         let all = State::ALL.into_iter().map(of).sum();
@@ -257,7 +255,7 @@ mod tests {
 
     fn open(name: &Path) -> Result<Sequence> {
         let mut sequence = smr_recordings::open(name, &OpenOptions::default())?;
-        // Two built-in recordings have no truth. This one is not always right, but no tracker may panic for it.
+        // Without ground truth, the start box is taken in all frames. It may be wrong, but no tracker may panic.
         let still = vec![sequence.init; sequence.length.unwrap()];
         sequence.truth.get_or_insert(still);
         Ok(sequence)
@@ -267,7 +265,7 @@ mod tests {
         METHODS.map(|kind| Variant::new(kind, &Config::camera().into()))
     }
 
-    /// Runs every fault. Overflow checks are on in tests, so a panic is found, too.
+    /// Runs every fault. Tests have overflow checks, so that an overflow is found as a panic.
     fn every_fault_on(name: &str) {
         let (list, variants) = ("all".parse().unwrap(), variants());
         let smr_recordings::fault::Faults::List(mut all) = list else { panic!("all are a list") };
@@ -316,7 +314,7 @@ mod tests {
             let [none, _, gain, robust_none, _, robust_gain] = &column[..] else { panic!("{column:?}") };
             assert_eq!((none, robust_none), (gain, robust_gain), "a gain of 1 changes nothing");
         }
-        // Each recording adds the same runs.
+        // A second recording adds as many runs.
         for (one, two) in columns(&one, |key| key == "runs").iter().zip(columns(&two, |key| key == "runs")) {
             let twice: Vec<_> = one.iter().map(|runs| Value::from(2 * runs.as_u64().unwrap())).collect();
             assert_eq!(two, twice);

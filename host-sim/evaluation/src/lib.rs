@@ -41,7 +41,6 @@ pub const MOST_PIXELS: usize = 65536;
 /// Most offsets of a search window on an axis, enough for the whole of a frame of up to about 4000x4000 pixels.
 pub const MOST_OFFSETS: usize = 4096;
 
-/// The paper's tracker with its largest capacities.
 pub type Paper = smr_core::Paper<MOST_PIXELS, MOST_OFFSETS>;
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Driver of all measurements: runs each tracker through every case (start, end, fault) of each recording. A
-//! [`Protocol`] returns the cases of a recording and the figures of a run.
+//! Driver of all measurements: runs each tracker through every case (a start, an end, maybe a fault) of each recording.
+//! A [`Protocol`] lists the cases of a recording and computes the figures of a run.
 
 use super::{Follower, Run, Tables, Variant};
 use anyhow::{Context, Error, Result, anyhow, ensure};
@@ -22,7 +22,6 @@ pub struct Measured {
     /// Errors of runs and recordings; empty after a signal has requested a stop.
     pub failures: Vec<Error>,
     pub notes: Vec<String>,
-    /// True if nothing was measured.
     pub is_empty: bool,
 }
 
@@ -65,9 +64,9 @@ pub(super) struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Intervention {
     None,
-    /// A camera fault in the frames from the first number to before the second.
+    /// A camera fault from the first frame number up to, but not including, the second.
     Fault(usize, usize, Fault, Away),
-    /// A covered lens: before the frame of the first number, as many covered frames as the second are inserted.
+    /// A covered lens: inserts covered frames before a frame. The fields are frame number, count, cover, other scene.
     Cover(usize, usize, Cover, Arc<GrayFrame>),
 }
 
@@ -93,7 +92,6 @@ impl Intervention {
 }
 
 pub(super) struct Record<'a, F> {
-    /// Index of the recording in the list.
     pub place: usize,
     pub sequence: String,
     pub variant: &'a Variant,
@@ -184,9 +182,8 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Reads all frames.
-    /// Errors: No ground truth, one of another length or without a visible target; no start box; a frame that cannot be
-    /// read; more than `most_bytes` of frames.
+    /// Reads all frames; an error if there is no start box, ground truth is missing, never visible or of another
+    /// length, or a frame cannot be read or exceeds `most_bytes` with the others.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
         let Sequence { name, frames, init, truth, .. } = sequence;
@@ -215,8 +212,8 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
-    /// Runs a tracker through a case; calls `progress` for each frame of the recording.
-    /// Errors: The tracker cannot be built or fails, or a signal requests a stop.
+    /// Runs a tracker through a case, and calls `progress` for each frame of the recording. An error if the tracker
+    /// fails or a signal requests a stop.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();

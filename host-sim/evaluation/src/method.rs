@@ -1,4 +1,4 @@
-//! The trait of all trackers that run here, their names, and their report of a frame.
+//! The trait of all trackers that run here, their names, and their answer in a frame.
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -13,19 +13,17 @@ pub trait Method {
 
     fn update(&mut self, frame: &Frame<'_>) -> Result<Report>;
 
-    /// Returns how well the target differs from its surroundings; `None` before the first lock, and from the baselines.
+    /// Returns how well the target differs from its surroundings; `None` before the first lock, and from baselines.
     fn quality(&self) -> Option<Quality> {
         None
     }
 
-    /// Returns the pixels that a baseline compares the next frame with. `None` before the first lock, and from
-    /// smr-core's trackers, whose larger models `report` shows.
+    /// Returns the template of a baseline; `None` before the first lock, and from smr-core's trackers.
     fn template(&self) -> Option<Image<'_>> {
         None
     }
 }
 
-/// The answer of a method in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// The target's box, to fractions of a pixel; `None` when it is lost.
@@ -33,9 +31,9 @@ pub struct Report {
     /// The target's box in whole pixels; `None` when it is lost.
     pub bbox: Option<Rect>,
     pub state: State,
-    /// The figures of smr-core's decision; `None` in the frame of a lock, and from the baselines.
+    /// The figures of smr-core's decision; `None` in the frame of a lock, and from baselines.
     pub evidence: Option<Evidence>,
-    /// Most work, in units of [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from the baselines.
+    /// Upper bound of the work, as in [`Tracker::update_step`](smr_core::Tracker::update_step); `None` from baselines.
     pub work: Option<u32>,
 }
 
@@ -52,7 +50,7 @@ pub struct Evidence {
 }
 
 impl Report {
-    /// Makes the report of a frame that was locked on: its box is the given one.
+    /// Creates the report of a frame in which the tracker was locked on `target`.
     pub fn locked(target: Rect) -> Self {
         Self::of_baseline(target.into(), true)
     }
@@ -61,7 +59,6 @@ impl Report {
         self.evidence.map(|evidence| evidence.confidence)
     }
 
-    /// Makes the report of a baseline from its best box, inside the frame or not.
     pub(super) fn of_baseline(target: BoundingBox, inside: bool) -> Self {
         let state = if inside { State::Tracking } else { State::Leaving };
         Self { target: Some(target), bbox: target.to_rect(), state, evidence: None, work: None }
@@ -108,7 +105,6 @@ pub enum MethodKind {
 }
 
 impl MethodKind {
-    /// The name in results and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Smr => "smr",
@@ -134,7 +130,7 @@ impl MethodKind {
     }
 }
 
-/// The two trackers of smr-core, for commands that the baselines are not for.
+/// The two trackers of smr-core, for commands without baselines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum CoreKind {
     /// The Similarity Matching Ratio, as in the paper

@@ -1,11 +1,9 @@
-//! Figures of the benchmark OTB: Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013, one run from the
-//! first frame.
+//! Figures of OTB (Wu, Lim, Yang, *Online Object Tracking: A Benchmark*, CVPR 2013), from one run over a recording.
 //!
 //! The figures count the frames in which the target is visible, with boxes as they were answered:
 //!
 //! - success at a threshold: fraction of frames with IoU > threshold; the AUC is its mean at 0, 0.05, ... 1
-//! - precision at a distance: fraction of frames whose centres of answer and truth are at most so far apart; quoted at
-//!   20 px
+//! - precision at a distance: fraction of frames whose centres are at most so far apart, quoted at 20 pixels
 //!
 //! A frame without an answer passes no threshold. IoU is never above 1, so a perfect tracker has an AUC of 20/21.
 
@@ -31,7 +29,6 @@ pub struct Otb {
 }
 
 impl Otb {
-    /// Computes the figures; answers and truth have the same length.
     pub(super) fn new(answers: &Trajectory, truth: &Trajectory) -> Self {
         let counts = Counts::new(answers, truth);
         let passed: u32 = counts.above.iter().sum();
@@ -57,7 +54,7 @@ impl Curves {
         Self { success: curve(&counts.above), precision: curve(&counts.within) }
     }
 
-    /// Returns the mean over recordings, each counting the same; `None` without recordings.
+    /// Returns the mean over recordings of equal weight; `None` without recordings.
     pub fn mean(of: &[&Self]) -> Option<Self> {
         let mean = |curve: fn(&Self) -> &Vec<f64>| means(&of.iter().map(|one| curve(one).clone()).collect::<Vec<_>>());
         (!of.is_empty()).then(|| Self { success: mean(|one| &one.success), precision: mean(|one| &one.precision) })

@@ -1,4 +1,4 @@
-//! A box that a tracker does not lock on: the reason, and the options that help.
+//! The error of a box that a tracker refuses to lock on: the reason, and the options that help.
 
 use super::MethodKind;
 use super::baseline::MAX_PIXELS;
@@ -6,7 +6,7 @@ use anyhow::Error;
 use smr_core::{LockError, Rect};
 use std::fmt;
 
-/// A box that a tracker does not lock on. Its text gives the reason; [`Refused::way_out`] says what to do.
+/// A box that a tracker refuses to lock on. `Display` states the reason; [`Refused::way_out`] suggests options.
 #[derive(Debug)]
 pub struct Refused {
     kind: MethodKind,
@@ -16,7 +16,7 @@ pub struct Refused {
 }
 
 impl Refused {
-    /// Returns `error`, as a [`Refused`] if it is about the box `target` in a frame of the bounds `frame`.
+    /// Converts a [`LockError`] to a [`Refused`] of the box `target` and the bounds `frame`; keeps any other error.
     pub fn or(error: Error, kind: MethodKind, target: Rect, frame: Rect) -> Error {
         match error.downcast_ref::<LockError>() {
             Some(&why) => Self { kind, target, frame, why }.into(),
@@ -24,7 +24,7 @@ impl Refused {
         }
     }
 
-    /// Returns advice, with the options that the command has.
+    /// Returns advice, with only the options that the command has.
     pub fn way_out(&self, has: impl Fn(&str) -> bool) -> String {
         let all = match self.why {
             LockError::BoxTooLarge => vec![

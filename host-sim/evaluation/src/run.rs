@@ -1,4 +1,4 @@
-//! A run: the answers of one tracker in one recording, from which scores and tables are made.
+//! A run: the answers of one tracker in one recording, from which scores and tables are computed.
 
 use super::method::{Method, Report};
 use super::{CORRECT, Refused, Trajectory, Variant};
@@ -7,19 +7,19 @@ use smr_core::{Frame, Quality, Rect, State};
 use smr_recordings::{BoundingBox, GrayFrame, Target};
 use std::time::{Duration, Instant};
 
-/// A tracker that follows one target: it locks on the first box, locks again on each correction, and updates in all
-/// other frames. It remembers no answer, so it can follow a camera for days.
+/// A tracker that follows one target: locks on the first box, locks again on each correction, and updates in all other
+/// frames. It stores no answers, so it can follow a camera for days.
 pub struct Follower<M: Method + ?Sized = dyn Method> {
     /// Name of the target; `None` for a single target without a name.
     pub name: Option<String>,
     pub method: Box<M>,
-    /// Boxes still to lock on, with the numbers of their frames. `None`: the target is gone until the next one.
+    /// Remaining boxes to lock on, with their frame numbers. `None`: the target is gone until the next box.
     starts: std::iter::Peekable<std::vec::IntoIter<(usize, Option<Rect>)>>,
     is_there: bool,
 }
 
 impl Follower {
-    /// A follower for each of `targets`; all use `variant` with one workspace.
+    /// Creates a follower for each target; all use `variant` with one workspace.
     /// Errors: A box has less than one pixel, or the configuration is invalid.
     pub fn all(targets: Vec<Target>, variant: &Variant) -> Result<Vec<Self>> {
         let methods = variant.build_all(targets.len())?;
@@ -32,13 +32,13 @@ impl Follower {
 }
 
 impl<M: Method + ?Sized> Follower<M> {
-    /// Makes a follower that locks on each of `starts` in the frame of its number, or in the next one that comes.
+    /// Creates a follower that locks on each of `starts` in the frame of its number, or else in the next frame.
     pub fn new(method: Box<M>, starts: Vec<(usize, Option<Rect>)>) -> Self {
         Self { name: None, method, starts: starts.into_iter().peekable(), is_there: false }
     }
 
     /// Returns the report of frame `number`; `None` before the first box, and while the target is gone.
-    /// Errors: The tracker's, with the number of the frame.
+    /// Errors: Those of the tracker, with the number of the frame.
     pub fn step(&mut self, number: usize, frame: &GrayFrame) -> Result<Option<Report>> {
         let report = match self.starts.next_if(|(at, _)| *at <= number) {
             Some((_, start)) => {
@@ -55,19 +55,17 @@ impl<M: Method + ?Sized> Follower<M> {
         })
     }
 
-    /// Returns [`Method::quality`], which is that of the last lock.
     pub fn quality(&self) -> Option<Quality> {
         self.method.quality()
     }
 
-    /// Returns the number of the frame of the next box to lock on.
+    /// Returns the frame number of the next box to lock on.
     pub fn next_start(&mut self) -> Option<usize> {
         self.starts.peek().map(|(frame, _)| *frame)
     }
 }
 
-/// Locks `method` on the target in the box `target`.
-/// Errors: A [`Refused`] if the method refuses the box.
+/// Locks `method` on the box `target`; the error is a [`Refused`] if the method refuses the box.
 pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect) -> Result<()> {
     method.lock(frame, target).map_err(|error| Refused::or(error, method.kind(), target, frame.bounds()))
 }
@@ -76,15 +74,14 @@ pub fn lock(method: &mut (impl Method + ?Sized), frame: &Frame<'_>, target: Rect
 pub struct Run {
     /// A report for each frame that was shown, from the first lock on.
     pub reports: Vec<Report>,
-    /// Place of each report in the recording and in its ground truth, counted from 0.
+    /// Frame index of each report, from 0.
     pub frames: Vec<usize>,
     /// Time of all updates together.
     pub time: Duration,
 }
 
 impl Run {
-    /// Shows `follower` the frame at `place`.
-    /// Errors: The tracker's.
+    /// Passes the frame with index `place` to `follower` and records the report; errors are those of the tracker.
     pub fn add(&mut self, follower: &mut Follower, place: usize, frame: &GrayFrame) -> Result<()> {
         let begin = Instant::now();
         if let Some(report) = follower.step(place + 1, frame)? {
@@ -97,12 +94,12 @@ impl Run {
         Ok(())
     }
 
-    /// The reports after the first lock.
+    /// Returns the reports after the first lock.
     pub fn updates(&self) -> &[Report] {
         self.reports.get(1..).unwrap_or_default()
     }
 
-    /// Returns for each report its place, its state, and true if its box is right by the truth, without normalisation.
+    /// Returns frame index, state and correctness (IoU with `truth` above `CORRECT`, not normalised) of each report.
     pub fn judged<'a>(&'a self, truth: &'a Trajectory) -> impl Iterator<Item = (usize, State, bool)> + Clone + 'a {
         self.frames.iter().zip(&self.reports).map(|(&frame, report)| {
             let right = |(answer, truth): (BoundingBox, BoundingBox)| truth.iou(&answer) > CORRECT;
@@ -148,7 +145,7 @@ mod tests {
             }
             assert_eq!(together[1][..3], [None; 3]);
             assert_eq!(together[1][3].unwrap().target, synthetic::truth(3));
-            // A corrected target is at the box of its correction.
+            // In the frame of a correction, the answer is the box of the correction.
             assert_eq!(together[2][7], Some(Report::locked(synthetic::truth(7).unwrap().to_rect().unwrap())));
             assert_eq!(together[0][..7], together[2][..7]);
             let report = together[0][1].unwrap();

@@ -1,4 +1,4 @@
-//! The score of a tracker on a recording, by the protocol of the TLD recordings: what counts as tracked, and the figures that follow from it.
+//! Scores a tracker on a recording by the protocol of the TLD recordings: its correct frames, and figures from them.
 
 use super::Report;
 use super::otb::Otb;
@@ -8,22 +8,20 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 use smr_recordings::BoundingBox;
 
-/// The boxes of a target over a recording, one entry a frame: the ground truth, or a tracker's answers. `None` where the target is
-/// not visible (ground truth) or the tracker gave no answer.
+/// Boxes of a target, one entry per frame: ground truth (`None`: not visible) or answers (`None`: no answer).
 pub type Trajectory = [Option<BoundingBox>];
 
-/// A frame is correct if the intersection over union of answer and truth is more than this.
+/// Intersection over union of answer and truth above which a frame is correct.
 pub const CORRECT: f64 = 0.25;
 
-/// A frame is correct at 0.5 if the intersection over union is more than this.
+/// Intersection over union above which a frame is correct at 0.5.
 const CORRECT_50: f64 = 0.5;
 
-/// Agreement of a trajectory with the ground truth, by the protocols of the TLD recordings, OTB and VOT. If the target
-/// is never visible, only the counts are known.
+/// Figures by the protocols of the TLD recordings, OTB and VOT. Only counts are known if the target is never visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
     pub frames: usize,
-    /// Frames in which the target is visible: those that have ground truth.
+    /// Frames in which the target is visible, that is, has ground truth.
     pub visible: usize,
     pub answered: usize,
     pub correct: usize,
@@ -35,13 +33,13 @@ pub struct Score {
     pub recall: Option<f64>,
     /// Harmonic mean of precision and recall.
     pub f: Option<f64>,
-    /// Intersection over union, mean over the visible frames; no answer is 0.
+    /// Mean IoU over the visible frames, in which a missing answer has IoU 0.
     pub mean_iou: Option<f64>,
-    /// The first visible frame that is not correct; the first frame is 1.
+    /// Number, from 1, of the first visible frame that is not correct.
     pub first_failure: Option<usize>,
-    /// `None` in a total: OTB has means over recordings instead.
+    /// OTB figures; `None` in a total, because OTB has means over recordings instead.
     pub otb: Option<Otb>,
-    /// `None` in a total, and without confidences.
+    /// VOT figures; `None` in a total, and without confidences.
     pub vot: Option<Vot>,
 }
 
@@ -111,16 +109,14 @@ impl Score {
         without_mean("vot_threshold", "threshold", |score| score.vot?.vot_threshold),
     ];
 
-    /// Scores the reports of a tracker, one for each frame.
-    /// Errors: Reports and truth are not of the same length.
+    /// Scores the reports of a tracker, one for each frame; an error if `truth` has another length.
     pub fn of(reports: &[Report], truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = reports.iter().map(|report| report.target).collect();
         let confidences: Vec<_> = reports.iter().map(Report::confidence).collect();
         Self::with_confidence(&answers, &confidences, truth)
     }
 
-    /// Scores `answers` by `truth`, with VOT's figures from the confidence in each frame; `None` where none was reported.
-    /// Errors: The three are not of the same length.
+    /// Scores `answers` by `truth`, with VOT's figures by `confidences`; an error if the lengths differ.
     pub fn with_confidence(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Result<Self> {
         let (frames, count) = (answers.len(), confidences.len());
         ensure!(frames == count, "there are {frames} frames, but {count} confidences");
@@ -128,8 +124,7 @@ impl Score {
         Ok(Self { vot: (score.visible > 0).then(|| Vot::new(answers, confidences, truth)), ..score })
     }
 
-    /// Scores `answers` by `truth`. For the protocol of the TLD recordings the answers are normalised first.
-    /// Errors: The two are not of the same length.
+    /// Scores `answers` by `truth`, normalised except for the figures of OTB; an error if the lengths differ.
     pub fn new(answers: &Trajectory, truth: &Trajectory) -> Result<Self> {
         let overlaps = overlaps(answers, truth)?;
         let mut score = Self { frames: truth.len(), answered: answers.iter().flatten().count(), ..Self::default() };
@@ -149,7 +144,7 @@ impl Score {
         Ok(score.with_means(iou_sum))
     }
 
-    /// Scores all `parts` as one, without those that never show the target. Figures without a total are `None`.
+    /// Adds up `parts`, except those in which the target is never visible. Figures without a total are `None`.
     pub fn total<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut total = Self::default();
         let mut iou_sum = 0.0;
@@ -178,8 +173,8 @@ impl Score {
     }
 }
 
-/// Returns the intersection over union in each frame, with normalised answers: 0 without an answer, `None` where the target is not visible.
-/// Errors: The two are not of the same length.
+/// Returns the IoU of each frame, with normalised answers: 0 without an answer, `None` without a visible target.
+/// Errors: The arguments differ in length.
 pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f64>>> {
     let (frames, boxes) = (answers.len(), truth.len());
     ensure!(frames == boxes, "there are {frames} frames, but the ground truth has {boxes} boxes");
@@ -188,10 +183,8 @@ pub fn overlaps(answers: &Trajectory, truth: &Trajectory) -> Result<Vec<Option<f
     Ok(pairs.map(|(answer, truth)| truth.as_ref().map(|truth| iou(answer, truth))).collect())
 }
 
-/// The answers, shifted and scaled so that the first one equals the first box of the truth.
-///
-/// A tracker may have been started on a tighter or a looser box than the annotator drew. The shift of the centre and the factors on width and height
-/// that make the first boxes equal are applied to all answers. If one of the first boxes is missing or has no size, the answers stay as they are.
+/// Shifts and scales all answers so that the first one equals the first box of the truth, because a tracker may have
+/// been started on a tighter or looser box. If either first box is missing or has no size, answers stay as they are.
 fn normalised(answers: &Trajectory, truth: &Trajectory) -> impl Iterator<Item = Option<BoundingBox>> {
     let first = first_box(answers).zip(first_box(truth));
     answers.iter().map(move |answer| match first {
@@ -243,7 +236,7 @@ mod tests {
             f: Some(0.5),
             mean_iou: Some((1.0 + 1.0 / 3.0 + 0.25) / 4.0),
             first_failure: Some(3),
-            // The first three frames pass 20, 7 and 5 of 21 thresholds, with centres that are near.
+            // The first three frames pass 20, 7 and 5 of 21 thresholds, with centres at most 20 pixels apart.
             otb: Some(Otb { otb_auc: 32.0 / 4.0 / 21.0, otb_precision: 0.75 }),
             vot: None,
         };
@@ -323,7 +316,7 @@ mod tests {
             prop_assert!((0.0..=1.0 + 1e-12).contains(&mean_iou));
             prop_assert!(f <= precision.max(recall) && f >= precision.min(recall));
             prop_assert_eq!(score.first_failure.is_none(), score.correct == score.visible);
-            // The first boxes are made equal, so the first frame cannot fail.
+            // Normalisation makes the first boxes equal, so the first frame cannot fail.
             prop_assert!(score.first_failure != Some(1));
         }
 
@@ -350,7 +343,7 @@ mod tests {
                 BoundingBox { x, y, width, height }
             };
             let others: Vec<_> = answers.iter().map(|answer| answer.as_ref().map(other)).collect();
-            // OTB takes the boxes as they are.
+            // OTB's figures depend on the boxes before normalisation.
             let tld = |answers: &[_]| Score { otb: None, ..Score::new(answers, &truth).unwrap() };
             prop_assert_eq!(tld(&others), tld(&answers));
         }

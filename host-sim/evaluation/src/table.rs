@@ -1,5 +1,5 @@
-//! Tables of results. A column is described once: key for programs (JSON, CSV), heading for people (text, Markdown),
-//! value. For programs, all rows have the same columns, of one type each; an unknown value is null or empty.
+//! Tables of results. A column has a key for programs (JSON, CSV) and a heading for people (text, Markdown). For
+//! programs, all rows have the same columns, of one type each; an unknown value is null or empty.
 
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
@@ -17,7 +17,7 @@ pub enum Layout {
     Csv,
 }
 
-/// The tables for programs; no command has all of them.
+/// Names of the tables for programs (JSON, CSV); no command has all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TableName {
     /// Figures measured here, for each recording
@@ -33,14 +33,12 @@ pub enum TableName {
 }
 
 impl TableName {
-    /// Returns the name on the command line, which is also the key in JSON.
     pub fn text(self) -> String {
         choice_name(&self)
     }
 }
 
-/// A column of a table of `T`: its key for programs and its heading for people (each empty if they do not get the
-/// column), the decimals of fractions for people, and its value.
+/// A column: key for programs, heading for people (either may be empty), decimals of fractions, and value of a row.
 pub type Column<T> = (&'static str, &'static str, usize, fn(&T) -> Value);
 
 /// A column without its values.
@@ -56,7 +54,6 @@ impl Head {
         Self { key: key.to_owned(), title: title.to_owned(), digits }
     }
 
-    /// Makes columns of whole numbers or texts, by key and title.
     pub fn list(columns: &[(&str, &str)]) -> Vec<Self> {
         columns.iter().map(|(key, title)| Self::new(key, title, 0)).collect()
     }
@@ -65,28 +62,26 @@ impl Head {
         columns.iter().map(|&(key, title, digits, _)| Self::new(key, title, digits)).collect()
     }
 
-    /// Hides the column from people.
     pub fn hide(&mut self) {
         self.title.clear();
     }
 
-    /// Makes columns for programs alone: each of `keys`, followed by its standard error.
+    /// Creates columns for programs alone: each of `keys`, followed by its standard error.
     pub fn with_errors<'a>(keys: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
         keys.into_iter().flat_map(|key| [Self::new(key, "", 0), Self::error(key)]).collect()
     }
 
-    /// Makes the column for the standard error of the column `key`.
     pub fn error(key: &str) -> Self {
         Self::new(&format!("{key}_standard_error"), "", 0)
     }
 }
 
-/// Returns the cells of a row; without a row, all are unknown.
+/// Returns the cells of a row; all are unknown if `row` is `None`.
 pub fn cells<T>(columns: &[Column<T>], row: Option<&T>) -> Vec<Value> {
     columns.iter().map(|(.., of)| row.map_or(Value::Null, of)).collect()
 }
 
-/// Returns a cell that is empty for people: the column means nothing in this row.
+/// Returns an empty cell, for a column without a meaning in this row.
 pub fn blank() -> Value {
     "".into()
 }
@@ -96,10 +91,10 @@ const UNKNOWN: &str = "-";
 pub struct Table {
     /// Name for programs; `None` for a table for people alone.
     name: Option<TableName>,
-    /// Number of first columns that people see aligned to the left; the others are aligned to the right.
+    /// Number of leading columns that text aligns to the left; it aligns later ones to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Cells of each row; false if the row is for people alone.
+    /// Cells of each row, after false if the row is for people alone.
     rows: Vec<(bool, Vec<Value>)>,
 }
 
@@ -108,7 +103,6 @@ impl Table {
         Self { name: name.into(), names, heads, rows: Vec::new() }
     }
 
-    /// Makes a table with a row for each of `rows`.
     pub fn of<'a, T: 'a>(
         name: TableName,
         names: usize,
@@ -119,7 +113,7 @@ impl Table {
         Self { rows, ..Self::new(name, names, Head::all(columns)) }
     }
 
-    /// Adds columns that show a part of each row.
+    /// Adds `columns` to each row, with values from its entry in `parts`.
     pub fn and<T>(mut self, columns: &[Column<T>], parts: impl Iterator<Item = Option<T>>) -> Self {
         self.heads.extend(Head::all(columns));
         self.rows.iter_mut().zip(parts).for_each(|((_, row), part)| row.extend(cells(columns, part.as_ref())));
@@ -191,7 +185,6 @@ impl Tables {
         self.find(name).map(Table::csv)
     }
 
-    /// Returns all tables for people, as text or Markdown.
     pub fn text(&self, layout: Layout) -> String {
         let mut parts: Vec<String> = self.tables.iter().filter_map(|table| table.text(layout)).collect();
         parts.extend(Some(self.remarks.clone()).filter(|remarks| !remarks.is_empty()));
@@ -209,7 +202,7 @@ impl Serialize for Tables {
     }
 }
 
-/// A row as an object, with its keys in the order of the columns.
+/// Serialises a row as an object, with keys in the order of the columns.
 struct Row<'a> {
     table: &'a Table,
     cells: &'a [Value],

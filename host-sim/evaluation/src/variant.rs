@@ -18,7 +18,7 @@ pub struct Configs {
     /// Settings of the paper's tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
-    /// Work of a step in which smr-core's trackers are updated; it changes no answer.
+    /// Work in each step of an update of smr-core's trackers; it changes no answer.
     pub step: u32,
 }
 
@@ -39,9 +39,9 @@ pub struct Variant {
     pub name: String,
     pub kind: MethodKind,
     pub configs: Configs,
-    /// Settings as on the command line, where they are given.
+    /// Settings that were given on the command line.
     pub options: Map<String, Value>,
-    /// True if the box to start from includes its right and lower edges.
+    /// True if the start box includes its right and lower edges.
     pub inclusive: bool,
 }
 
@@ -50,12 +50,12 @@ pub struct Variant {
 pub struct Origin {
     pub version: &'static str,
     pub method: &'static str,
-    /// The settings that were given; the others have their defaults.
+    /// Settings that were given on the command line; others have their defaults.
     pub options: Map<String, Value>,
 }
 
 impl Origin {
-    /// Columns of a table. The options are a text, itself JSON.
+    /// Table columns of the origin; the options are JSON in a text.
     pub(super) const COLUMNS: &[Column<Self>] = &[
         ("method", "", 0, |origin| origin.method.into()),
         ("version", "", 0, |origin| origin.version.into()),
@@ -68,7 +68,6 @@ impl Origin {
 }
 
 impl Variant {
-    /// Makes a variant of `kind` under the kind's own name.
     pub fn new(kind: MethodKind, configs: &Configs) -> Self {
         Self { name: kind.name().to_owned(), kind, configs: *configs, options: Map::new(), inclusive: false }
     }
@@ -77,7 +76,7 @@ impl Variant {
         Origin::new(self.kind, self.options.clone())
     }
 
-    /// The trackers of the paper's table: both readings of the paper, the robust tracker, and the baselines.
+    /// Returns the trackers of the paper's table: both readings of the paper, the robust tracker, and the baselines.
     pub fn all() -> Vec<Self> {
         let paper = Config::paper();
         let mut other = paper;
@@ -92,14 +91,13 @@ impl Variant {
         all
     }
 
-    /// Returns the box to lock on if `given` is the box to start from.
+    /// Returns the box to lock on for the start box `given`: one pixel wider and higher if `inclusive`.
     pub fn start(&self, given: Rect) -> Rect {
         let more = u16::from(self.inclusive);
         let (width, height) = (given.width.saturating_add(more), given.height.saturating_add(more));
         Rect { width, height, ..given }
     }
 
-    /// Builds a tracker without a target.
     pub fn build(&self) -> Result<Box<dyn Method>> {
         Ok(self.build_all(1)?.remove(0))
     }
@@ -129,7 +127,6 @@ fn stepped<T: Target + 'static>(
     several(count, || Ok(Stepped::<T> { kind, target: T::with(config)?, workspace: Rc::clone(&workspace), step }))
 }
 
-/// A target of smr-core, updated in steps of `step` work.
 struct Stepped<T: Target> {
     kind: MethodKind,
     target: T,

@@ -23,7 +23,6 @@ pub struct Vot {
 }
 
 impl Vot {
-    /// Computes the figures; all arguments have the same length.
     pub(super) fn new(answers: &Trajectory, confidences: &[Option<f64>], truth: &Trajectory) -> Self {
         let visible = truth.iter().flatten().count() as f64;
         let answers = answers.iter().zip(truth).zip(confidences).filter_map(|((answer, truth), confidence)| {
@@ -65,8 +64,7 @@ mod tests {
         let truth = [right, at(3.0), None];
         let perfect = Vot { vot_f: 1.0, vot_precision: 1.0, vot_recall: 1.0, vot_threshold: None };
         let half = [right, right, wrong, wrong];
-        // With all answers, precision and recall are 1/2. A threshold can exclude the wrong ones: precision 1, recall
-        // 1/2.
+        // All answers: precision and recall are 1/2. Without the less confident wrong ones, precision is 1.
         let all = Vot { vot_f: 0.5, vot_precision: 0.5, vot_recall: 0.5, vot_threshold: None };
         let without = Vot { vot_f: 2.0 / 3.0, vot_precision: 1.0, vot_recall: 0.5, vot_threshold: Some(0.75) };
         let cases: [(&[_], &[_], &[_], Vot); 7] = [

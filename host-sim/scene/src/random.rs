@@ -10,7 +10,6 @@ impl Random {
         i64::try_from(product >> 64).unwrap_or(0)
     }
 
-    /// Returns a random index of a list with this many entries.
     pub fn place(&mut self, entries: usize) -> usize {
         let product = u128::from(self.next()) * entries as u128;
         usize::try_from(product >> 64).unwrap_or(0)

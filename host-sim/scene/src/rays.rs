@@ -9,7 +9,6 @@ pub use super::web::sqrt;
 /// A position or direction in meters (right, up, away), or a color (red, green, blue) from 0 to 1.
 pub type Triple = [f64; 3];
 
-/// Direction towards the sun.
 pub const SUN: Triple = [-0.48, 0.77, -0.42];
 const HAZE: Triple = [0.78, 0.84, 0.90];
 

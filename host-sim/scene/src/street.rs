@@ -211,7 +211,6 @@ fn cars(index: usize) -> [[Solid; 2]; 2] {
     let road = road();
     let on = |along: f64, way: f64| {
         let ([x, z], [right, away]) = at(&road, along);
-        // Each car drives on the right.
         car([x + 1.7 * way * away, z - 1.7 * way * right], [way * right, way * away], RED)
     };
     [on(33.0 + gone, 1.0), on(112.0 - gone, -1.0)]

@@ -10,7 +10,6 @@ pub const FRAMES: u16 = 30;
 pub const START: (u16, u16) = (100, 80);
 pub const SIDE: u16 = 40;
 
-/// Left and top edge of the target in a frame.
 pub const fn place(frame: u16) -> (u16, u16) {
     (START.0 + 2 * frame, START.1 + frame)
 }
@@ -25,7 +24,6 @@ pub fn level(frame: u16, x: u16, y: u16) -> u8 {
     if inside && !is_hidden(frame) { tile((x - left) / 5, (y - top) / 5) } else { 90 + tile(x / 8, y / 8 + 40) / 6 }
 }
 
-/// Returns a pseudo-random level for each tile.
 fn tile(column: u16, row: u16) -> u8 {
     let number = (u32::from(column) * 73 + u32::from(row) * 179 + 7).wrapping_mul(2_654_435_761);
     number.to_be_bytes()[0]

@@ -1,18 +1,17 @@
-//! Lucas-Kanade, as the paper names it beside SSD and SAD: the shift of least squared difference, found along gradients from
-//! coarse to fine. Positions are finer than a pixel.
+//! Lucas-Kanade: minimises the squared difference along gradients, from coarse to fine, to fractions of a pixel.
 
 use smr_core::Image;
 
-/// Most steps on each level of the pyramid.
+/// Most Gauss-Newton steps on each level of the pyramid.
 const STEPS: usize = 30;
-/// A step shorter than this, in pixels of its level, is the last one.
+/// Length of a step, in pixels of its pyramid level, below which the iteration ends.
 const SMALL: f64 = 0.005;
-/// A template is halved while its sides keep this many pixels.
+/// Least side of a template, in pixels, on the smallest level of the pyramid.
 const LEAST_SIDE: usize = 5;
-/// Pixels around the window that gradients at its edge need.
+/// Pixels around the search window that gradients at its edge need.
 const MARGIN: i32 = 2;
 
-/// Returns the place, within `limits`, where the template fits best.
+/// Returns the position within `limits` at which the template fits best.
 pub(super) fn find(
     frame: Image<'_>,
     template: &[u8],
@@ -26,14 +25,14 @@ pub(super) fn find(
     let scene = Plane::new(frame, first.into(), size.into());
     let pixels = template.iter().map(|&pixel| pixel.into()).collect();
     let template = Plane { width: width.into(), height: height.into(), pixels };
-    // Places count from the window's corner: half of such a place is the place one level higher.
+    // Positions are relative to the window's corner, so that half a position is the position one pyramid level higher.
     let corner = first.map(f64::from);
     let limits = [0, 1].map(|axis| (limits[axis].0 - corner[axis], limits[axis].1 - corner[axis]));
     let place = coarse_to_fine(&scene, &template, [from[0] - corner[0], from[1] - corner[1]], limits);
     [place[0] + corner[0], place[1] + corner[1]]
 }
 
-/// Fits from the smallest level of the pyramid down to `scene`; each level begins where the one above ended.
+/// Fits from the smallest level of the pyramid down to `scene`; each level starts where the smaller one ended.
 fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut start = from;
     if template.width.min(template.height) / 2 >= LEAST_SIDE {
@@ -45,7 +44,7 @@ fn coarse_to_fine(scene: &Plane, template: &Plane, from: [f64; 2], limits: [(f64
     fit(scene, template, start, limits)
 }
 
-/// Takes Gauss-Newton steps on the sum of squared differences; without a gradient the place stays.
+/// Takes Gauss-Newton steps on the sum of squared differences, until a step is small or has no gradient.
 fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]) -> [f64; 2] {
     let mut place = start;
     for _ in 0..STEPS {
@@ -60,9 +59,9 @@ fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]
     place
 }
 
-/// Returns the shift that makes `scene` at `place` equal to `template`, if gradients stay the same on the way.
+/// Returns the Gauss-Newton step from `scene` at a position to `template`; `None` without a clear gradient.
 fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-    // Sums of gx gx, gx gy, gy gy, gx d, gy d.
+    // Sums of gx gx, gx gy, gy gy, gx d and gy d, where d is the difference.
     let mut sums = [0.0; 5];
     for row in 0..template.height {
         for column in 0..template.width {
@@ -76,7 +75,7 @@ fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     }
     let [xx, xy, yy, xd, yd] = sums;
     let determinant = xx * yy - xy * xy;
-    // Without texture, or with a single edge, gradients do not determine the shift.
+    // Without texture, or with a single edge, gradients do not determine the step.
     (determinant > 1e-6 * (xx + yy).powi(2) && xx + yy > 0.0)
         .then(|| [(yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant])
 }
@@ -88,13 +87,13 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// Copies the pixels of `frame` from a place on; outside of the frame there are zeroes.
+    /// Copies the pixels of `frame` from `place` on; zeros outside of the frame.
     pub fn new(frame: Image<'_>, place: (i32, i32), size: (i32, i32)) -> Self {
         let side = |length: i32| usize::try_from(length).unwrap_or(0);
         Self { width: side(size.0), height: side(size.1), pixels: levels(frame, place, size).map(f64::from).collect() }
     }
 
-    /// Halves the sides by means of 2x2 pixels; an odd column or row at the end is left out.
+    /// Halves the sides by averages of 2x2 pixels; leaves out an odd last column or row.
     fn halved(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
         let mean = |x: usize, y: usize| {
@@ -118,13 +117,13 @@ impl Plane {
         upper + dy * (lower - upper)
     }
 
-    /// Returns the levels of a box at a place between pixels, row by row.
+    /// Returns the interpolated levels of a box at a fractional position, row by row.
     pub fn patch(&self, [left, top]: [f64; 2], (width, height): (u16, u16)) -> impl Iterator<Item = f64> {
         (0..height).flat_map(move |y| (0..width).map(move |x| self.at(left + f64::from(x), top + f64::from(y))))
     }
 }
 
-/// Returns the pixels of `frame` from (`left`, `top`) on, row by row; outside of the frame there are zeroes.
+/// Returns the pixels of `frame` from (`left`, `top`) on, row by row; zeros outside of the frame.
 pub(super) fn levels(
     frame: Image<'_>,
     (left, top): (i32, i32),
@@ -156,7 +155,7 @@ mod tests {
     use smr_core::{Rect, State};
     use smr_recordings::GrayFrame;
 
-    /// Waves of several lengths in a frame of 120x90, moved by (`dx`, `dy`).
+    /// Draws waves of several lengths in a frame of 120x90 pixels, moved by (`dx`, `dy`).
     fn waves(dx: f64, dy: f64) -> GrayFrame {
         rough(dx, dy, 0.0)
     }
@@ -233,7 +232,7 @@ mod tests {
         flow.lock(&waves(0.0, 0.0).frame(), Rect::new(40, 30, 32, 24)).unwrap();
         let found = flow.update(&waves(6.0, 4.0).frame()).unwrap().target.unwrap();
         assert_eq!((found.x, found.y), (42.0, 31.0));
-        // A box of one pixel has no gradient that says much.
+        // A box of one pixel has hardly a gradient.
         flow.lock(&waves(0.0, 0.0).frame(), Rect::new(0, 0, 1, 1)).unwrap();
         let found = flow.update(&waves(1.0, 1.0).frame()).unwrap().target.unwrap();
         assert!((-2.0..=2.0).contains(&found.x));

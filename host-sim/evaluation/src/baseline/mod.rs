@@ -1,8 +1,8 @@
 //! The baselines of the paper's comparison: SMR's window, padding, tie rule and template update with another cost.
 //!
 //! SAD (sum of |F - G|) and SSD (sum of (F - G)^2) take the least cost, NCC the largest correlation coefficient of F
-//! and G, 0 if either is constant. Lucas-Kanade follows gradients instead of a search: see `flow`. Baselines have no
-//! gate, so they always answer, are never lost, and their window never grows.
+//! and G, 0 if either is constant. Lucas-Kanade (`flow`) follows gradients instead of a search. A baseline always
+//! answers, is never lost, and its window never grows.
 
 mod flow;
 
@@ -21,10 +21,10 @@ pub(super) struct Baseline {
     kind: MethodKind,
     radius: Radius,
     padding: u16,
-    /// Bounds of the frame that was locked on; empty before the first lock.
+    /// Bounds of the frame of the lock; empty before the first lock.
     bounds: Rect,
     size: (u16, u16),
-    /// Left and top edge of the target; only Lucas-Kanade gives fractions.
+    /// Left and top edge of the target in pixels; fractional only with Lucas-Kanade.
     place: [f64; 2],
     template: Vec<u8>,
 }
@@ -35,14 +35,14 @@ impl Baseline {
         Self { kind, radius, padding, bounds: Rect::default(), size: (0, 0), place: [0.0; 2], template: Vec::new() }
     }
 
-    /// Returns the place of the best score in the window.
+    /// Returns the position of the best score in the window.
     fn search(&self, image: Image<'_>) -> [f64; 2] {
         let (width, height) = self.size;
         let last = Rect::new(floor(self.place[0]), floor(self.place[1]), width, height);
         let window = Window::new(last, self.radius, self.bounds, self.padding);
         let (left, top) = (*window.xs().start(), *window.ys().start());
         let size = (window.xs().end() + i32::from(width) - left, window.ys().end() + i32::from(height) - top);
-        // The canvas holds all pixels that boxes in the window cover.
+        // The canvas holds all pixels that boxes at positions in the window cover.
         let canvas: Vec<u8> = levels(image, (left, top), size).collect();
         let rows = |x: i32, y: i32| {
             let (column, row, stride) = (index(x - left), index(y - top), index(size.0));
@@ -67,7 +67,7 @@ impl Baseline {
         [x.into(), y.into()]
     }
 
-    /// Returns the place to which gradients lead, limited to the window.
+    /// Returns the position that Lucas-Kanade finds, limited to the window.
     fn flow(&self, image: Image<'_>) -> [f64; 2] {
         let limits = |place: f64, radius: u16, size: u16, frame: u16| {
             let (radius, padding) = (f64::from(radius), f64::from(self.padding));
@@ -125,15 +125,13 @@ impl Method for Baseline {
     }
 }
 
-/// Returns the position of least cost; of equal ones the closest to `last`, then the upper, then the left one.
-///
+/// Returns the position of least cost; among equal ones the closest to `last`, then the upper, then the left one.
 /// `cost` gets the least cost so far; once its sum is larger, it may stop and return that sum.
 fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64) -> (i32, i32) {
     let distance = |(x, y): (i32, i32)| u64::from(x.abs_diff(last.x)).pow(2) + u64::from(y.abs_diff(last.y)).pow(2);
-    // The last position comes first: it is in the window, and its cost mostly lets the others stop early.
+    // Starts at the last position, which is likely to be the best, so that the sums of later positions stop early.
     let (mut best, mut least) = ((last.x, last.y), cost(last.x, last.y, f64::INFINITY));
-    // Rows run from the top and columns from the left, so that the first of equally close positions wins. The last
-    // position loses to none of them, for it alone is at distance 0.
+    // Scans from the top left, so that the first of equally close positions wins; the last position wins every tie.
     for at in window.ys().flat_map(|y| window.xs().map(move |x| (x, y))) {
         let here = cost(at.0, at.1, least);
         if here < least || (here == least && distance(at) < distance(best)) {
@@ -143,15 +141,15 @@ fn best(window: &Window, last: Rect, mut cost: impl FnMut(i32, i32, f64) -> f64)
     best
 }
 
-/// A row of a box, and the row of the template, which may be shorter.
+/// A row of pixels of the frame, and a row of the template, which may be shorter.
 type Pair<'a> = (&'a [u8], &'a [u8]);
 
-/// Returns the sum of `pixel` over all pairs, row by row until it is more than `enough`.
+/// Returns the sum of `pixel` over all pairs of pixels; stops after the row in which it exceeds `enough`.
 #[inline]
 fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl Fn(u8, u8) -> u32) -> f64 {
     let mut sum = 0.0;
     for (f, g) in rows {
-        // Sums of u32 below 2^53: exact in f64.
+        // The sums are integers below 2^53, which f64 holds exactly.
         sum += f64::from(f.iter().zip(g).map(|(&f, &g)| pixel(f, g)).sum::<u32>());
         if sum > enough {
             break;
@@ -160,7 +158,7 @@ fn difference<'a>(rows: impl Iterator<Item = Pair<'a>>, enough: f64, pixel: impl
     sum
 }
 
-/// The sum of the template's pixels, and `pixels`^2 times their variance. All such sums are at most 2^40 * 255 * 255 < 2^56.
+/// Statistics of a template: sum of its pixels, and `pixels`^2 times their variance (at most 2^40 * 255^2 < 2^56).
 struct Spread {
     pixels: i64,
     sum: i64,
@@ -174,7 +172,7 @@ impl Spread {
         Self { pixels, sum, spread: pixels * squares - sum * sum }
     }
 
-    /// Returns the correlation coefficient with a box that has these sums of pixels and of squares: exact sums, divided in f64.
+    /// Returns the correlation coefficient with a box of these sums of pixels and squares, from exact integer sums.
     fn correlation<'a>(&self, [sum, squares]: [i64; 2], rows: impl Iterator<Item = Pair<'a>>) -> f64 {
         let of_row = |(f, g): Pair<'_>| f.iter().zip(g).map(|(&f, &g)| u32::from(f) * u32::from(g)).sum::<u32>();
         let products: i64 = rows.map(|row| i64::from(of_row(row))).sum();
@@ -184,8 +182,8 @@ impl Spread {
     }
 }
 
-/// Sums of pixels and of their squares over all that lies above and to the left, for one row and one column more than
-/// the canvas has: sums of a box are read often, and computed once.
+/// Integral images of pixels and of their squares, with one row and one column more than the canvas, so that the sums
+/// of any box need only four entries.
 fn integral(canvas: &[u8], stride: usize) -> Vec<[i64; 2]> {
     let mut sums = vec![[0; 2]; stride + 1];
     for row in canvas.chunks_exact(stride) {
@@ -205,7 +203,6 @@ fn byte(level: f64) -> u8 {
     level.round() as u8
 }
 
-/// Returns the index of a place that is not before the canvas.
 fn index(value: i32) -> usize {
     usize::try_from(value).expect("the canvas begins where the window does")
 }
@@ -219,7 +216,7 @@ mod tests {
 
     const ALL: [MethodKind; 3] = [MethodKind::Sad, MethodKind::Ssd, MethodKind::Ncc];
 
-    /// A plain picture with a 6x5 target, no two rows or columns of which are alike, at (`left`, `top`).
+    /// A uniform picture with a target of 6x5 pixels, all rows and columns of which differ, at (`left`, `top`).
     fn picture(left: i32, top: i32) -> GrayFrame {
         GrayFrame::drawn(40, 30, |x, y| {
             let (i, j) = (x - left, y - top);
@@ -309,7 +306,7 @@ mod tests {
         }
     }
 
-    /// Computes the cost of `target` anew, pixel by pixel.
+    /// Computes the cost of the box `target` pixel by pixel, as a reference.
     fn plain_cost(kind: MethodKind, frame: &GrayFrame, template: &[u8], target: Rect) -> f64 {
         let rows = (target.y..target.bottom()).flat_map(|y| (target.x..target.right()).map(move |x| frame.level(x, y)));
         let pairs: Vec<(f64, f64)> = rows.zip(template).map(|(f, &g)| (f.into(), g.into())).collect();
@@ -326,7 +323,7 @@ mod tests {
         }
     }
 
-    /// Few gray levels, so that ties are frequent.
+    /// Frames of few gray levels, so that ties are frequent.
     fn frames() -> impl Strategy<Value = Vec<GrayFrame>> {
         let frame = proptest::collection::vec(prop_oneof![Just(0_u8), Just(1), Just(2), Just(255)], 11 * 9)
             .prop_map(|pixels| GrayFrame { width: 11, height: 9, pixels });
@@ -347,11 +344,11 @@ mod tests {
             for frame in &frames[1..] {
                 let window = Window::new(target, config.window, frame.frame().bounds(), padding);
                 let cost = |x, y| plain_cost(kind, frame, &baseline.template, Rect { x, y, ..target });
-                // The tie rule of smr-core: the least cost, then the closest, then the upper, then the left one.
+                // The tie rule of smr-core: the least cost, then the closest, then the upper, then the left position.
                 let rank = |(x, y): (i32, i32)| (x.abs_diff(target.x).pow(2) + y.abs_diff(target.y).pow(2), y, x);
                 let all: Vec<_> = window.ys().flat_map(|y| window.xs().map(move |x| (x, y))).collect();
                 let least = all.iter().map(|&(x, y)| cost(x, y)).fold(f64::INFINITY, f64::min);
-                // A plain correlation is not exact: a cost that is equal but for its last digits may be the best.
+                // The reference correlation is not exact, so costs that differ in the last digits count as equal.
                 let slack = if kind == MethodKind::Ncc { 1e-9 } else { 0.0 };
                 let best: Vec<_> = all.into_iter().filter(|&(x, y)| cost(x, y) <= least + slack).collect();
 

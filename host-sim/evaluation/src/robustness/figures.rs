@@ -7,24 +7,21 @@ use serde_json::Value;
 use smr_core::State;
 use std::time::Duration;
 
-/// Figures of one run: one method from one start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RunFigures {
     pub score: Score,
-    /// Counts of the run. Its means stay 0: [`Figures::over_starts`] computes them.
+    /// Counts of the run. The means in it stay 0 until [`Figures::over_starts`].
     counts: Figures,
     /// Frames with an answer in which the target is visible.
     answered_visible: usize,
-    /// Number of updates: all frames except the frame of the lock.
     updates: u64,
-    /// Comparisons of all updates; `None` if they were not counted in one of them.
+    /// Byte comparisons of all updates; `None` if one update did not count them.
     work: Option<u64>,
     time: Duration,
 }
 
 impl RunFigures {
-    /// `truth` begins with the frame of the lock, as the run does.
-    /// Errors: `truth` has another length than the run.
+    /// Computes the figures; `truth` begins with the frame of the lock, as the run does, and has its length.
     pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
         let (overlaps, score) = (overlaps(&answers, truth)?, Score::new(&answers, truth)?);
@@ -48,10 +45,10 @@ impl RunFigures {
     }
 }
 
-/// Frames from the target's return on within which a correct answer counts as found again.
+/// Frames from the target's return on in which a correct answer counts as found again.
 const SOON: usize = 50;
 
-/// Counts the target's returns, and those after which it was found again. An overlap is `None` while it is hidden.
+/// Counts the target's returns into view, and those after which it was found again; overlaps are `None` while hidden.
 fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     let back = (1..overlaps.len()).filter(|&frame| overlaps[frame - 1].is_none() && overlaps[frame].is_some());
     let soon = |frame: usize| &overlaps[frame..overlaps.len().min(frame + SOON)];
@@ -59,12 +56,11 @@ fn returns(overlaps: &[Option<f64>]) -> (usize, usize) {
     (back.clone().count(), back.filter(found).count())
 }
 
-/// Figures that trackers are compared by: their keys and titles.
+/// Figures by which trackers are compared: key and title.
 pub(super) const HEADLINE: [(&str, &str); 3] =
     [("mean_correct", "correct"), ("mean_correct_50", "correct@0.5"), ("f", "F")];
 
-/// Declares figures. A line gives the figure's mean or sum over recordings (each counts alike), its column, and for
-/// some a column `part/whole` for people.
+/// Declares figures. A line: field, mean or sum over recordings, column, and for some a column `part/whole` for people.
 macro_rules! figures {
     ($($(#[$doc:meta])* $figure:ident: $type:ty = $over:ident, $title:literal $digits:literal
         $(, $ratio:literal $part:ident $whole:ident)?;)*) => {
@@ -88,18 +84,18 @@ macro_rules! figures {
 }
 
 figures! {
-    /// Correct frames over those in which the target is visible: mean over the starts.
+    /// Fraction of the visible frames that are correct, mean over the starts.
     mean_correct: f64 = mean, "correct" 3;
-    /// Correct frames over those in which the target is visible, in the worst start.
+    /// Fraction of the visible frames that are correct, in the worst start.
     worst_correct: f64 = mean, "worst" 3;
     /// As `mean_correct`, but a correct frame needs an intersection over union above 0.5.
     mean_correct_50: f64 = mean, "correct@0.5" 3;
     /// Harmonic mean of precision (correct answers over all answers, also while the target is hidden) and recall
-    /// (correct frames over those in which the target is visible): mean over the starts.
+    /// (correct over visible frames), mean over the starts.
     f: f64 = mean, "F" 3;
-    /// Intersection over union: mean over the frames with an answer and a visible target; 0 without such frames.
+    /// Mean IoU over the frames with an answer and a visible target; 0 without such frames.
     mean_iou: f64 = mean, "mean IoU" 3;
-    /// Correct answers over all answers; 0 if nothing was answered.
+    /// Correct answers over all answers; 0 without answers.
     precision: f64 = mean, "precision" 3;
     /// Frames in which the target is hidden, summed over the starts.
     hidden: usize = sum, "" 0;
@@ -119,7 +115,7 @@ figures! {
     right_unsaid: usize = sum, "" 0, "unsaid/right" right_unsaid right;
     /// Upper bound of the byte comparisons per update; `None` from methods that do not count them.
     work_per_frame: Option<f64> = mean_of_all, "work/frame" 0;
-    /// Time per update, on one thread while others are at work. No other figure differs from run to run.
+    /// Microseconds per update while other threads run. The only figure that differs from run to run.
     microseconds_per_frame: f64 = mean, "us/frame" 0;
 }
 
@@ -144,12 +140,12 @@ fn sum(parts: impl Iterator<Item = usize>) -> usize {
 }
 
 impl Figures {
-    /// Averages the runs of one recording. Fractions of frames are means over the starts; IoU, precision, comparisons
-    /// and time are taken over all frames of all starts together.
+    /// Averages the runs of one recording. Fractions of frames are means over the starts. IoU, precision, comparisons
+    /// and time are means over all frames of all starts.
     pub(super) fn over_starts(runs: &[RunFigures]) -> Self {
         let mean = |of: fn(&Score) -> f64| ratio(runs.iter().map(|run| of(&run.score)).sum(), runs.len() as f64);
         let sum = |count: fn(&RunFigures) -> usize| runs.iter().map(count).sum::<usize>() as f64;
-        // Each run has a frame with a visible target: recordings without one are not measured.
+        // `recall` is never `None`, because recordings without a visible target are not measured.
         let recalls = || runs.iter().filter_map(|run| run.score.recall);
         let iou_sum = runs.iter().filter_map(|run| Some(run.score.mean_iou? * run.score.visible as f64)).sum();
         let updates = runs.iter().map(|run| run.updates).sum::<u64>() as f64;
@@ -187,7 +183,6 @@ mod tests {
         Some(BoundingBox { x, y: 0.0, width: 10.0, height: 10.0 })
     }
 
-    /// Makes a run that locks in its first frame; `states` are the states in the other frames.
     fn run(answers: &[Option<BoundingBox>], states: &[State], work: Option<u32>, microseconds: u64) -> Run {
         let states = std::iter::once(&State::Tracking).chain(states);
         let (confidence, ratio, scale) = (0.5, 1.0, 1.0);
@@ -203,10 +198,10 @@ mod tests {
     fn runs(work: Option<u32>) -> [RunFigures; 2] {
         use State::{Lost, Tracking, Uncertain};
         let truth = [at(0.0), at(0.0), at(0.0), at(0.0), None, None];
-        // IoU 1, 1/3 but uncertain, 0, no answer; an answer while hidden.
+        // IoU 1, IoU 1/3 with the state uncertain, IoU 0, no answer, and an answer while hidden.
         let first = [at(0.0), at(5.0), at(20.0), None, at(0.0), None];
         let first = run(&first, &[Uncertain, Tracking, Lost, Tracking, Lost], Some(200), 30);
-        // IoU 1; two answers while hidden.
+        // IoU 1, then no answer in two frames, and two answers while hidden.
         let second = run(&[at(0.0), None, None, at(0.0), at(3.0)], &[Lost, Lost, Uncertain, Tracking], work, 60);
         [RunFigures::new(&first, &truth).unwrap(), RunFigures::new(&second, &truth[1..]).unwrap()]
     }
@@ -218,9 +213,9 @@ mod tests {
         let expected = Figures {
             mean_correct: (2.0 / 4.0 + 1.0 / 3.0) / 2.0,
             worst_correct: 1.0 / 3.0,
-            // Only the frames of the locks are above 0.5.
+            // Only the frames of the locks have an IoU above 0.5.
             mean_correct_50: (1.0 / 4.0 + 1.0 / 3.0) / 2.0,
-            // 2 of 4 answers and 2 of 4 visible frames; 1 of 3 and 1 of 3.
+            // First start: 2 of 4 answers and 2 of 4 visible frames are correct; second start: 1 of 3 and 1 of 3.
             f: (1.0 / 2.0 + 1.0 / 3.0) / 2.0,
             mean_iou: (1.0 + 1.0 / 3.0 + 0.0 + 1.0) / 4.0,
             precision: 3.0 / 7.0,
@@ -230,7 +225,7 @@ mod tests {
             found_again: 0,
             tracking: 3,
             tracking_wrong: 3,
-            // 11 frames without the 2 that were locked on, and the right one.
+            // 11 frames, less the 2 of the locks and the 1 that is right.
             wrong: 8,
             right: 1,
             right_unsaid: 1,
@@ -239,7 +234,6 @@ mod tests {
         };
         assert!((figures.mean_iou - expected.mean_iou).abs() < 1e-12);
         assert_eq!(Figures { mean_iou: expected.mean_iou, ..figures }, expected);
-        // Work that is not counted in one run has no mean.
         let uncounted = Figures::over_starts(&self::runs(None));
         assert_eq!(uncounted.work_per_frame, None);
         assert_eq!(Figures::over_recordings(&[uncounted, figures]).work_per_frame, None);

@@ -1,7 +1,7 @@
 //! Robustness: runs each tracker from several starts of a recording and averages.
 //!
-//! Each run is scored by the protocol of the TLD recordings, from the frame of its start on, which counts. Its answers
-//! are normalised by its own start and the truth of that frame.
+//! A run is scored by the protocol of the TLD recordings from the frame of its start on. Answers are normalised by the
+//! start box and the ground truth of that frame.
 
 mod figures;
 mod paired;
@@ -22,11 +22,10 @@ use smr_recordings::Sequence;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The figures of a method on a recording.
 struct Row<'a> {
     variant: &'a Variant,
     sequence: String,
-    /// The folder that holds the recording, and others that belong to it.
+    /// Folder that holds the recording and related ones, over which a mean is taken.
     folder: PathBuf,
     figures: Figures,
     starts: Vec<(Case, Score)>,
@@ -44,8 +43,7 @@ const START: &[Column<(Case, Score)>] = &[
     ("correct", "", 0, |(_, score)| score.correct.into()),
 ];
 
-/// Runs every variant, each with a name of its own, from every start on the recordings at `paths`, and pairs the
-/// results with an earlier measurement, or with one another.
+/// Runs every variant, each with a name of its own, from every start. Compares results in pairs, also with `former`.
 pub fn measure(
     paths: &[PathBuf],
     open: impl Fn(&Path) -> Result<Sequence> + Sync,
@@ -74,8 +72,8 @@ pub fn measure(
     Measured { tables, failures, notes: Vec::new(), is_empty: rows.is_empty() }
 }
 
-/// Returns three tables: each method by recording, their starts in the same order, and means over all recordings and
-/// over each folder, if there are several.
+/// Returns three tables: figures by method and recording, the starts in the same order, and means over all recordings
+/// and, if there are several folders, over each.
 fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let (figures, origin) = (Head::all(Figures::COLUMNS), Head::all(Origin::COLUMNS));
     let names = Head::list(&[("tracker", "tracker"), ("sequence", "sequence"), ("folder", ""), ("starts", "starts")]);
@@ -83,7 +81,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     let names = Head::list(&[("tracker", ""), ("sequence", ""), ("folder", "")]);
     let mut starts = Table::new(TableName::Starts, 0, [names, Head::all(START)].concat());
     let names = Head::list(&[("tracker", ""), ("folder", ""), ("recordings", "")]);
-    // People see the means as remarks below the measured rows.
+    // Text and Markdown show the means as remarks below the measured rows, not as a table.
     let mut figures = figures;
     figures.iter_mut().for_each(Head::hide);
     let errors = HEADLINE.map(|(key, _)| Head::error(key)).to_vec();
@@ -95,7 +93,7 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
             folders.push(&row.folder);
         }
     }
-    // With one folder, its mean is that of all recordings.
+    // A single folder has no mean of its own, which would be that of all recordings.
     let split = if folders.len() > 1 { folders.as_slice() } else { &[] };
     for variant in variants {
         let name = || Value::from(variant.name.as_str());
@@ -140,12 +138,12 @@ fn without_pairs(rows: &[Row<'_>], variants: &[Variant]) -> Tables {
     Tables { tables: vec![measured, starts, means], ..Tables::default() }
 }
 
-/// Returns the last name of a folder, because paths differ from machine to machine.
+/// Returns the last component of the path, because whole paths differ from machine to machine.
 fn name_of(folder: &Path) -> String {
     folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// Returns the folder of the recordings that belong together with the one at `path`.
+/// Returns the folder by which the recording at `path` is grouped with others.
 fn folder_of(path: &Path) -> PathBuf {
     if smr_recordings::BUILT_IN.iter().any(|name| path == Path::new(name)) {
         return PathBuf::from("built in");
@@ -154,7 +152,7 @@ fn folder_of(path: &Path) -> PathBuf {
     absolute.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// Returns the folder's name; the whole path if another folder has the same name.
+/// Returns the folder's name, or its whole path if another folder has the same name.
 fn label(folder: &Path, all: &[&Path]) -> String {
     let alike = all.iter().filter(|other| other.file_name() == folder.file_name()).count();
     match folder.file_name() {
@@ -183,7 +181,7 @@ mod tests {
         Row { variant, sequence: sequence.to_owned(), folder: "a/tld".into(), figures, starts: vec![start; 5] }
     }
 
-    /// A target that moves by two pixels a frame; hidden, says the truth, in the third.
+    /// A target that moves by two pixels per frame; in the third frame the ground truth marks it as hidden.
     fn sequence() -> Sequence {
         let mut sequence = crate::tests::sequence();
         sequence.truth.iter_mut().for_each(|truth| truth[2] = None);

@@ -11,14 +11,13 @@ use serde_json::Value;
 use smr_recordings::input;
 use std::path::Path;
 
-/// The figures of an earlier measurement that are compared.
+/// An earlier measurement, with which a new one is compared.
 #[derive(Debug)]
 pub struct Former {
     name: String,
     recordings: Vec<FormerRow>,
 }
 
-/// The figures of a tracker on a recording.
 #[derive(Clone, Debug, Deserialize)]
 struct FormerRow {
     tracker: String,
@@ -39,7 +38,7 @@ struct FormerStart {
     frame: usize,
 }
 
-/// The tables that are read. Starts come in the order of their rows in `measured`.
+/// Tables of an earlier measurement. Starts have the order of the rows in `measured`.
 #[derive(Deserialize)]
 struct FormerTables {
     measured: Vec<FormerRow>,
@@ -54,7 +53,7 @@ impl FormerTables {
     }
 }
 
-/// A file of an earlier version, which had `recordings` in place of the tables.
+/// A file of an earlier version, which has `recordings` in place of the tables.
 #[derive(Deserialize)]
 struct Nested {
     #[serde(rename = "recordings")]
@@ -62,8 +61,7 @@ struct Nested {
 }
 
 impl Former {
-    /// Reads a file that `eval --robustness --json` wrote.
-    /// Errors: the file cannot be read, or is of another kind.
+    /// Reads a file that `eval --robustness --json` wrote; an error if it is unreadable or of another kind.
     pub fn read(file: &Path) -> Result<Self> {
         let text = input::text(file, &input::FORMER).with_context(|| format!("cannot read {}", file.display()))?;
         let name = file.display().to_string();
@@ -91,8 +89,8 @@ impl FormerRow {
     }
 }
 
-/// Makes the table of mean differences between methods. `former` is an earlier measurement: a method is compared with the
-/// method of its name there, or else with the first one there. Without `former`, all are compared with the first of `tables`.
+/// Returns the table of mean differences. A method is compared with the method of its name in `former`, else with the
+/// first one there; without `former`, with the first one of `tables`.
 /// Errors: `former` was measured from other starts, or shares no recording with `tables`.
 pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
     let names =
@@ -160,8 +158,7 @@ mod tests {
         ["a", "b", "c"].into_iter().zip(correct).map(|(name, correct)| row(variant, name, figures(correct))).collect()
     }
 
-    /// Two methods on three recordings, the second better by 0.1, 0.3 and -0.1: mean 0.1, squares 0 + 0.04 + 0.04, and
-    /// 0.08 / 2 / 3 = 0.013333 is the square of the standard error.
+    /// The second method is better by 0.1, 0.3 and -0.1: mean 0.1, standard error the root of 0.08 / 2 / 3.
     fn measured(variants: &[Variant]) -> Vec<Row<'_>> {
         [of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7])].into_iter().flatten().collect()
     }
@@ -205,7 +202,7 @@ sad - smr                   3   +0.100       +0.050  +0.100
         let (smr, sad) = (of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7]));
         let text = compared(&sad, Some(&written(&smr))).unwrap().text(Layout::Text);
         assert_eq!(text, EXPECTED.replace("sad - smr        ", "sad - smr in FILE"));
-        // Its own name is there, and nothing has changed.
+        // The file has a method of this name, with equal figures.
         let same = compared(&sad, Some(&written(&measured(&variants)))).unwrap().text(Layout::Text);
         assert!(same.contains("\nsad - sad in FILE           3   +0.000       +0.000  +0.000\n"), "{same}");
     }

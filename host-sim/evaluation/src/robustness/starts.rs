@@ -13,14 +13,13 @@ use std::str::FromStr;
 pub enum Starts {
     /// The given box in the first frame; also moved 2 pixels right or down, and scaled by 0.95 and 1.05.
     Near,
-    /// The box of the ground truth, in the first frame in which the target is visible, and in every N-th such frame
-    /// after it; not in the last frame, which nothing follows.
+    /// The ground truth box in the first visible frame and every N-th one after it, but not in the last frame.
     Every(NonZeroUsize),
     /// The given box in the first frame alone.
     Given,
 }
 
-/// Parses a value of the command line: `1`, `5` or `every:N`.
+/// Parses `1`, `5` or `every:N` from the command line.
 impl FromStr for Starts {
     type Err = Error;
 
@@ -55,11 +54,9 @@ impl Protocol for Starts {
     }
 }
 
-/// Returns the first `most` of five cases: the given box; 2 pixels to the right; 2 pixels down; 0.95 and 1.05 times as
-/// wide and as high about its centre.
-///
-/// The numbers of a box are rounded once, after the change: a small box may be the same when scaled. A part outside the
-/// frame is cut off; the given box is left as it is.
+/// Returns the first `most` of five cases: the given box, moved 2 pixels to the right, moved 2 pixels down, and scaled
+/// about its centre by 0.95 and by 1.05. Each value is rounded once, after the change, so a scaled small box may be the
+/// given one. Parts outside of the frame are cut off, except of the given box.
 fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     let given = recording.init;
     let changed = [
@@ -76,7 +73,7 @@ fn near(recording: &Recording, most: usize) -> Result<Vec<Case>> {
     changed.into_iter().take(most).map(case).collect()
 }
 
-/// Makes cases along the recording. The part of the ground truth outside the picture is cut off.
+/// Returns cases that start on the ground truth box, cut to the picture, of every N-th visible frame.
 fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Case>> {
     let last = recording.truth.len().saturating_sub(1);
     let visible = (0..last).filter_map(|frame| Some((frame, recording.truth[frame]?)));
@@ -86,7 +83,6 @@ fn along(recording: &Recording, every: NonZeroUsize) -> Result<Vec<Case>> {
     visible.step_by(every.get()).map(case).collect()
 }
 
-/// Makes a case that runs to the end of the recording.
 fn case(name: String, frame: usize, target: Result<Rect>, recording: &Recording) -> Result<Case> {
     let target = target.with_context(|| format!("start {name}"))?;
     Ok(Case { name, frame, target, end: recording.frames.len(), intervention: Intervention::None })
@@ -129,7 +125,6 @@ mod tests {
         starts.into_iter().map(|start| start.target).collect()
     }
 
-    /// The numbers of a box are rounded once, and the part outside the frame is cut off.
     #[test]
     fn five_boxes_near_the_given_one() {
         let near = |given: &str, expected: [[i32; 4]; 5]| {
@@ -137,11 +132,11 @@ mod tests {
             let boxes = boxes.map(|Rect { x, y, width, height }| [x, y, width.into(), height.into()]);
             assert_eq!(boxes.collect::<Vec<_>>(), expected);
         };
-        // Before they are rounded, the boxes scaled by 0.95 and 1.05 are 10.5,5.6,19,22.8 and 9.5,4.4,21,25.2.
+        // Unrounded, the boxes scaled by 0.95 and 1.05 are 10.5,5.6,19,22.8 and 9.5,4.4,21,25.2.
         near("10,5,20,24", [[10, 5, 20, 24], [12, 5, 20, 24], [10, 7, 20, 24], [11, 6, 19, 23], [10, 4, 21, 25]]);
-        // Boxes are rounded after they are moved and scaled: here from 10.89,5.825,18.62,8.55 and 9.91,5.375,20.58,9.45.
+        // Unrounded, the scaled boxes are 10.89,5.825,18.62,8.55 and 9.91,5.375,20.58,9.45.
         near("10.4,5.6,19.6,9", [[10, 6, 20, 9], [12, 6, 20, 9], [10, 8, 20, 9], [11, 6, 19, 9], [10, 5, 21, 9]]);
-        // Before they are rounded, the scaled boxes are 40.5,1,19,38 (wholly inside) and 39.5,-1,21,42.
+        // Unrounded, the scaled boxes are 40.5,1,19,38 (wholly inside) and 39.5,-1,21,42.
         near("40,0,20,40", [[40, 0, 20, 40], [42, 0, 18, 40], [40, 2, 20, 38], [41, 1, 19, 38], [40, 0, 20, 40]]);
         assert_eq!(targets(Starts::Given, "10,5,20,24"), [Rect::new(10, 5, 20, 24)]);
     }
