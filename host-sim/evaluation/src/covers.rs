@@ -185,7 +185,7 @@ impl Row {
     }
 }
 
-/// Returns the tables of single runs and of covers, and a line for each missed goal.
+/// Returns a table with a row for each run, one with a row for each tracker and cover, and a line per missed goal.
 fn tables(counts: &[Counts], variants: &[Variant]) -> Tables {
     let cases = variants.iter().flat_map(|variant| Cover::value_variants().iter().map(move |&cover| (variant, cover)));
     let row = |(variant, cover): (&Variant, Cover)| {

@@ -65,7 +65,6 @@ pub fn measure(
             Err(error) => failures.push(error),
         }
     }
-    // A run stopped by a signal is no failure.
     failures.retain(|_| !cleanup::is_stopped());
     evaluations.retain(|evaluation| !evaluation.scores.is_empty());
     Measured {

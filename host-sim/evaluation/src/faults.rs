@@ -83,7 +83,7 @@ impl<'f> Faults<'f> {
         Self { cases: std::iter::once(None).chain(faults.iter().map(Some)).collect(), longest }
     }
 
-    /// Returns the end of a fault that begins in frame `place`; without a fault, of one as long as the longest.
+    /// Returns the frame after a fault that begins in frame `place`; without a fault, that of the longest fault.
     fn end(&self, place: usize, fault: Option<&Fault>) -> usize {
         place + fault.map_or(self.longest, Fault::frames)
     }

@@ -104,7 +104,7 @@ struct Held {
     cases: Vec<Case>,
 }
 
-/// Runs every variant through the cases of each of `count` recordings; `open` opens a recording by its index.
+/// Runs every variant through all cases (starts or faults) of `count` recordings; `open` opens a recording by index.
 ///
 /// Recordings, variants and cases run in parallel. Records are sorted by recording, then in the order of `variants`. If
 /// a case fails, its variant has no record of the recording. After a signal only complete records are returned.

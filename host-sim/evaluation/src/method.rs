@@ -87,7 +87,6 @@ pub const fn name_of(state: State) -> &'static str {
     }
 }
 
-/// Methods, by their names on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MethodKind {
     /// The Similarity Matching Ratio, as in the paper

@@ -2,7 +2,6 @@
 
 pub(super) const SOURCE: &str = "printed";
 
-/// Recordings of the table, by the names of their folders.
 const SEQUENCES: [&str; 6] = ["01_david", "02_jumping", "03_pedestrian1", "04_pedestrian2", "05_pedestrian3", "06_car"];
 
 /// Correct frames of a tracker, by recording; `None` where the paper has no figure.

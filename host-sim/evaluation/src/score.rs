@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_first_boxes_are_made_equal() {
-        // The answers become half as wide and twice as high; the centre moves from (12, 4.5) to (5, 5).
+        // Normalisation makes the answers half as wide and twice as high; the centre moves from (12, 4.5) to (5, 5).
         let truth = [at(0.0, 0.0, 10.0, 10.0), at(10.0, 0.0, 10.0, 10.0), at(0.0, 0.0, 10.0, 10.0)];
         let answers = [at(2.0, 2.0, 20.0, 5.0), at(12.0, 2.0, 20.0, 5.0), at(2.0, 2.0, 40.0, 5.0)];
         let normalised: Vec<_> = normalised(&answers, &truth).collect();

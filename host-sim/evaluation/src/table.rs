@@ -41,7 +41,6 @@ impl TableName {
 /// A column: key for programs, heading for people (either may be empty), decimals of fractions, and value of a row.
 pub type Column<T> = (&'static str, &'static str, usize, fn(&T) -> Value);
 
-/// A column without its values.
 #[derive(Clone, Debug)]
 pub struct Head {
     key: String,
@@ -66,7 +65,7 @@ impl Head {
         self.title.clear();
     }
 
-    /// Creates columns for programs alone: each of `keys`, followed by its standard error.
+    /// Creates columns that only JSON and CSV have: each of `keys`, followed by its standard error.
     pub fn with_errors<'a>(keys: impl IntoIterator<Item = &'a str>) -> Vec<Self> {
         keys.into_iter().flat_map(|key| [Self::new(key, "", 0), Self::error(key)]).collect()
     }
@@ -89,12 +88,12 @@ pub fn blank() -> Value {
 const UNKNOWN: &str = "-";
 
 pub struct Table {
-    /// Name for programs; `None` for a table for people alone.
+    /// Name in JSON and CSV; `None` for a table that only text and Markdown show.
     name: Option<TableName>,
-    /// Number of leading columns that text aligns to the left; it aligns later ones to the right.
+    /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Cells of each row, after false if the row is for people alone.
+    /// Rows: true if JSON and CSV have the row, too, and its cells.
     rows: Vec<(bool, Vec<Value>)>,
 }
 
@@ -124,7 +123,7 @@ impl Table {
         self.rows.push((true, cells));
     }
 
-    /// Adds a row for people alone. Its last cells may be left out if their columns have no heading.
+    /// Adds a row that only text and Markdown show. Last cells may be left out if their columns have no heading.
     pub fn remark(&mut self, cells: Vec<Value>) {
         self.rows.push((false, cells));
     }
@@ -144,7 +143,7 @@ impl Table {
         std::iter::once(header).chain(self.for_programs().map(row)).collect()
     }
 
-    /// Returns the table for people; `None` if no row or no column is for them.
+    /// Returns the table as text or Markdown; `None` if it has no row or no heading.
     fn text(&self, layout: Layout) -> Option<String> {
         let titled = || self.heads.iter().enumerate().filter(|(_, head)| !head.title.is_empty());
         let cell = |cells: &[Value], (at, head): (usize, &Head)| {
@@ -164,7 +163,7 @@ impl Table {
 #[derive(Default)]
 pub struct Tables {
     pub tables: Vec<Table>,
-    /// Lines below the tables, for people alone.
+    /// Lines below the tables in text and Markdown.
     pub remarks: String,
 }
 

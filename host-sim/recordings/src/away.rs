@@ -15,8 +15,8 @@ pub struct Away {
 }
 
 impl Away {
-    /// Chooses the largest strip of the frame beside all boxes, from the last one before `gone` on, and a shift that
-    /// keeps the box in the frame.
+    /// Chooses the largest strip of the frame beside all boxes of the frames `gone` and of the one before them, and a
+    /// shift that keeps the box in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();
@@ -42,8 +42,7 @@ impl Away {
             if index >= self.gone.len() {
                 return (at - self.shift[axis]).clamp(0, side - 1);
             }
-            // The camera has turned until the strip begins at the other side of the frame, followed by its mirror
-            // images.
+            // The view has turned until the strip starts at the other side of the frame; mirror images follow.
             let length = (end - start).max(1);
             let at = if start == 0 { at + length - side } else { at }.rem_euclid(2 * length);
             start + at.min(2 * length - 1 - at)

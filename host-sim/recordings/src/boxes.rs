@@ -222,7 +222,7 @@ pub fn is_known(file: &Path) -> bool {
     file.file_name().is_some_and(|name| names.any(|known| name == known))
 }
 
-/// True if the path exists, also as a broken link, so that reading it is an error.
+/// True if the path exists, even as a broken link, which is reported when it is read.
 fn is_named(file: &Path) -> bool {
     fs::symlink_metadata(file).is_ok()
 }
@@ -263,8 +263,8 @@ pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     }
 }
 
-/// Returns the box around a mask: lengths of runs of pixels, row by row in a part of the picture, alternately on the
-/// background and on the target. The outer `None` means that the text is no mask.
+/// Returns the box around a run-length mask: in a rectangle of the picture, row by row, runs of pixels lie alternately
+/// on the background and on the target. The outer `None` means that the text is no mask.
 fn mask(text: &str) -> Option<Option<BoundingBox>> {
     let numbers = text.split(',').map(|field| field.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
     let (&[x, y, width, height], runs) = numbers.split_first_chunk()?;
@@ -278,7 +278,7 @@ fn mask(text: &str) -> Option<Option<BoundingBox>> {
         }
         if index % 2 == 1 && run > 0 {
             let (top, bottom) = (begin / width, (end - 1) / width);
-            // A run over several rows touches both sides of the part.
+            // A run over several rows touches both sides of the mask's rectangle.
             let (left, right) = if top == bottom { (begin % width, (end - 1) % width + 1) } else { (0, width) };
             let place = |column: u64, row: u64| [(column + u64::from(x)) as f64, (row + u64::from(y)) as f64];
             corners.extend([place(left, top), place(right, bottom + 1)]);

@@ -128,7 +128,7 @@ impl Process {
         locked(&self.child).try_wait()
     }
 
-    /// Waits for the process to end. `more` gets the time waited so far; if it returns false, the result is `None`.
+    /// Waits for the process to end while `more` of the time waited so far is true; `None` if it has not ended then.
     pub fn wait_while(&self, mut more: impl FnMut(Duration) -> bool) -> io::Result<Option<ExitStatus>> {
         let begin = Instant::now();
         loop {
@@ -181,7 +181,7 @@ pub fn heed_signals() -> io::Result<()> {
     ctrlc::set_handler(heed).map_err(io::Error::other)
 }
 
-/// True if the signal is ignored, which without unsafe code only Linux reports.
+/// True if this process ignores the signal. Only Linux reports it without unsafe code.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

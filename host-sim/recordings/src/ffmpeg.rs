@@ -157,7 +157,7 @@ pub(super) struct Shown {
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Said {
     last: String,
-    /// Warning about the last packet that looks damaged.
+    /// Text of the last warning about a damaged packet.
     packet: String,
     /// True if the size or pixel format changes between frames.
     changed: bool,
@@ -221,7 +221,7 @@ impl Said {
         None
     }
 
-    /// Parses ` n:   1 pts:    512 pts_time:0.0333333 pos: 5000 fmt:yuv420p sar:1/1 s:640x480 i:P iskey:0 ...`
+    /// Parses a line of `showinfo`: ` n:   1 pts:    512 pos: 5000 fmt:yuv420p sar:1/1 s:640x480 i:P iskey:0 ...`
     fn picture(&mut self, line: &str) -> Option<Shown> {
         self.base = line.split_once("time_base: ").and_then(|(_, base)| fraction(base)).or(self.base);
         let field = |name: &str| line.split_once(name)?.1.split_whitespace().next();

@@ -117,7 +117,7 @@ enum Packets {
 
 /// Codecs with one shown frame in each packet, decodable from each key frame on.
 const ONE_EACH: [&str; 9] = ["h264", "hevc", "av1", "vp9", "mpeg1video", "mpeg2video", "mjpeg", "prores", "rawvideo"];
-/// Codecs decodable from each key frame on, in which some packets show no frame but look like all others.
+/// Codecs decodable from each key frame on, in which some packets show no frame and cannot be told from others.
 const SOME_HIDDEN: [&str; 2] = ["vp8", "mpeg4"];
 
 /// Count of frames that are decoded to verify the times of the packets.
@@ -180,7 +180,7 @@ fn read_packets(file: &Path, patience: Duration) -> Option<Read> {
 }
 
 impl Read {
-    /// Classifies the packets; `None` if the codec is not known or the first decoded frames disagree.
+    /// Classifies the packets; `None` if the codec is not known, or decoded frames have other times than their packets.
     fn checked(mut self, file: &Path, patience: Duration) -> Option<Packets> {
         if SOME_HIDDEN.contains(&self.codec.as_str()) {
             return Some(Packets::Hidden);

@@ -101,7 +101,7 @@ impl Live {
 
 /// Builds the command of an ffmpeg with low delay: luma in full range, as in files, chroma at half the size.
 fn command(address: &Path) -> Command {
-    // ffmpeg by default examines a stream for five seconds before it begins.
+    // Shortens the examination of the stream before the first frame, which by default takes ffmpeg five seconds.
     let options = ["-fflags", "nobuffer", "-flags", "low_delay", "-analyzeduration", "2000000", "-f", "v4l2"];
     let options = if is_camera(address) { &options[..] } else { &options[..6] };
     let mut command = ffmpeg::command("ffmpeg", "level+warning", address.as_os_str(), options);

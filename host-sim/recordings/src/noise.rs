@@ -1,4 +1,4 @@
-//! The worst case of a search that excludes offsets early: frames of random pixels, in which it can exclude none.
+//! The worst case of a search that rejects offsets early: frames of random pixels, in which it can reject none.
 //!
 //! The box stays in the middle, so that the search window of a second update lies in the frame wherever the first moves
 //! it.

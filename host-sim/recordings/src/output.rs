@@ -58,7 +58,7 @@ impl Output {
     }
 }
 
-/// Used by encoders. Unlike those of the inherent methods, its errors do not name the file.
+/// Lets encoders write the file. Errors of this trait do not name the file.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file.write(bytes)
@@ -126,7 +126,7 @@ pub fn write(name: &Path, bytes: &[u8]) -> Result<()> {
     Output::create(name)?.end(bytes)
 }
 
-/// A folder being filled, new or empty before. Its files appear together in [`Folder::finish`].
+/// A new or empty folder that is being filled. Its files appear together in [`Folder::finish`].
 pub struct Folder {
     name: PathBuf,
     target: PathBuf,

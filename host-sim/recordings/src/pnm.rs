@@ -42,7 +42,7 @@ impl Reader<'_> {
 
     fn picture(&mut self) -> Result<Samples> {
         let Header { is_text, width, height, channels, largest } = self.header()?;
-        // Refuses another maximum: its values would have to be scaled, because unscaled ones may be almost black.
+        // Values with another maximum would have to be scaled: unscaled, those of 10 bits would be almost black.
         ensure!(matches!(largest, 255 | 65535), "its largest value is {largest}: expected 255 or 65535");
         check_size(width, height)?;
         ensure!((1..=4).contains(&channels), "it has {channels} values a pixel: expected 1 to 4");

@@ -1,4 +1,4 @@
-//! Converts decoded samples to an upright frame in gray or color; also has the errors about pictures.
+//! Converts decoded samples to an upright frame in gray or color, and creates errors about pictures.
 
 use super::{ColorFrame, GrayFrame, MOST_PIXELS, Raster};
 use anyhow::{Context, Error, Result, anyhow, ensure};

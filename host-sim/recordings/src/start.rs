@@ -83,7 +83,7 @@ impl Target {
     }
 }
 
-/// Checks the starts of the target `name`, in order: each a frame, with true for a box or false for "gone".
+/// Checks the starts of the target `name`, sorted by frame: frame number, and true for a box or false for "gone".
 /// Errors: The target is gone before its first box, or twice without a box between.
 pub fn check_gone(name: &str, locks: impl Iterator<Item = (usize, bool)>) -> Result<()> {
     let mut gone_from = Some(0);
@@ -121,7 +121,6 @@ impl FromStr for Start {
     }
 }
 
-/// Splits off the `@FRAME` that may end a text.
 fn split_frame(text: &str) -> Result<(&str, Option<usize>)> {
     let Some((before, frame)) = text.split_once('@') else { return Ok((text, None)) };
     let number = frame.parse().ok().filter(|&number: &usize| number > 0);

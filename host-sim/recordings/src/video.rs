@@ -181,7 +181,7 @@ impl Pictures {
     }
 }
 
-/// Jump in seconds above which a joined video begins: in MPEG-TS, time that goes back looks like a clock overflow.
+/// Jump of time, in seconds, at a join of two videos: in MPEG-TS, time that goes back looks like a clock overflow.
 pub(super) const LEAP: u32 = 43_200;
 
 /// Times that never go back: in a file of joined videos, each video continues the times of the one before.
@@ -196,11 +196,12 @@ struct Continued {
 }
 
 impl Continued {
-    /// Returns the continued time of a picture. `second` is one second in the unit of the times.
+    /// Returns `time` continued over joined videos; `second` is one second in the unit of `time`.
     fn next(&mut self, time: i64, second: i64) -> i64 {
         let mut now = time + self.shift;
         if let Some(last) = self.last {
-            // Time that goes back by less than `step`, the frame interval, is an error of one picture and not a join.
+            // A step back by less than `step`, the frame interval, is one wrong time stamp, not the start of another
+            // video.
             if now <= last - self.step || now - last > i64::from(LEAP) * second {
                 now = last + self.step;
                 self.shift = now - time;

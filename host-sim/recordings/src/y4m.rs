@@ -116,7 +116,7 @@ pub struct Planes {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Chroma {
-    /// Horizontal chroma subsampling: pixels that share one chroma sample; 0 in gray frames, as `down`.
+    /// Horizontal chroma subsampling: pixels for each chroma sample; 0 without chroma.
     across: usize,
     down: usize,
     /// True for full range (0 to 255), false for limited range (from 16). Gray frames have full range.

@@ -357,7 +357,7 @@ fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
 fn tree(mut add: impl FnMut(Solid), [x, z]: [f64; 2], tall: f64, wide: f64) {
     let (low, high) = ([-0.2, 0.2, 0.2], [-0.12, 0.12, 0.12]);
     add(Solid::block([x, 0.0, z], [1.0, 0.0], [0.0, tall], [low, high], [0.38, 0.27, 0.18], plain));
-    // Each ball of a crown: offset to the right, up and away, and radius, times the scale of the crown.
+    // Each ball of a tree's crown: offset to the right, up and away, and radius, in units of the crown's scale.
     const BALLS: [f64; 20] =
         [0.0, 0.0, 0.0, 1.5, -0.9, -0.5, -0.3, 1.1, 0.9, -0.4, -0.2, 1.15, 0.2, 0.9, 0.1, 1.1, -0.1, -0.7, -0.7, 1.1];
     for &[right, up, away, reach] in BALLS.as_chunks().0 {

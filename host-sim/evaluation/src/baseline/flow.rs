@@ -8,7 +8,7 @@ const STEPS: usize = 30;
 const SMALL: f64 = 0.005;
 /// Least side of a template, in pixels, on the smallest level of the pyramid.
 const LEAST_SIDE: usize = 5;
-/// Pixels around the search window that gradients at its edge need.
+/// Margin in pixels around the search window, which gradients at its edge need.
 const MARGIN: i32 = 2;
 
 /// Returns the position within `limits` at which the template fits best.
@@ -59,7 +59,7 @@ fn fit(scene: &Plane, template: &Plane, start: [f64; 2], limits: [(f64, f64); 2]
     place
 }
 
-/// Returns the Gauss-Newton step from `scene` at a position to `template`; `None` without a clear gradient.
+/// Returns the Gauss-Newton step from (x, y) to the best fit; `None` if gradients do not determine it.
 fn step(scene: &Plane, template: &Plane, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     // Sums of gx gx, gx gy, gy gy, gx d and gy d, where d is the difference.
     let mut sums = [0.0; 5];
@@ -232,7 +232,7 @@ mod tests {
         flow.lock(&waves(0.0, 0.0).frame(), Rect::new(40, 30, 32, 24)).unwrap();
         let found = flow.update(&waves(6.0, 4.0).frame()).unwrap().target.unwrap();
         assert_eq!((found.x, found.y), (42.0, 31.0));
-        // A box of one pixel has hardly a gradient.
+        // A box of one pixel has almost no gradient.
         flow.lock(&waves(0.0, 0.0).frame(), Rect::new(0, 0, 1, 1)).unwrap();
         let found = flow.update(&waves(1.0, 1.0).frame()).unwrap().target.unwrap();
         assert!((-2.0..=2.0).contains(&found.x));

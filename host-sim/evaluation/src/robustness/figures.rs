@@ -1,4 +1,4 @@
-//! Aggregation: runs, mean of a recording over its starts, mean over recordings.
+//! Aggregates the figures of runs: means of a recording over its starts, and means over recordings.
 
 use crate::table::Column;
 use crate::{CORRECT, Run, Score, Trajectory, overlaps};
