@@ -182,8 +182,9 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Reads all frames; an error if there is no start box, ground truth is missing, never visible or of another
-    /// length, or a frame cannot be read or exceeds `most_bytes` with the others.
+    /// Reads all frames.
+    /// Errors: No start box; ground truth that is missing, never visible or of another length; a frame that cannot be
+    /// read; more than `most_bytes` of frames.
     pub fn read(sequence: Sequence, most_bytes: u64) -> Result<Self> {
         let start = sequence.start();
         let Sequence { name, frames, init, truth, .. } = sequence;
@@ -212,8 +213,8 @@ impl Recording {
         Ok(Self { name, frames: kept, init, truth })
     }
 
-    /// Runs a tracker through a case, and calls `progress` for each frame of the recording. An error if the tracker
-    /// fails or a signal requests a stop.
+    /// Runs a tracker through a case; calls `progress` for each frame of the recording.
+    /// Errors: The tracker cannot be built or fails, or a signal requests a stop.
     fn run(&self, variant: &Variant, case: &Case, progress: impl Fn()) -> Result<Run> {
         let mut follower = Follower::new(variant.build()?, vec![(case.frame + 1, Some(case.target))]);
         let mut run = Run::default();

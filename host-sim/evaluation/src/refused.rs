@@ -24,7 +24,7 @@ impl Refused {
         }
     }
 
-    /// Returns advice, with only the options that the command has.
+    /// Returns advice that names only the options for which `has` is true.
     pub fn way_out(&self, has: impl Fn(&str) -> bool) -> String {
         let all = match self.why {
             LockError::BoxTooLarge => vec![

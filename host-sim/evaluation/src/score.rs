@@ -17,7 +17,7 @@ pub const CORRECT: f64 = 0.25;
 /// Intersection over union above which a frame is correct at 0.5.
 const CORRECT_50: f64 = 0.5;
 
-/// Figures by the protocols of the TLD recordings, OTB and VOT. Only counts are known if the target is never visible.
+/// Figures of a tracker on a recording. If the target is never visible, only the counts are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
     pub frames: usize,
@@ -31,7 +31,6 @@ pub struct Score {
     pub precision: Option<f64>,
     /// `correct / visible`
     pub recall: Option<f64>,
-    /// Harmonic mean of precision and recall.
     pub f: Option<f64>,
     /// Mean IoU over the visible frames, in which a missing answer has IoU 0.
     pub mean_iou: Option<f64>,

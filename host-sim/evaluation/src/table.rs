@@ -93,7 +93,7 @@ pub struct Table {
     /// Number of leading columns aligned to the left; all others are aligned to the right.
     names: usize,
     heads: Vec<Head>,
-    /// Rows: true if JSON and CSV have the row, too, and its cells.
+    /// For each row: true if JSON and CSV have it, and its cells.
     rows: Vec<(bool, Vec<Value>)>,
 }
 

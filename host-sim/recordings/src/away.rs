@@ -15,8 +15,8 @@ pub struct Away {
 }
 
 impl Away {
-    /// Chooses the largest strip of the frame beside all boxes of the frames `gone` and of the one before them, and a
-    /// shift that keeps the box in the frame.
+    /// Chooses the largest strip of the frame beside all boxes of the frames in `gone` and of the one before them, and
+    /// a shift that keeps the box in the frame.
     pub fn new(truth: &[Option<BoundingBox>], gone: Range<usize>, frame: Rect) -> Self {
         let corners = |at: &BoundingBox| [[at.x, at.y], [at.x + at.width, at.y + at.height]];
         let corners: Vec<_> = truth[gone.start - 1..gone.end].iter().flatten().flat_map(corners).collect();

@@ -39,7 +39,7 @@ enum Kind {
     Offset,
 }
 
-/// Length in frames of a fault whose amount is its strength.
+/// Length in frames of the faults whose parameter is a strength.
 const FRAMES: usize = 10;
 
 /// Length in frames of a change of light.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn sort(files: &mut [PathBuf]) {
     let decimals: Option<Vec<_>> = files.iter().map(|file| Decimal::of(&stem(file))).collect();
     let are_decimals = decimals.is_some_and(|all| Decimal::are_one_series(&all));
-    // Names that differ only in white space are equal in natural order; the order must not depend on the file system.
+    // Names that differ only in white space are equal in natural order, so the path decides, not the file system.
     files.sort_by(|a, b| {
         let (first, second) = (stem(a), stem(b));
         let decimals = Decimal::of(&first).zip(Decimal::of(&second)).filter(|_| are_decimals);

@@ -147,7 +147,7 @@ impl Pictures {
     /// Seeks the picture shown at `time`, in seconds; returns it and all later ones, or `None` if the seek misses it.
     pub fn at(file: &Path, time: f64, wanted: Use, patience: Duration) -> Option<(Picture, Self)> {
         let select = format!("select='gte(t,{:.6})',", time - NEAR / 2.0);
-        // In some files no picture can be decoded from there, so the second seek starts ten seconds earlier.
+        // In some files decoding cannot start right before `time`, so the second seek starts ten seconds earlier.
         [0.0001, 10.0].iter().find_map(|before| {
             let seek = format!("{:.6}", (time - before).max(0.0));
             let mut pictures = Self::start(("ffmpeg", file), &["-ss", &seek], &select, wanted, patience).ok()?;

@@ -40,7 +40,6 @@ pub struct Solid {
 /// Returns the color at a position and normal, both in the solid's own axes; `leaves` is the texture of foliage.
 pub type Paint = fn(base: Triple, at: Triple, normal: Triple, leaves: &Texture) -> Triple;
 
-/// Point where a ray enters a solid.
 pub struct Hit<'a> {
     pub far: f64,
     solid: &'a Solid,

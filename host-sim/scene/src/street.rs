@@ -310,7 +310,6 @@ fn grain(texture: &Texture, x: f64, z: f64) -> f64 {
 
 type Solids = [Option<Solid>; SOLIDS];
 
-/// Returns the still solids for which `wanted` is true.
 fn solids(wanted: &dyn Fn(&Solid) -> bool) -> Solids {
     let mut solids = [const { None }; SOLIDS];
     let mut count = 0;

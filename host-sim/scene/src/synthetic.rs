@@ -78,7 +78,7 @@ impl Scene {
         u8::try_from((lit + noise.noise()).clamp(0, 255)).unwrap_or(u8::MAX)
     }
 
-    /// Returns the texture in 256ths of a gray level: the post covers the target, which covers the background.
+    /// Returns the gray level at (`x`, `y`) in 256ths: the post covers the target, which covers the background.
     fn texture(&self, textures: &Textures, x: i32, y: i32) -> i32 {
         // A pixel shows the texture at its centre.
         let (dx, dy) = (x - self.target_x + PIXEL / 2, y - self.target_y + PIXEL / 2);

@@ -25,7 +25,7 @@ pub(super) fn find(
     let scene = Plane::new(frame, first.into(), size.into());
     let pixels = template.iter().map(|&pixel| pixel.into()).collect();
     let template = Plane { width: width.into(), height: height.into(), pixels };
-    // Positions are relative to the window's corner, so that half a position is the position one pyramid level higher.
+    // Positions are relative to the window's corner, because only then can they be halved for the next pyramid level.
     let corner = first.map(f64::from);
     let limits = [0, 1].map(|axis| (limits[axis].0 - corner[axis], limits[axis].1 - corner[axis]));
     let place = coarse_to_fine(&scene, &template, [from[0] - corner[0], from[1] - corner[1]], limits);

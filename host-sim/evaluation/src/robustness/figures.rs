@@ -21,7 +21,7 @@ pub(crate) struct RunFigures {
 }
 
 impl RunFigures {
-    /// Computes the figures; `truth` begins with the frame of the lock, as the run does, and has its length.
+    /// Computes the figures; `truth` begins with the frame of the lock. An error if it has another length than the run.
     pub fn new(run: &Run, truth: &Trajectory) -> Result<Self> {
         let answers: Vec<_> = run.reports.iter().map(|report| report.target).collect();
         let (overlaps, score) = (overlaps(&answers, truth)?, Score::new(&answers, truth)?);
@@ -45,7 +45,7 @@ impl RunFigures {
     }
 }
 
-/// Frames from the target's return on in which a correct answer counts as found again.
+/// Number of frames after the target's return in which a correct answer counts as found again.
 const SOON: usize = 50;
 
 /// Counts the target's returns into view, and those after which it was found again; overlaps are `None` while hidden.
@@ -101,9 +101,9 @@ figures! {
     hidden: usize = sum, "" 0;
     /// Frames with an answer while the target is hidden.
     answered_hidden: usize = sum, "" 0, "answered/hidden" answered_hidden hidden;
-    /// Returns of the target after it was hidden, summed over the starts.
+    /// Number of times that the target came back after it was hidden, summed over the starts.
     returns: usize = sum, "" 0;
-    /// Returns of the target with a correct answer in the first 50 frames.
+    /// Number of times that it came back and a correct answer followed in the first 50 frames.
     found_again: usize = sum, "" 0, "found/returns" found_again returns;
     tracking: usize = sum, "" 0;
     /// Updates with the state *tracking* in which the target is hidden or the box is wrong.

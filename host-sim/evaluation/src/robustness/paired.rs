@@ -202,7 +202,7 @@ sad - smr                   3   +0.100       +0.050  +0.100
         let (smr, sad) = (of(&variants[0], [0.2, 0.5, 0.8]), of(&variants[1], [0.3, 0.8, 0.7]));
         let text = compared(&sad, Some(&written(&smr))).unwrap().text(Layout::Text);
         assert_eq!(text, EXPECTED.replace("sad - smr        ", "sad - smr in FILE"));
-        // The file has a method of this name, with equal figures.
+        // The earlier file has a method of the same name, `sad`, with equal figures.
         let same = compared(&sad, Some(&written(&measured(&variants)))).unwrap().text(Layout::Text);
         assert!(same.contains("\nsad - sad in FILE           3   +0.000       +0.000  +0.000\n"), "{same}");
     }

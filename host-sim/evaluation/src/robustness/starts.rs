@@ -1,4 +1,4 @@
-//! The starts of runs: the given box and four close to it, or boxes of the ground truth along the way.
+//! Start boxes of runs: the given box and four close to it, or ground truth boxes along the recording.
 
 use super::figures::RunFigures;
 use crate::matrix::{Case, Intervention, Protocol, Recording};
