@@ -157,7 +157,7 @@ impl Row {
         self.recordings.iter().filter(|of| of.right_before).count()
     }
 
-    /// Returns the median and the maximum, over the recordings, of the frames with the state *tracking*.
+    /// Returns the number of frames with the state *tracking*: median and maximum over the recordings.
     fn tracking(&self) -> (usize, usize) {
         let mut all: Vec<usize> = self.recordings.iter().map(|of| of.tracking).collect();
         all.sort_unstable();

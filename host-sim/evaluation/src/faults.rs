@@ -314,7 +314,7 @@ mod tests {
             let [none, _, gain, robust_none, _, robust_gain] = &column[..] else { panic!("{column:?}") };
             assert_eq!((none, robust_none), (gain, robust_gain), "a gain of 1 changes nothing");
         }
-        // A second recording adds as many runs.
+        // With two recordings, every number of runs is twice that with one.
         for (one, two) in columns(&one, |key| key == "runs").iter().zip(columns(&two, |key| key == "runs")) {
             let twice: Vec<_> = one.iter().map(|runs| Value::from(2 * runs.as_u64().unwrap())).collect();
             assert_eq!(two, twice);

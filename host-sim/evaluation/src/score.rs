@@ -14,7 +14,7 @@ pub type Trajectory = [Option<BoundingBox>];
 /// Intersection over union of answer and truth above which a frame is correct.
 pub const CORRECT: f64 = 0.25;
 
-/// Intersection over union above which a frame is correct at 0.5.
+/// IoU above which a frame counts in [`Score::correct_50`].
 const CORRECT_50: f64 = 0.5;
 
 /// Figures of a tracker on a recording. If the target is never visible, only the counts are known.
@@ -54,7 +54,7 @@ pub struct Figure {
     pub key: &'static str,
     /// Heading in tables; empty if it has no column there.
     pub title: &'static str,
-    /// Heading on the page; empty if it has no column there.
+    /// Heading on the page of `report`; empty if it has no column there.
     pub page: &'static str,
     pub digits: usize,
     pub has_mean: bool,

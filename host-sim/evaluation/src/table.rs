@@ -179,7 +179,7 @@ impl Tables {
         })
     }
 
-    /// Returns a table as CSV by RFC 4180, but with the line ends of all other output; `None` without such a table.
+    /// Returns a table as CSV (RFC 4180, but lines end with LF); `None` without such a table.
     pub fn csv(&self, name: TableName) -> Option<String> {
         self.find(name).map(Table::csv)
     }

@@ -18,7 +18,7 @@ pub struct Configs {
     /// Settings of the paper's tracker; the baselines take window and padding from them.
     pub paper: Config,
     pub robust: robust::Config,
-    /// Work in each step of an update of smr-core's trackers; it changes no answer.
+    /// Work limit of each step of an update of smr-core's trackers; it changes no answer.
     pub step: u32,
 }
 

@@ -218,7 +218,7 @@ fn remove(path: &Path) -> io::Result<()> {
     fs::rename(path, &gone).and_then(|()| fs::remove_dir_all(gone)).or_else(|_| fs::remove_dir_all(path))
 }
 
-/// Blocks until a signal has ended this program. Call it before an error is printed: the signal may be its cause.
+/// After a signal, blocks until this program ends. Call it before printing an error, which the signal may have caused.
 pub fn yield_to_signal() {
     while ENDING.load(Ordering::SeqCst) {
         thread::park();

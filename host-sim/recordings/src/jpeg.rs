@@ -110,7 +110,7 @@ impl Layout {
             0xF7 => "a JPEG-LS picture",
             _ if *precision != 8 => "a JPEG of more than 8 bits",
             _ if *height == [0, 0] => "a JPEG whose height follows its pixels",
-            // The decoder would silently put the colors of such a JPEG in the wrong places.
+            // The decoder would silently misplace the colors if components of unequal rows come in separate scans.
             0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with a scan for each color",
             _ => return None,
         })

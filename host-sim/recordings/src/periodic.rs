@@ -1,4 +1,4 @@
-//! A built-in recording of patterns without noise, where many offsets have exactly the same score, to test tie rules.
+//! A built-in recording of patterns without noise, where many offsets have equal scores, to test how ties are broken.
 //!
 //! A checkerboard moves by half of its period, where offsets to the left and right, above and below are equally close.
 //! Some frames are uniform. Others show a single cone, whose score falls with every pixel of distance, so that the

@@ -100,7 +100,7 @@ fn colored(frame: Frame, colors: &mut Colors) -> Frame {
 /// Multiplies the aspect ratio of a pixel by `by`, so that a picture scaled unevenly keeps its shape.
 fn stretched((width, height): (u32, u32), by: f64) -> (u32, u32) {
     if (by - 1.0).abs() < 0.01 {
-        // A difference below 1 % comes from rounding half of an odd side.
+        // Ignores a difference below 1 %, which comes from rounding half of an odd side.
         return (width, height);
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // positive, and it saturates
