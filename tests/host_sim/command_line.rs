@@ -57,7 +57,7 @@ fn what_never_ends_is_refused_with_its_limit() {
     against(utf8(&path("long.json"))).refuses(&["long.json", "64 MiB"]);
     let pipe = path("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    against(utf8(&pipe)).refuses(&["pipe", "nothing comes out of it", "64 MiB"]);
+    against(utf8(&pipe)).refuses(&["pipe", "no data came for", "64 MiB"]);
 }
 
 #[cfg(unix)]
@@ -69,7 +69,7 @@ fn an_ffmpeg_that_hangs_while_it_writes_is_ended() {
     let path = std::env::join_paths(
         std::iter::once(folder.path().to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
     );
-    // A decoder that hangs: one delivers no frame, one reads all input and never ends.
+    // An ffmpeg that hangs: one reads nothing, one reads all input and never ends.
     for script in ["exec sleep 60", "cat > /dev/null; exec sleep 60"] {
         fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
         fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
@@ -148,7 +148,7 @@ fn the_name_of_a_file_does_not_steer_the_terminal() {
             "{all:?}"
         );
     }
-    host_sim(&["track", &clip]).refuses(&["a\\u001b[31m\\u000a\\u009b: no box to start from"]);
+    host_sim(&["track", &clip]).refuses(&["a\\u001b[31m\\u000a\\u009b: no initial box"]);
 }
 
 #[cfg(unix)]

@@ -251,7 +251,7 @@ fn damage_in_the_middle_is_no_verdict() {
     };
     let mut damaged = bytes.clone();
     damaged[all[4].0 + 40] ^= 1;
-    let out = refused(&damaged, &["bytes at byte", "are damaged", "what lies before it was replayed"]);
+    let out = refused(&damaged, &["bytes at byte", "are damaged", "the entries before it were replayed"]);
     assert!(out.contains("1 answers as recorded"), "{out}");
     // Removes one entry, as a log that lost it.
     let without = [&bytes[..all[5].0], &bytes[all[6].0..]].concat();

@@ -76,7 +76,7 @@ fn every_frame_is_answered_as_it_comes() {
     let frames = fs::File::open(&file).unwrap();
     let refused = Command::new(PROGRAM).args(["track", "-"]).stdin(frames).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("standard input: no box to start from: give --init"));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("standard input: no initial box: give --init"));
 }
 
 #[cfg(target_os = "linux")]

@@ -27,7 +27,7 @@ fn read(path: &Path) -> Boxes {
 }
 
 fn follow(sequence: Sequence, config: Config, larger: u16) -> Boxes {
-    let mut start = sequence.start().expect("a box to start from");
+    let mut start = sequence.start().expect("an initial box");
     (start.width, start.height) = (start.width + larger, start.height + larger);
     let corners = |target: Rect| [target.x, target.y, target.right(), target.bottom()];
     let mut tracker = Box::new(Tracker::<Paper>::with(config).expect("a configuration that can be used"));

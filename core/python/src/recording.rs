@@ -137,7 +137,7 @@ impl Recording {
         format!("smr.Recording({:?}{})", self.path, if self.color { ", color=True" } else { "" })
     }
 
-    /// The box to start from, from a file beside the recording: (x, y, width, height) in pixels, or None.
+    /// The initial box, from a file beside the recording: (x, y, width, height) in pixels, or None.
     #[getter]
     fn start(&self) -> Option<Four> {
         self.start.map(four)
@@ -208,7 +208,7 @@ impl Decoded {
     }
 }
 
-/// The box to start from, from a file beside `path`: (x, y, width, height) in pixels, or None. Reads no frame.
+/// The initial box, from a file beside `path`: (x, y, width, height) in pixels, or None. Reads no frame.
 ///
 /// Raises ValueError if a file with boxes cannot be read.
 #[pyfunction]

@@ -266,7 +266,7 @@ mod tests {
         let short = sequence().truth.map(|truth| truth[..3].to_vec());
         let lengths = "moving: there are 4 frames, but the ground truth has 3 boxes for them: say which";
         assert!(error(Sequence { truth: short, ..sequence() }).starts_with(lengths));
-        assert!(error(Sequence { init: None, ..sequence() }).contains("no box to start from"));
+        assert!(error(Sequence { init: None, ..sequence() }).contains("no initial box"));
         let tiny = BoundingBox { x: 1.0, y: 1.0, width: 0.3, height: 5.0 };
         assert!(error(Sequence { init: Some(tiny), ..sequence() }).contains("no pixels: 1,1,0.3,5"));
         let frames = sequence().frames.take(2).chain(std::iter::once_with(|| bail!("frame 3 is bad")));

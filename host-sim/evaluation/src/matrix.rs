@@ -190,7 +190,7 @@ impl Recording {
         let Sequence { name, frames, init, truth, .. } = sequence;
         let truth = truth_of(&name, truth)?;
         start?;
-        let init = init.context("no box to start from")?;
+        let init = init.context("no initial box")?;
         ensure!(truth.iter().any(Option::is_some), "{name}: the target is visible in no frame of the ground truth");
         let boxes = truth.len();
         let mut kept = Vec::with_capacity(boxes);
@@ -283,7 +283,7 @@ mod tests {
         for (sequence, expected) in [
             (sequence(), ": its frames (3 of 1024x512) need 2 MiB of memory: at most 1 MiB are used for a recording"),
             (Sequence { truth: None, ..sequence() }, ": no ground truth"),
-            (Sequence { init: None, ..sequence() }, ": no box to start from"),
+            (Sequence { init: None, ..sequence() }, ": no initial box"),
             (
                 Sequence { truth: two, ..sequence() },
                 ": there are 3 frames, but the ground truth has 2 boxes for them: say which",

@@ -2,7 +2,7 @@
 //!
 //! | file | form | a line |
 //! |---|---|---|
-//! | `init.txt` | TLD | the box to start from |
+//! | `init.txt` | TLD | the initial box |
 //! | `gt.txt` | TLD | `x1,y1,x2,y2`, one line a frame; NaN where the target is not visible |
 //! | `groundtruth_rect.txt` | OTB | `x,y,width,height`, one line a frame, the first pixel being 1; NaN or no area where it is not visible |
 //! | `groundtruth.txt` | VOT, GOT-10k | `x,y,width,height`, a polygon or a mask, read as its bounding box; NaN, no area or one number where it is not visible |
@@ -244,7 +244,7 @@ fn parse<T>(text: &str, entry: impl Fn(&str) -> Result<T>) -> Result<Vec<T>> {
 pub fn region(text: &str) -> Result<Option<BoundingBox>> {
     let expected = || anyhow!("expected x,y,width,height or a polygon x1,y1,x2,y2,x3,y3,..., found {}", shown(text));
     if let Some(runs) = text.trim().strip_prefix('m') {
-        let expected = "expected a mask mX,Y,WIDTH,HEIGHT and the lengths of its runs, which fit in it";
+        let expected = "expected a mask mX,Y,WIDTH,HEIGHT,RUN,RUN,... whose runs cover at most WIDTH x HEIGHT pixels";
         return mask(runs).with_context(|| format!("{expected}, found {}", shown(text)));
     }
     let numbers = numbers(text).ok_or_else(expected)?;
@@ -306,7 +306,7 @@ fn numbers(line: &str) -> Option<Vec<f64>> {
 fn shown(line: &str) -> String {
     let start: String = line.chars().take(60).collect();
     let is_mixed = line.contains([',']) && line.trim().contains([' ', '\t', ';']);
-    format!("{start:?}{}", if is_mixed { ": numbers need decimal points, and one separator in a line" } else { "" })
+    format!("{start:?}{}", if is_mixed { ": use decimal points, and the same separator in the whole line" } else { "" })
 }
 
 #[cfg(test)]
@@ -364,7 +364,7 @@ mod tests {
             assert!(TRUTH.iter().all(|(form, _)| form.entry(text).is_err()), "{text:?}");
         }
         let error = region("60,5 80,5 40,0 40,0").unwrap_err().to_string();
-        assert!(error.ends_with("numbers need decimal points, and one separator in a line"), "{error}");
+        assert!(error.ends_with("use decimal points, and the same separator in the whole line"), "{error}");
     }
 
     #[test]

@@ -134,8 +134,8 @@ impl Ffmpeg {
         if has_gap && said.last.is_empty() {
             said.last = std::mem::take(&mut said.packet);
         }
-        let (file, changed) = (&self.file, "the size of its frames or the format of their pixels changes on the way");
-        ensure!(!said.changed, "{file}: {changed}: expected one");
+        let (file, changed) = (&self.file, "the frame size or the pixel format changes during the video");
+        ensure!(!said.changed, "{file}: {changed}: expected the same in all frames");
         if said.last.is_empty() && status.success() {
             return Ok(());
         }

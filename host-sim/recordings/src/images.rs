@@ -40,7 +40,7 @@ pub(super) fn kind(file: &Path) -> Option<String> {
 
 /// Returns an error if the extension is that of an unsupported picture format.
 pub(super) fn check_kind(file: &Path) -> Result<()> {
-    ensure!(!is_foreign(file), "{} is a picture of a kind that is not read: {CONVERT}", file.display());
+    ensure!(!is_foreign(file), "{}: this kind of picture is not supported: {CONVERT}", file.display());
     Ok(())
 }
 
@@ -155,7 +155,7 @@ pub(super) fn levels_note(pictures: &[Picture]) -> Option<String> {
     let margin = ((last - first) / 4).max(8);
     let wanted = Levels { black: first.saturating_sub(margin), white: last.saturating_add(margin) };
     Some(format!(
-        "of its 16-bit values only {first} to {last} occur: trackers see levels {low} to {high} of 256; --levels {wanted} stretches them"
+        "its 16-bit values are only {first} to {last}, so trackers see the gray levels {low} to {high}: --levels {wanted} gives more contrast"
     ))
 }
 
@@ -169,7 +169,7 @@ fn samples(bytes: &[u8]) -> Result<Samples> {
         [b'P', b'2' | b'3' | b'5' | b'6' | b'7', ..] => pnm::decode(bytes),
         _ => match foreign(bytes) {
             Some(kind) => Err(unread(kind)),
-            None => Err(damaged(format!("{EXPECTED}: it begins like none of them"))),
+            None => Err(damaged(format!("{EXPECTED}: it begins like none of these formats"))),
         },
     }
 }

@@ -37,7 +37,7 @@ pub fn bytes(file: &Path, kind: &Kind) -> Result<Vec<u8>> {
     let unreadable = |error: io::Error| match error.kind() {
         ErrorKind::TimedOut => {
             let seconds = PATIENCE.as_secs();
-            anyhow!("nothing comes out of it for {seconds} s: expected {expected} of at most {most} MiB")
+            anyhow!("no data came for {seconds} s: expected {expected} of at most {most} MiB")
         }
         _ => anyhow!("{}: expected {expected}", messages::of_io(&error)),
     };

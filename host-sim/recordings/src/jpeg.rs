@@ -111,7 +111,7 @@ impl Layout {
             _ if *precision != 8 => "a JPEG of more than 8 bits",
             _ if *height == [0, 0] => "a JPEG whose height follows its pixels",
             // The decoder would silently misplace the colors if components of unequal rows come in separate scans.
-            0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with a scan for each color",
+            0xC0 | 0xC1 if *has_fewer_rows && self.scanned < *components => "a JPEG with separate scans for its colors",
             _ => return None,
         })
     }

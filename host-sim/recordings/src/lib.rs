@@ -175,9 +175,9 @@ impl Sequence {
     pub fn start(&self) -> Result<smr_core::Rect> {
         let name = &self.name;
         let init = self.init.with_context(|| {
-            format!("{name}: no box to start from: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording")
+            format!("{name}: no initial box: give --init X,Y,W,H (drag it in `host-sim view`), or init.txt beside the recording")
         })?;
-        init.pixels().map_err(|what| anyhow!("{name}: the box to start from {what}"))
+        init.pixels().map_err(|what| anyhow!("{name}: the initial box {what}"))
     }
 }
 
@@ -362,12 +362,12 @@ fn pictures_in(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let (count, others) = (one.len(), other.len());
         let [one, other] = [one, other].map(|files| files[0].display());
         bail!(
-            "{at} holds {count} pictures, {one} first, and {others} others, {other} first: expected one kind in one folder; move the others away"
+            "{at} holds pictures with two kinds of names, {count} like {one} and {others} like {other}: expected one kind; move the others away"
         );
     }
     let pictures = kinds.pop().unwrap_or_default();
     if let Some([one, other]) = names::twins(&pictures).map(|both| both.map(Path::display)) {
-        bail!("{at} holds {one} and {other}, two pictures of one number: expected one a frame; move the others away");
+        bail!("{at} holds {one} and {other}, two pictures with the same number: expected one for each frame; move the others away");
     }
     Ok(pictures)
 }

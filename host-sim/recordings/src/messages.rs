@@ -17,12 +17,12 @@ pub fn of_io(error: &io::Error) -> String {
     let words = match error.kind() {
         ErrorKind::NotFound => "there is no such file",
         ErrorKind::PermissionDenied => {
-            "the system does not permit it to this user: expected another, or other permissions"
+            "this user has no permission: expected another path, or other permissions"
         }
-        ErrorKind::NotADirectory => "it is no folder, or a part of its path is none",
+        ErrorKind::NotADirectory => "it, or a part of its path, is not a folder",
         ErrorKind::IsADirectory => "it is a folder: expected a file",
-        ErrorKind::AlreadyExists => "there is something of that name: expected another",
-        ErrorKind::DirectoryNotEmpty => "it is not empty any more: expected an empty or a new folder",
+        ErrorKind::AlreadyExists => "a file or folder of that name exists: expected another name",
+        ErrorKind::DirectoryNotEmpty => "it is no longer empty: expected an empty or a new folder",
         ErrorKind::UnexpectedEof => "it ends too early",
         _ => {
             let text = error.to_string();

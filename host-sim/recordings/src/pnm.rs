@@ -75,7 +75,7 @@ impl Reader<'_> {
             "P5" => (false, 1),
             "P6" => (false, 3),
             "P7" => return self.pam(),
-            _ => return Err(damaged(format!("{EXPECTED}: it begins like none of them"))),
+            _ => return Err(damaged(format!("{EXPECTED}: it begins like none of these formats"))),
         };
         let mut number = || self.number().ok_or_else(|| no_header("width, height and largest value"));
         let (width, height, largest) = (number()?, number()?, number()?);

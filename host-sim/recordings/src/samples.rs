@@ -16,13 +16,13 @@ pub(super) fn check_size(width: u32, height: u32) -> Result<()> {
 
 /// Returns the error for a picture of an unsupported kind, which may be undamaged.
 pub(super) fn unread(kind: &str) -> Error {
-    anyhow!("it is {kind}, which is not read: {CONVERT}")
+    anyhow!("it is {kind}, which is not supported: {CONVERT}")
 }
 
 pub(super) const CONVERT: &str = "convert it to PNG first";
 
 pub(super) fn several() -> Error {
-    anyhow!("it holds several pictures: expected one in a file; a file with several is a recording of its own")
+    anyhow!("it holds several pictures: expected one picture in each file of a folder, or this file alone as the recording")
 }
 
 /// A range of 16-bit values, stretched to 0..255; values outside become black or white. Text form: `7600..8366`.

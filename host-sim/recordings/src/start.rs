@@ -73,7 +73,7 @@ impl Target {
     pub fn rects(&self) -> Result<Vec<(usize, Option<smr_core::Rect>)>> {
         let rect = |(frame, bbox): &(usize, Option<BoundingBox>)| {
             let rect = bbox.map(|bbox| bbox.pixels()).transpose();
-            rect.map(|rect| (*frame, rect)).map_err(|what| anyhow!("the box to start from {what}"))
+            rect.map(|rect| (*frame, rect)).map_err(|what| anyhow!("the initial box {what}"))
         };
         self.starts.iter().map(rect).collect()
     }
@@ -113,7 +113,7 @@ impl FromStr for Start {
         let (name, of_name) =
             head.map_or(Ok((None, None)), |head| split_frame(head).map(|(name, of)| (Some(name), of)))?;
         let (bbox, of_box) = split_frame(tail)?;
-        ensure!(of_name.is_none() || of_box.is_none(), "{EXPECTED}: it has two frames");
+        ensure!(of_name.is_none() || of_box.is_none(), "{EXPECTED}: @FRAME is given twice");
         let (name, frame) = (name.map(checked_name).transpose()?, of_name.or(of_box));
         let is_gone = bbox == GONE;
         ensure!(!is_gone || frame.is_some(), "expected gone@FRAME: the first frame without the target");
@@ -169,7 +169,7 @@ mod tests {
             ("1,2,3", "expected x,y,width,height"),
             ("1,2,3,4@0", "@0: expected the number of a frame"),
             ("1,2,3,4@", "@: expected the number of a frame"),
-            ("car@1=1,2,3,4@2", "it has two frames"),
+            ("car@1=1,2,3,4@2", "@FRAME is given twice"),
             ("car=gone", "expected gone@FRAME"),
             ("=1,2,3,4", "the name \"\": expected letters"),
             ("a,b=1,2,3,4", "the name \"a,b\": expected letters"),

@@ -100,11 +100,11 @@ fn folders_of_pictures_in_every_layout() {
 
 #[test]
 fn folders_that_are_refused() {
-    let several = "...expected one kind in one folder; move the others away";
+    let several = "...expected one kind; move the others away";
     let unread = "...is a picture of a kind that is not read: convert it to PNG first";
     let bad = "cannot read @/2.png (frame 2): expected a PNG, JPEG, PGM, PPM or PAM picture: ...";
     let both = "@ holds @/a.mp4 and 1 pictures, @/1.png first: expected one or the other; name the file meant";
-    let twins = "...two pictures of one number: expected one a frame; move the others away";
+    let twins = "...two pictures with the same number: expected one for each frame; move the others away";
     for (files, good, expected) in [
         ("", 0, "@ holds no recording: expected pictures (PNG, JPEG, PGM, PPM, PAM) or one video"),
         ("1.png 2.png=P2|1|1|255|9 3.png", 1, "@, frame 2: it is 1x1: expected 4x3, the size of the first"),
@@ -179,11 +179,11 @@ fn the_box_to_start_from() {
         assert_eq!((sequence.init, sequence.length), (init, Some(synthetic::LENGTH)));
         sequence.start().map_err(|error| error.to_string())
     };
-    let large = "synthetic: the box to start from is too large or too far away (at most 65535 pixels on a side): 0,0,70000,5 (x,y,width,height)";
+    let large = "synthetic: the initial box is too large or too far away (at most 65535 pixels on a side): 0,0,70000,5 (x,y,width,height)";
     assert_eq!(start("1,1,2,2"), Ok(smr_core::Rect::new(1, 1, 2, 2)));
     assert_eq!(start("0,0,70000,5"), Err(large.to_owned()));
     assert!(start("1e300,0,7,5").unwrap_err().contains("too far away"));
-    assert!(start("1,1,0.3,5").unwrap_err().contains("the box to start from has no pixels: 1,1,0.3,5"));
+    assert!(start("1,1,0.3,5").unwrap_err().contains("the initial box has no pixels: 1,1,0.3,5"));
     let beside = folder("x.y4m=YUV4MPEG2|W1|H1|Cmono| init.txt=0,0,2,2");
     assert_eq!(start_beside(&beside.path().join("x.mp4")).unwrap(), Some("0,0,2,2".parse().unwrap()));
     fs::write(beside.path().join("x.y4m"), b"YUV4MPEG2 W1 H1 Cmono\nFRAME\n\0").unwrap();
@@ -279,14 +279,14 @@ mod pictures {
             assert_eq!(error.is::<Damaged>(), is_damage, "{error}");
         };
         for (bytes, expected) in [
-            (jpeg_as(0xC9, 8, 96), "it is an arithmetic-coded JPEG, which is not read: convert it to PNG first"),
+            (jpeg_as(0xC9, 8, 96), "it is an arithmetic-coded JPEG, which is not supported: convert it to PNG first"),
             (jpeg_as(0xCA, 8, 96), "it is an arithmetic-coded JPEG..."),
             (jpeg_as(0xC3, 8, 96), "it is a lossless JPEG..."),
             (jpeg_as(0xC1, 12, 96), "it is a JPEG of more than 8 bits..."),
             (jpeg_as(0xC5, 8, 96), "it is a hierarchical JPEG..."),
             (jpeg_as(0xF7, 8, 96), "it is a JPEG-LS picture..."),
             (jpeg_as(0xC0, 8, 0), "it is a JPEG whose height follows its pixels..."),
-            (b"RIFF\x10\0\0\0WEBPVP8 ".to_vec(), "it is a WebP picture, which is not read..."),
+            (b"RIFF\x10\0\0\0WEBPVP8 ".to_vec(), "it is a WebP picture, which is not supported..."),
             (b"\0\0\0\x18ftypheic\0\0\0\0".to_vec(), "it is a HEIC picture..."),
             (b"\0\0\0\x20ftypavif\0\0\0\0".to_vec(), "it is an AVIF picture..."),
             (b"PF\n2 1\n-1.0\n".to_vec(), "it is a picture of floating-point numbers (PFM)..."),
@@ -435,7 +435,7 @@ mod pictures {
             OpenOptions { levels, ..OpenOptions::default() }
         };
         let opened = |levels| open(folder.path(), &options(levels)).unwrap();
-        let note = "of its 16-bit values only 7600 to 8365 occur: trackers see levels 29 to 32 of 256; --levels 7409..8556 stretches them";
+        let note = "its 16-bit values are only 7600 to 8365, so trackers see the gray levels 29 to 32: --levels 7409..8556 gives more contrast";
         assert_eq!(opened(None).notes, [note]);
         let stretched = opened(Some("7600..8365"));
         assert_eq!(stretched.notes, Vec::<String>::new());
@@ -568,7 +568,7 @@ mod videos {
         });
         let file = folder.path().join("a.ts");
         fs::write(&file, parts.concat()).unwrap();
-        let expected = "@/a.ts: the size of its frames or the format of their pixels changes on the way: expected one";
+        let expected = "@/a.ts: the frame size or the pixel format changes during the video: expected the same in all frames";
         assert_eq!(read(&file, &OpenOptions::default()).1, expected);
     }
 }

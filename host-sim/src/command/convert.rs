@@ -78,7 +78,7 @@ impl Convert {
         if format.needs_boxes() && !whole {
             let misfit = truth.and_then(|boxes| misfit(written.frames, boxes.len()));
             let why = misfit.unwrap_or_else(|| "no ground truth for each frame".to_owned());
-            complain(&format!("note: {name}: {why}: only the box to start from is written"));
+            complain(&format!("note: {name}: {why}: only the initial box is written"));
         }
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),

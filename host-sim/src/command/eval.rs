@@ -203,7 +203,7 @@ impl Eval {
         }
         ensure!(
             failed == 0,
-            "{failed} measurements failed (errors above); the tables have the others"
+            "{failed} of the measurements failed (errors above); the tables have the others"
         );
         Ok(Outcome::Holds)
     }

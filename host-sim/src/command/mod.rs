@@ -133,7 +133,7 @@ fn say_what_to_type(out: &mut Vec<u8>) -> io::Result<()> {
         out,
         "The trackers were locked on a car of the built-in recording `{}`: it passes behind a tree, turns, and meets\n\
          another like it. Open {FIRST_PAGE} in a browser to see which of them follows it.\n\n\
-         Your own video, in the browser or with a box to start from (left, top, width, height):\n  \
+         Your own video, in the browser or with an initial box (left, top, width, height):\n  \
          {program} view video.mp4    # drag a box, and it is followed\n  \
          {program} track video.mp4 --init 150,100,40,48 --video boxes.mp4\n  \
          {program} report video.mp4 --init 150,100,40,48 --out report.html\n\n\

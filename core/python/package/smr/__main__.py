@@ -117,7 +117,7 @@ def numbers(given):
 def arguments():
     parser = argparse.ArgumentParser(prog="python -m smr", description="Follows a target. In the window, q ends and r selects again.")
     parser.add_argument("source", metavar="SOURCE", help="a video, the number of a camera, or a recording of host-sim such as synthetic")
-    parser.add_argument("--box", metavar="X,Y,W,H", help="the box to start from; without it, the one beside a recording, or one that you draw")
+    parser.add_argument("--box", metavar="X,Y,W,H", help="the initial box; without it, the one beside a recording, or one that you draw")
     parser.add_argument("--paper", action="store_true", help="the tracker of the paper instead of the robust one")
     parser.add_argument("--json", action="store_true", help="a line of JSON for each frame, as of host-sim track --json")
     return parser.parse_args()

@@ -166,7 +166,7 @@ class Recording:
         """True for a camera or an address: its frames have no end, and come at their own time."""
     @property
     def start(self) -> Optional[_Four]:
-        """The box to start from, which lies beside the recording: (x, y, width, height) in pixels, or None."""
+        """The initial box, which lies beside the recording: (x, y, width, height) in pixels, or None."""
     @property
     def truth(self) -> Optional[list[Optional[_Four]]]:
         """The box of each frame, (x, y, width, height) in pixels, None where the target is hidden. None without ground
@@ -182,7 +182,7 @@ class Recording:
         """
 
 def start_beside(path: _Path) -> Optional[_Four]:
-    """The box to start from that lies beside a file, (x, y, width, height) in pixels, or None. Its frames are not read.
+    """The initial box that lies beside a file, (x, y, width, height) in pixels, or None. Its frames are not read.
 
     Raises ValueError if a file with boxes cannot be read.
     """

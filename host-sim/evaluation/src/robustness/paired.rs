@@ -136,7 +136,7 @@ pub(super) fn table(tables: &Tables, former: Option<&Former>) -> Result<Table> {
         }
     }
     let nothing = former.filter(|_| !is_paired && !rows.is_empty());
-    nothing.map_or(Ok(table), |former| Err(anyhow!("{}: there is none of these recordings in it", former.name)))
+    nothing.map_or(Ok(table), |former| Err(anyhow!("{}: it has none of these recordings", former.name)))
 }
 
 #[cfg(test)]
@@ -217,7 +217,7 @@ sad - smr                   3   +0.100       +0.050  +0.100
         assert_eq!(error(&other), "FILE: b was measured from other starts");
         let mut other = measured(&variants);
         other.iter_mut().for_each(|row| row.sequence.push('x'));
-        assert_eq!(error(&other), "FILE: there is none of these recordings in it");
+        assert_eq!(error(&other), "FILE: it has none of these recordings");
 
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("former.json");

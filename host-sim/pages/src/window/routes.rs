@@ -104,7 +104,7 @@ impl Window {
                 Reply::new("text/plain; charset=utf-8", self.wish.firmware(&self.followed.variant()))
             }
             (true, "targets", "") => {
-                let targets: Vec<Target> = serde_json::from_slice(body).context("these are no targets")?;
+                let targets: Vec<Target> = serde_json::from_slice(body).context("expected a list of targets")?;
                 let (former, before) = self.followed.revision();
                 let is_new = |lock: &&Lock| !former.iter().any(|target| target.locks.contains(lock));
                 check_inside(targets.iter().flat_map(|target| &target.locks).filter(is_new), self.size)?;

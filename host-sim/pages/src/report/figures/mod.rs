@@ -106,7 +106,7 @@ fn lead_frame(film: &Film, wish: Option<usize>) -> Result<usize> {
         return Ok(best.context("there is no frame in which SMR has an answer to compare")?.0);
     };
     let length = film.moments.len();
-    ensure!((1..length).contains(&frame), "frame {} compares nothing: expected 2 to {length}", frame + 1);
+    ensure!((1..length).contains(&frame), "frame {} cannot be drawn: expected 2 to {length}", frame + 1);
     Ok(frame)
 }
 
@@ -233,7 +233,7 @@ mod tests {
         for figure in [Figure::Boxes, Figure::Differences] {
             assert_eq!(plan(figure, Some(59), None).unwrap().frames, [59]);
             for frame in [0, 240] {
-                let expected = format!("frame {} compares nothing: expected 2 to 240", frame + 1);
+                let expected = format!("frame {} cannot be drawn: expected 2 to 240", frame + 1);
                 assert!(plan(figure, Some(frame), None).unwrap_err().ends_with(&expected), "{figure}");
             }
         }
