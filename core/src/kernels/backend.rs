@@ -1,8 +1,7 @@
-//! The instruction sets that kernels are written for, and those that this machine has.
+//! Instruction sets of the kernels ([`Backend`]), and detection of those that this machine supports.
 
-/// Evaluates `$call` with the kernels of a backend: `$set` stands for the module of its instruction set. This is the
-/// one list of the modules: each has `is_available` (`x86/avx2.rs` detects AVX2), `scores`, `products` and `dense`.
-/// A backend that the program is not compiled for has the plain loops.
+/// Evaluates `$call` with `$set` as the module of the backend's instruction set. The modules are listed only here; each
+/// has `is_available`, `products` and `dense`. A backend of another architecture has the plain loops.
 macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr) => {
         by_backend!($backend, $set => $call, else {
@@ -13,7 +12,7 @@ macro_rules! by_backend {
     ($backend:expr, $set:ident => $call:expr, else $other:expr) => {
         by_backend!(@ $backend, Backend, $set => $call; _ => $other)
     };
-    // For an enum with a variant for each compiled backend, which holds `$kernels`.
+    // Matches an enum with a variant for each compiled backend; a variant holds `$kernels`.
     ($ready:expr, $type:ident($kernels:ident) => $call:expr) => {
         by_backend!(@ $ready, $type($kernels), set => $call; $type::Scalar($kernels) => $call)
     };
@@ -62,7 +61,7 @@ macro_rules! by_backend {
 
 pub(crate) use by_backend;
 
-/// The instruction set that the program is compiled for, which the kernels in `native.rs` follow.
+/// The module of the instruction set that the program is compiled for. `native.rs` uses its loops.
 #[cfg(smr_dsp)]
 pub(super) use super::arm::dsp as native;
 #[cfg(smr_helium)]
@@ -72,24 +71,24 @@ pub(super) use super::plain as native;
 #[cfg(smr_swar)]
 pub(super) use super::swar as native;
 
-/// An instruction set that computes scores and sums of products. All give the same integers.
+/// The instruction set of the kernels: similarity scores and sums of products. All return the same integers.
 ///
 /// # Where pixels may be
 ///
-/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address. Arm's microcontrollers allow that in Normal
-/// memory only. These accesses fault:
+/// [`Backend::Dsp`] and [`Backend::Helium`] load words from any address, which Arm's microcontrollers allow in Normal
+/// memory only. These loads fault:
 ///
-/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory in the default
-///   memory map, until firmware sets up the MPU to make it Normal;
+/// - in Device or Strongly-ordered memory. External RAM at 0xA000_0000 to 0xDFFF_FFFF is Device memory until firmware
+///   sets up the MPU to make it Normal;
 /// - in all memory while `UNALIGN_TRP` is set.
 ///
-/// In such memory use [`Backend::Scalar`], which loads bytes only: set `Config::backend` of either tracker.
-/// [`Backend::Swar`] can read all memory.
+/// For pixels in such memory select [`Backend::Scalar`], which loads single bytes, in `Config::backend` of either
+/// tracker. [`Backend::Swar`] can read all memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Backend {
-    /// The plain loop, the specification.
+    /// Plain Rust loops: the specification of all results.
     Scalar,
     /// x86-64 with SSSE3 (Intel since 2006, AMD since 2011): 16 pixels at a time.
     Ssse3,
@@ -103,10 +102,9 @@ pub enum Backend {
     Dsp,
     /// Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels at a time.
     Helium,
-    /// Any processor, except those with DSP or Helium: words of four pixels in ordinary 32-bit registers, for ranges
-    /// and bounds, and unrolled loops over bytes. The best one for 32-bit processors without DSP or SIMD (Cortex-M0+,
-    /// RV32IMAC). A `CutTable`, of which each workspace has one, takes 510 bytes more there. Words
-    /// are loaded from multiples of four only.
+    /// Any processor without DSP and Helium: words of four pixels in ordinary 32-bit registers for ranges and bounds,
+    /// and unrolled byte loops. The fastest backend on 32-bit processors without DSP or SIMD (Cortex-M0+, RV32IMAC).
+    /// There the `CutTable` in each workspace takes 510 bytes more. Loads words from multiples of four only.
     Swar,
 }
 
@@ -114,28 +112,28 @@ impl Backend {
     const ALL: [Self; 8] =
         [Self::Avx2, Self::Ssse3, Self::Neon, Self::Simd128, Self::Helium, Self::Dsp, Self::Swar, Self::Scalar];
 
-    /// The backends that this machine can run, the fastest first. [`Backend::Scalar`] is always the last.
+    /// The backends that this machine supports, the fastest first. [`Backend::Scalar`] is always the last.
     ///
-    /// With the feature `std` the machine is asked at run time. Without it, only the instruction sets that the program
-    /// is compiled for are available.
+    /// With the feature `std`, instruction sets are detected at run time. Without it, only those that the program is
+    /// compiled for are available.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|backend| backend.is_available())
     }
 
-    /// The fastest backend that this machine can run.
+    /// The fastest backend that this machine supports.
     #[must_use]
     #[cfg_attr(smr_small, inline)] // a constant
     pub fn best() -> Self {
         Self::available().next().unwrap_or(Self::Scalar)
     }
 
-    /// True if this machine can run the backend.
+    /// True if this machine supports the backend.
     #[must_use]
     pub fn is_available(self) -> bool {
         by_backend!(self, set => set::is_available(), else self == Self::Scalar)
     }
 
-    /// This backend, or the plain loops if the machine does not have it.
+    /// This backend if the machine supports it, else [`Backend::Scalar`].
     pub(crate) fn or_scalar(self) -> Self {
         by_backend!(self, set => if set::is_available() { self } else { Self::Scalar }, else Self::Scalar)
     }

@@ -23,28 +23,28 @@ use super::scores::{ALL_FOUR, Blocks, RowsOfRanges};
 use crate::image::{Image, Rect};
 use core::fmt::Debug;
 
-/// Bytes of each of the [`Areas`].
+/// Size in bytes of each memory area in [`Areas`].
 pub const ROOM: usize = 64 * 1024;
 
 /// Miri is thousands of times slower: there only every 29th case is compared.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
-/// Memory of [`ROOM`] bytes each for pictures. Where an access beyond the named edge faults, a loop that reads outside a
-/// picture is noticed.
+/// Memory for test pictures, [`ROOM`] bytes each. If accesses beyond the named edge fault, loops that read outside a
+/// picture are detected.
 #[derive(Debug)]
 pub struct Areas<'a> {
-    /// Memory ends after this.
+    /// Pictures lie at its end, after which memory is inaccessible.
     pub end: &'a mut [u8],
-    /// Memory ends after this, too.
+    /// A second area with pictures at its end.
     pub other_end: &'a mut [u8],
-    /// Memory begins here.
+    /// Pictures lie at its start, before which memory is inaccessible.
     pub start: &'a mut [u8],
 }
 
-/// Compares all kernels of `backend`, and those of the instruction set that the program is compiled for.
+/// Compares all kernels of `backend`, and those that are selected at compile time.
 ///
 /// # Panics
-/// If one differs.
+/// If a result differs.
 #[cfg(feature = "unstable")]
 pub fn all(backend: Backend, areas: &mut Areas<'_>) {
     scores(backend, areas);
@@ -57,7 +57,7 @@ pub fn all(backend: Backend, areas: &mut Areas<'_>) {
     native(areas);
 }
 
-/// Compares the kernels that no backend chooses.
+/// Compares the kernels that are selected at compile time (`native.rs`).
 #[inline(never)]
 pub(super) fn native(areas: &mut Areas<'_>) {
     weights();
@@ -67,7 +67,7 @@ pub(super) fn native(areas: &mut Areas<'_>) {
     gray_levels(areas);
 }
 
-/// Numbers that look random, the same in every run.
+/// Pseudo-random numbers, the same in every run.
 struct Noise(u32);
 
 impl Noise {
@@ -83,14 +83,14 @@ impl Noise {
         ((self.bits() >> 7) % (2 * most + 1)).cast_signed() - most.cast_signed()
     }
 
-    /// A level less than `most` above `level`, modulo 256.
+    /// A gray level less than `most` above `level`, modulo 256.
     fn near(&mut self, level: u8, most: u8) -> u8 {
         level.wrapping_add((self.bits() >> 9) as u8 % most)
     }
 }
 
-/// Fills the areas with noise. Bytes at the same place are close to each other, so that differences lie on both sides of
-/// any threshold.
+/// Fills the areas with noise. Bytes at the same index in two areas are similar, so that differences lie on both sides
+/// of any threshold.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -104,7 +104,7 @@ fn fill(areas: &mut Areas<'_>) {
     }
 }
 
-/// One of three tables, steep to flat, cut off at a threshold.
+/// One of three similarity tables, steep to flat, with zeroes from `threshold` on.
 pub(super) fn cut(which: u16, threshold: u16) -> CutTable {
     // exp(-1), exp(-1 / 40), exp(-1 / 255) in units of 1/65536
     let factor = [24_109, 63_918, 65_280][usize::from(which % 3)];
@@ -139,7 +139,7 @@ fn picture(memory: &[u8], last: bool, (width, height): (u16, u16), stride: usize
     Image::with_stride(part(memory, last, bytes), width, height, stride).unwrap()
 }
 
-/// The sum of what `of` gives for each pair of pixels.
+/// The sum of `of(f, g)` over all pairs of pixels.
 fn sum(patch: Image<'_>, template: Image<'_>, of: impl Fn(u8, u8) -> u32) -> u32 {
     let of_row = |y| patch.row(y).iter().zip(template.row(y)).map(|(&f, &g)| of(f, g)).sum::<u32>();
     (0..template.height()).map(of_row).sum()
@@ -192,7 +192,7 @@ pub(super) fn scores(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares scores with floors around the score, and distances with limits around the distance.
+/// Compares the score with floors around it, and the distance with limits around it.
 fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16) {
     let table = cut(patch.height() % 3 + threshold, threshold);
     let scorer = Scorer::new(backend, &table);
@@ -214,7 +214,7 @@ fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     }
 }
 
-/// Compares the scores of pixels on the padding.
+/// Compares scores of templates that lie partly on the zero padding around the frame.
 fn padding(backend: Backend, areas: &Areas<'_>) {
     for (width, height) in [(1, 1), (3, 5), (40, 9), (64, 2), (65, 3), (150, 4)] {
         let template = picture(areas.end, true, (width, height), usize::from(width) + 1);
@@ -231,8 +231,8 @@ fn padding(backend: Backend, areas: &Areas<'_>) {
     }
 }
 
-/// Compares pictures with as many pixels as a sum can hold: equal ones, and black with white. 65537 is prime and a side
-/// is a `u16`, so the largest has 65536 pixels.
+/// Compares the largest pictures whose score fits in a `u32`: white with white, and white with black. A side is a
+/// `u16`, and 65537 is prime, so the largest has 65536 pixels.
 fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>) {
     end.fill(255);
     other_end.fill(0);
@@ -245,7 +245,7 @@ fn largest_scores(backend: Backend, Areas { end, other_end, .. }: &mut Areas<'_>
     }
 }
 
-/// Copies a part of a picture, changed a little. Returns the copy, which lies at an edge of the memory.
+/// Copies a part of a picture, with up to 15 gray levels of noise, to an edge of the memory `to`.
 fn copy_near<'a>(from: Image<'_>, part: Rect, to: &'a mut [u8], last: bool, noise: &mut Noise) -> Image<'a> {
     let from = from.crop(part).unwrap();
     let (width, height) = (usize::from(part.width), usize::from(part.height));
@@ -255,7 +255,7 @@ fn copy_near<'a>(from: Image<'_>, part: Rect, to: &'a mut [u8], last: bool, nois
     picture(to, last, (part.width, part.height), width)
 }
 
-/// Checks that no offset that reaches the floor is excluded, and that some offsets far below the floor are.
+/// Checks that `candidates` excludes no offset that reaches the floor, and some offsets far below it.
 #[inline(never)]
 pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -280,7 +280,7 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
                 let right = (0..4).all(|offset| answer >> offset & 1 != 0 || scores[offset] < floor);
                 check(right, "candidates", backend, (width, height, threshold, near, floor));
             }
-            // Other backends let all four through.
+            // Other backends may return all four offsets.
             let excludes = matches!(backend, Backend::Dsp | Backend::Helium);
             if excludes && near == 4 && width >= 16 && (1..=13).contains(&threshold) {
                 check(answer(most) != ALL_FOUR, "no candidate is excluded", backend, (width, height, threshold));
@@ -289,7 +289,7 @@ pub(super) fn candidates(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the ranges of blocks. Rows have different alignments, and one touches an edge of the memory.
+/// Compares the ranges of 4x4 blocks, in rows of different alignments, one of them at an edge of the memory.
 #[inline(never)]
 pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     fill(areas);
@@ -300,7 +300,6 @@ pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
         let mut rows: [&[u8]; 4] = core::array::from_fn(|row| &other_end[row * 301..][..columns + 3]);
         rows[at_edge] = part(end, columns % 3 > 0, columns + 3);
         let stride = columns.next_multiple_of(4);
-        // The bytes after the ranges must not change.
         let (low, high) = start[..512].split_at_mut(256);
         let after = [low[stride], high[stride]];
         Scorer::new(backend, &table).ranges(&rows, &mut low[..stride], &mut high[..stride]);
@@ -310,7 +309,7 @@ pub(super) fn ranges(backend: Backend, areas: &mut Areas<'_>) {
     ranges_of_rows(backend, areas);
 }
 
-/// Checks the ranges of a row in the form in which the backend stores them.
+/// Checks a row of ranges as the backend encodes them.
 fn ranges_are_right(backend: Backend, threshold: u16, rows: &[&[u8]; 4], low: &[u8], high: &[u8]) {
     let (last, half) = ((threshold - 1) as u8, (threshold / 2) as u8);
     for (at, given) in low.iter().copied().zip(high.iter().copied()).enumerate() {
@@ -353,11 +352,10 @@ fn ranges_of_rows(backend: Backend, Areas { end, other_end, start }: &mut Areas<
     check(!scorer.ranges_of_rows(pixels, 1, to), "ranges of rows in short rows", backend, ());
 }
 
-/// Memory for ranges.
 #[repr(align(4))]
 struct Aligned([u8; 2048]);
 
-/// Compares the bound of a group with the scores of its 16 offsets, for templates within its ranges and far from them.
+/// Checks that the bound of a group of 4x4 offsets is not below any of their scores.
 #[inline(never)]
 pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
     let mut noise = Noise(5);
@@ -368,7 +366,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
         let (left, last) = (width * 3 % 13, (width + which) % 3 > 0);
         let size = (left + width + 6, height + 5);
         let across = usize::from(size.0);
-        // Neighbours are close to each other.
+        // Neighbouring pixels are similar.
         for row in part_mut(areas.end, last, across * usize::from(size.1)).chunks_mut(across) {
             row.iter_mut().fold(100, |level, pixel| {
                 *pixel = noise.near(level, 15).wrapping_sub(7);
@@ -404,7 +402,7 @@ pub(super) fn groups(backend: Backend, areas: &mut Areas<'_>) {
     far_groups(backend, areas);
 }
 
-/// Checks that groups far from the template are excluded, at every column.
+/// Checks that groups of dissimilar offsets are excluded, in every column.
 fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
     let table = cut(2, 13);
     let scorer = Scorer::new(backend, &table);
@@ -421,14 +419,14 @@ fn far_groups(backend: Backend, areas: &mut Areas<'_>) {
             part_mut(areas.end, true, usize::from(width) * 9).fill(level);
             let template = picture(areas.end, true, (width, 9), width.into());
             let most = plain::scores::most(template, template);
-            // The bound may leave out up to two rows.
+            // A bound may take up to two rows as fully similar.
             let bound = scorer.bound(&blocks, template, most / 4);
             check(bound.is_some() == counts, "bound of a far group", backend, (width, column, level));
         }
     }
 }
 
-/// Compares sums of products: filters of all shapes with exactly their cells, the largest sums, odd layouts.
+/// Compares filter responses and gradients: many filter shapes, the largest sums, layouts that do not fit.
 #[inline(never)]
 pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     let odd = [(4, 4), (5, 40), (6, 32), (4, 50), (14, 14), (32, 6), (1, 1), (7, 9), (13, 15)];
@@ -461,7 +459,7 @@ pub(super) fn products(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares the responses and the gradient piece by piece. The weights are noise, or the largest ones of a sign.
+/// Compares responses and gradients piece by piece. Weights and errors are noise, or the largest of a sign.
 fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: usize, sign: Option<i16>) {
     let products = Products::new(backend);
     let mut noise = Noise(5);
@@ -491,11 +489,11 @@ fn sums<const N: usize>(backend: Backend, cells: &[i8], layout: Layout, down: us
     }
 }
 
-/// Compares layers of a network with the formula, also with the largest sums, and with missing numbers.
+/// Compares layers of a network with the formula, also for the largest sums, and for slices that are too short.
 #[cfg(feature = "refiner")]
 #[inline(never)]
 pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
-    // Patches, inputs and outputs: of the refiner's layers, and small and odd numbers.
+    // (patches, inputs, outputs) of the refiner's layers, and unusual ones.
     let known = [(16, 20, 8), (8, 72, 16), (8, 144, 24), (4, 216, 24), (1, 384, 24), (1, 4, 1), (2, 17, 5)];
     let odd = [(1, 1), (2, 1), (3, 2), (2, 3), (5, 5), (7, 4)];
     let odd = (4..=80).step_by(4).chain([220, 380]).zip(odd.into_iter().cycle()).map(|(inputs, (n, o))| (n, inputs, o));
@@ -513,11 +511,11 @@ pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
             let last = number % 3 > 0;
             let weights = signed(part(areas.end, last, inputs * outputs));
             let patches = signed(part(areas.other_end, last, count * inputs));
-            // With small biases the products decide.
+            // Without biases, the products decide the result.
             let none = [[0; 4]; 24];
             for (biases, shift) in [(&biases, 20), (&biases, 21), (&biases, 22), (&none, 0), (&none, 9), (&none, 13)] {
                 let layer = Layer { inputs, weights, biases: &biases[..outputs], shift };
-                // The scratch memory begins at any place, or there is none.
+                // Scratch memory at different alignments, or none.
                 for room in [0..SPARE, 1..SPARE + 1, 0..0] {
                     let (mut spare, mut out) = ([77; SPARE + 1], [55; 256]);
                     Dense::new(backend).outputs(layer, patches, &mut spare[room], &mut out[..count * outputs]);
@@ -545,9 +543,9 @@ pub(super) fn dense(backend: Backend, areas: &mut Areas<'_>) {
     }
 }
 
-/// Compares weights of a filter, in counts that fill the last vector differently.
+/// Compares the kernels on filter weights, for counts that fill the last vector differently.
 fn weights() {
-    // At and beside the bounds of all types.
+    // Values at and next to the limits of the integer types.
     const EXTREMES: [i32; 12] =
         [0, 1, -1, 1023, -1024, 65_536, -65_537, 1 << 30, -(1 << 30), i32::MAX, -i32::MAX, i32::MIN];
     let mut noise = Noise(7);
@@ -583,13 +581,13 @@ fn weights() {
     }
 }
 
-/// Compares the largest number, and the coded numbers for every shift that fits.
+/// Compares the largest absolute value, and the quantised values for every shift that fits.
 fn scaled(numbers: ScaledSums<'_>) {
     let ScaledSums { weights, factor, sums, left } = numbers;
     let number = |factor, (&weight, &sum): (&i32, &i32)| {
         ((i128::from(weight) * i128::from(factor)) >> 32) as i64 + (i64::from(sum) << left)
     };
-    // Negative numbers lose their sign first, then they are rounded down.
+    // The absolute value, rounded toward zero.
     let size = |pair: (&i32, &i32)| match number(factor, pair) {
         number @ 0.. => number,
         _ => number(-factor, pair) - 2 * (i64::from(*pair.1) << left),
@@ -608,7 +606,7 @@ fn scaled(numbers: ScaledSums<'_>) {
     }
 }
 
-/// Compares columns of a resampled row with the formula.
+/// Compares the bilinear sampling of a row with the formula.
 fn columns() {
     let mut noise = Noise(11);
     let mut places = [(0, 0); 40];
@@ -636,7 +634,7 @@ fn columns() {
     }
 }
 
-/// Compares the sums of cells, and their features.
+/// Compares the channel sums, energies and features of cells with the plain loops.
 fn cells() {
     /// Cells in the longest row of the robust tracker.
     const ROW: usize = 48;
@@ -644,7 +642,6 @@ fn cells() {
     for (across, most) in (0..=ROW).flat_map(|across| [2, 30, 255].map(|most| (across, most))) {
         let mut lines = [[0; ROW * CELL as usize + 2]; SIDE];
         lines.as_flattened_mut().fill_with(|| match most {
-            // Black and white: the largest gradients.
             2 => ((noise.bits() >> 9) as u8 & 1).wrapping_neg(),
             most => noise.near(0, most),
         });
@@ -662,7 +659,7 @@ fn cells() {
     }
 }
 
-/// Compares norms with the formula: of random energies, of the least energy that reaches a root, and of one less.
+/// Compares norms with the formula, for random energies, and for the least energy of each root and one less.
 fn norms_of_rows() {
     let mut noise = Noise(17);
     for (case, kind) in (0..47_200_u32).step_by(STEP).flat_map(|case| [0, 1, 2].map(|kind| (case, kind))) {
@@ -682,7 +679,7 @@ fn norms_of_rows() {
     }
 }
 
-/// Compares sums over gray levels, and the replacement of a row, with the formulas.
+/// Compares `deviation` and `replace` with the formulas.
 fn gray_levels(areas: &mut Areas<'_>) {
     fill(areas);
     for (length, level) in (0..=300).chain([1024, 4099, 65_535]).zip([0, 255, 1, 100, 254].into_iter().cycle()) {

@@ -1,4 +1,4 @@
-//! The table of similarities in the form that kernels look up: by difference, zero from the threshold on.
+//! The similarity table that kernels look up: entries by gray-level difference, 0 from the threshold on.
 
 #[cfg(any(smr_dsp, smr_helium))]
 use super::arm::points::Points;
@@ -10,17 +10,18 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// The most pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
-/// Without vectors the sign of a difference costs more than the difference, so the table has entries for both signs.
+/// Number of entries. Without vectors an absolute value costs more than the difference, so there the table is indexed
+/// by signed differences, -255 to 255.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
-/// A table cut off at a threshold (step 2 of the method): entries are 0 from that difference on. A kernel that uses it
-/// needs no test for pixels that do not count.
+/// Similarities by gray-level difference, 0 from a threshold on (step 2 of the method), so that kernels need no
+/// comparison with the threshold.
 ///
 /// A [`Scorer`](crate::similarity::Scorer) borrows it. It takes half a kilobyte, or one where
-/// [`Backend::Swar`](crate::similarity::Backend) is the best, and is rebuilt when the threshold changes.
+/// [`Backend::Swar`](crate::similarity::Backend) is the fastest, and is recomputed when the threshold changes.
 #[derive(Clone, Debug)]
 pub struct CutTable {
-    /// The entries from the difference 0 on, or from -255 on if there are [`ENTRIES`] for signed differences.
+    /// The entries from difference 0 on, or from -255 on if there are 511.
     entries: [u16; ENTRIES],
     threshold: u16,
     #[cfg(any(smr_dsp, smr_helium))]
@@ -28,7 +29,7 @@ pub struct CutTable {
 }
 
 impl CutTable {
-    /// The table with the threshold 0: no pixel counts.
+    /// The table for the threshold 0: all entries are 0.
     pub(crate) const EMPTY: Self = Self {
         entries: [0; ENTRIES],
         threshold: 0,
@@ -36,10 +37,10 @@ impl CutTable {
         points: Points::NONE,
     };
 
-    /// Sets the entries below `threshold` to those given, and all others to 0.
+    /// Copies the entries below `threshold` and sets all others to 0.
     #[cfg_attr(smr_small, inline(never))]
     pub(crate) fn cut(&mut self, entries: &[u16; 256], threshold: u16) {
-        // All entries from the last threshold on are 0 already.
+        // Entries from the previous threshold on are 0 already.
         let changing = usize::from(self.threshold.max(threshold)).min(256);
         let (mirrored, differences) = self.entries.split_at_mut_checked(ENTRIES - 256).unwrap_or_default();
         let to = differences.get_mut(..changing).unwrap_or_default();
@@ -52,7 +53,7 @@ impl CutTable {
         self.points.set(&self.entries, threshold);
     }
 
-    /// p of a difference of `difference` gray levels, in units of 1/65535; 0 from the threshold on.
+    /// Similarity p of two pixels that differ by `difference` gray levels, in units of 1/65535.
     #[must_use]
     #[inline]
     #[allow(clippy::indexing_slicing)] // a u8 cannot be out of the bounds of 256 entries
@@ -60,7 +61,6 @@ impl CutTable {
         self.entries[ENTRIES - 256 + difference as usize]
     }
 
-    /// p of two pixels.
     #[inline(always)]
     #[cfg_attr(target_arch = "arm", allow(dead_code))] // not by DSP and Helium
     pub(super) fn of_pixels(&self, f: u8, g: u8) -> u16 {
@@ -71,7 +71,7 @@ impl CutTable {
         self.similarity(f.abs_diff(g))
     }
 
-    /// The threshold: a pixel counts if its difference is less.
+    /// The threshold in gray levels, 0 to 256: only smaller differences have a similarity above 0.
     #[must_use]
     #[inline]
     pub const fn threshold(&self) -> u16 {
@@ -84,7 +84,7 @@ impl CutTable {
         &self.entries
     }
 
-    /// The bounds of scores that need no table.
+    /// Constants of the score bounds that sum bytes instead of looking up entries.
     #[cfg(any(smr_dsp, smr_helium))]
     #[inline]
     pub(super) const fn points(&self) -> &Points {

@@ -1,7 +1,7 @@
 //! The score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait.
 //!
-//! The file of an instruction set defines its vector ([`Vector`], and [`Neighbours`] for ranges) and the lookup in a
-//! table ([`LookUp`]). `scores!` compiles the loops for it.
+//! An instruction set's file defines its vector ([`Vector`], and [`Neighbours`] for ranges) and its table lookup
+//! ([`LookUp`]). `scores!` compiles the loops for it.
 //!
 //! The score of a patch f and a template g ([`sum_at_least`]):
 //!
@@ -21,31 +21,29 @@
 //!
 //! | loop | excludes | instructions for a vector |
 //! |---|---|---|
-//! | [`inside_at_least`] | a group, by ranges that the threshold has widened | 4 |
-//! | [`candidates`] | each of four offsets | 4, of them 1 to prepare the template |
+//! | [`inside_at_least`] | a 4x4 group of offsets, by pixel ranges that are widened by the threshold | 4 |
+//! | [`candidates`] | each of four neighbouring offsets | 4, of them 1 to prepare the template |
 //!
 //! Why the loops are written like this:
 //!
-//! 1. **Low and high bytes apart.** Entries have 16 bits, but a lookup gives one byte for each lane. Both halves are
-//!    added in totals of their own, which are joined once, at the end. No lane of a total overflows (see
-//!    [`Vector::Total`]).
+//! 1. **Low and high bytes apart.** Entries have 16 bits, but a lookup gives one byte for each lane. Both byte planes
+//!    have their own totals, which are joined once, at the end. No lane of a total overflows ([`Vector::Total`]).
 //! 2. **No comparison with the threshold.** The entries from the threshold on are 0, so the lookup does it.
-//! 3. **Two sets of totals in the score**, for even and for odd rows: the additions of a row need not wait for those of
-//!    the row before.
-//! 4. **A look every 8 rows** ([`ROWS_A_LOOK`]). It adds up the lanes of the totals, which would cost too much in each
-//!    row. The score does not look at all as long as the rows left alone could reach the floor.
+//! 3. **Two sets of totals in the score**, for even and for odd rows, so that the additions of a row need not wait for
+//!    those of the row before.
+//! 4. **A check every 8 rows** ([`ROWS_A_LOOK`]). It adds the lanes of the totals, which is too slow for each row. The
+//!    score skips the check while the remaining rows alone could reach the floor.
 //! 5. **Counts in bytes.** A comparison gives 255, which is -1, in each lane where it holds, so one subtraction counts.
-//!    A lane holds at most 255. [`Count::flush`] empties the lanes in time: after 8 rows of up to two vectors and an
-//!    end; in other rows after each row, and after 128 vectors.
+//!    A lane holds at most 255, so [`Count::flush`] empties the lanes: after 8 rows of up to two vectors and an end,
+//!    else after each row and after 128 vectors.
 //! 6. **A range in one comparison.** low <= g <= high takes one subtraction and one comparison ([`widen`], [`around`]).
-//! 7. **The width as a constant.** Rows that are shorter than a vector, have one vector (with or without an end) or
-//!    have exactly two get loops of their own, in which the number of vectors (`WHOLE`) and whether an end follows
-//!    (`END`) are constants (`by_width!`). Where code has to be small, only the short rows do.
-//! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits, which overlaps the one
-//!    before; the lanes that were counted before are masked. Rows narrower than a vector are copied ([`last`]) or
-//!    loaded in pieces (x86-64).
-//! 9. **Ranges are written twice at the end of a row.** The last vector of [`spread`] and [`ranges_of_rows`] overlaps
-//!    the one before and stores the same values again. So the ranges left need no loop of their own.
+//! 7. **The width as a constant.** Common widths up to two vectors get loops of their own, in which the number of
+//!    vectors (`WHOLE`) and whether an end follows (`END`) are constants (`by_width!`). Where code must be small, only
+//!    rows shorter than a vector do.
+//! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits; lanes that overlap the
+//!    vector before are masked. Rows narrower than a vector are copied ([`last`]) or loaded in parts (x86-64).
+//! 9. **The last vector of ranges overlaps.** [`spread`] and [`ranges_of_rows`] store the same values again, so they
+//!    need no loop for remaining ranges.
 //! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
 //!
 //! Each `unsafe` function requires that the processor has the instruction set of its vector, and that the pictures of
@@ -58,13 +56,12 @@ use crate::image::Image;
 use core::marker::PhantomData;
 use core::slice;
 
-/// Rows between two checks whether the floor can still be reached.
+/// Rows between two checks whether the score can still reach the floor.
 const ROWS_A_LOOK: usize = 8;
 
-/// A vector register of pixels, and the operations on it. A value exists only if the processor has the instruction set.
-/// So only the methods that make one are unsafe.
+/// A vector register of pixels, and its operations. A value exists only if the processor has the instruction set, so
+/// only the methods that create one are unsafe.
 pub(crate) trait Vector: Copy {
-    /// Pixels in a register.
     const LANES: usize;
 
     /// A sum of bytes, spread over several lanes. No lane overflows: even the sum of 65537 bytes is below 2^25.
@@ -74,29 +71,29 @@ pub(crate) trait Vector: Copy {
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn nothing() -> Self::Total;
-    /// The mask of the end of a row, the pixels after its last whole vector: 255 in the lanes that hold them. `WHOLE`
-    /// is 0 if the row is narrower than a vector.
+    /// Mask of the end of a row, the pixels after its last whole vector: 255 in the lanes that hold them. `WHOLE` is 0
+    /// if the row is narrower than a vector.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
-    /// Loads the end of the row that begins at `row`. The other lanes may hold anything.
+    /// Loads the end of the row that begins at `row`. Lanes outside the mask [`Vector::end`] may hold anything.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
 
     fn or(a: Self, b: Self) -> Self;
-    /// max(a - b, 0): how far a is beyond b.
+    /// Saturating subtraction: max(a - b, 0).
     fn beyond(a: Self, b: Self) -> Self;
-    /// a - b, wrapping.
+    /// Wrapping subtraction: a - b.
     fn minus(a: Self, b: Self) -> Self;
     /// 255 where a > b as signed numbers, else 0.
     fn is_above(a: Self, b: Self) -> Self;
-    /// Zeroes the lanes that do not hold the end.
+    /// Zeroes the lanes outside the mask `end`.
     fn keep(bytes: Self, end: Self) -> Self;
     #[inline(always)]
     fn difference(f: Self, g: Self) -> Self {
         Self::or(Self::beyond(f, g), Self::beyond(g, f))
     }
 
-    /// Adds all bytes to the sum.
+    /// Adds all bytes to the total.
     fn add(total: Self::Total, bytes: Self) -> Self::Total;
-    /// Adds all |f - g| to the sum.
+    /// Adds |f - g| of all lanes to the total.
     fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
     fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
     fn times_256(total: Self::Total) -> Self::Total;
@@ -104,26 +101,26 @@ pub(crate) trait Vector: Copy {
     fn across(total: Self::Total) -> u32;
 }
 
-/// Further operations for ranges of neighbouring pixels.
+/// Operations for the minimum and the maximum of neighbouring pixels.
 pub(crate) trait Neighbours: Vector {
     unsafe fn store(bytes: Self, to: *mut u8);
     fn min(a: Self, b: Self) -> Self;
     fn max(a: Self, b: Self) -> Self;
-    /// min(a + b, 255).
+    /// Saturating addition: min(a + b, 255).
     fn raised(a: Self, b: Self) -> Self;
-    /// Moves the bytes down by `BY` lanes and fills up with zeroes.
+    /// Shifts the bytes down by `BY` lanes; zeroes fill the top.
     fn further<const BY: i32>(bytes: Self) -> Self;
 }
 
-/// A table, cut off at a threshold, in registers.
+/// A similarity table in registers, with zeroes from the threshold on.
 pub(crate) trait LookUp {
     type Vector: Vector;
 
-    /// The low bytes and the high bytes of the entries; zero from the threshold on.
+    /// Looks up each lane of `difference`: the low bytes and the high bytes of the entries.
     fn look_up(&self, difference: Self::Vector) -> (Self::Vector, Self::Vector);
 }
 
-/// Defines methods of the traits above, each by an expression of intrinsics.
+/// Defines methods of the vector traits, each by an expression of intrinsics.
 macro_rules! intrinsics {
     (
         $(unsafe fn $new:ident $(<const $m:ident: $from:ty>)? ($($given:ident: $in:ty),*) $(-> $out:ty)? { $made:expr })*
@@ -149,12 +146,12 @@ macro_rules! intrinsics {
     };
 }
 
-/// Stands for any number of whole vectors in a row from one on, as a value of `WHOLE`. Other values of `WHOLE` are the
-/// number itself. `END` says whether pixels follow the whole vectors.
+/// Value of `WHOLE` for any number of whole vectors in a row from one on. Other values are the number itself. `END` is
+/// true if pixels follow the whole vectors.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// Makes `$call` with the constants `WHOLE` and `END` for `$width`. Common widths get a loop of their own, except where
-/// code has to be small.
+/// Evaluates `$call` with the constants `WHOLE` and `END` of a row of `$width` pixels. Common widths get a loop of
+/// their own, except where code must be small.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -178,16 +175,15 @@ macro_rules! by_width {
     }};
 }
 
-/// The entries of a table below its threshold, low bytes and high bytes apart, in segments that one instruction looks
+/// Table entries below the threshold in two byte planes (low and high bytes), in segments that one instruction looks
 /// up.
 pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) low: [[u8; SEGMENT]; SEGMENTS],
     pub(crate) high: [[u8; SEGMENT]; SEGMENTS],
-    /// The number of segments in use.
     pub(crate) segments: usize,
-    /// The largest difference that counts, if there is one.
+    /// The largest difference below the threshold, if there is one.
     pub(crate) last: Option<u8>,
-    /// Decides how often candidates are bounded.
+    /// Decides how often the bound `candidates` is computed.
     pub(crate) candidates: Effort,
     vector: PhantomData<V>,
 }
@@ -199,7 +195,7 @@ impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS
         let threshold = table.threshold();
         let (mut low, mut high) = ([[0; SEGMENT]; SEGMENTS], [[0; SEGMENT]; SEGMENTS]);
         let places = low.as_flattened_mut().iter_mut().zip(high.as_flattened_mut());
-        // All later entries are 0.
+        // Entries from the threshold on are 0.
         let filled = if cfg!(smr_small) { table.entries().len() } else { threshold.into() };
         for ((low, high), entry) in places.zip(table.entries()).take(filled) {
             [*low, *high] = entry.to_le_bytes();
@@ -210,8 +206,8 @@ impl<V, const SEGMENT: usize, const SEGMENTS: usize> Lookup<V, SEGMENT, SEGMENTS
     }
 }
 
-/// Implements `Scores` for a [`Lookup`]. Each number of segments that is listed gets a loop of its own, which also serves
-/// those below it. Ranges are computed by the first of the vectors that fits in a row.
+/// Implements `Scores` for a [`Lookup`]. Each listed number of segments gets a loop of its own, which also serves
+/// smaller numbers. Ranges use the first of the two vectors that fits in a row.
 macro_rules! scores {
     (
         $backend:ty, $planes:ident, $vector:ty $(, or $shorter:ty)?, $features:literal,
@@ -324,7 +320,7 @@ macro_rules! scores {
     };};
 }
 
-/// Compiles loops of this file for an instruction set.
+/// Compiles loops of this file with the features of an instruction set.
 macro_rules! compiled {
     ($features:literal, $vector:ty: $(fn $name:ident($rows:ident: &Rows $(, $argument:ident: $of:ty)*) -> $to:ty;)*) => {$(
         #[target_feature(enable = $features)]
@@ -337,13 +333,12 @@ macro_rules! compiled {
 
 pub(crate) use {by_width, compiled, intrinsics, scores};
 
-/// The number of pixels of a row in whole vectors.
+/// Number of pixels in the whole vectors of a row.
 #[inline(always)]
 fn whole<V: Vector, const WHOLE: usize>(width: usize) -> usize {
     if WHOLE == ANY { width / V::LANES * V::LANES } else { WHOLE * V::LANES }
 }
 
-/// The totals of the low and of the high bytes of similarities.
 struct Sums<V: Vector> {
     low: V::Total,
     high: V::Total,
@@ -359,7 +354,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     // SAFETY: y is below the height, and `end` is made for the width.
     unsafe {
         let end = L::Vector::end::<WHOLE>(rows.width);
-        // Reason 3 at the top of this file.
+        // Two sets of totals: reason 3 at the top of this file.
         let nothing = L::Vector::nothing();
         let mut even = Sums::<L::Vector> { low: nothing, high: nothing };
         let mut odd = Sums { low: nothing, high: nothing };
@@ -379,7 +374,7 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     }
 }
 
-/// Adds the similarities of row `y`.
+/// Adds the similarities of row `y` to the totals.
 ///
 /// # Safety
 /// The row exists, and `end` was made for its width.
@@ -412,14 +407,14 @@ unsafe fn add_row<L: LookUp, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The sum of the similarities. It fits in a `u32` for every template.
+/// The score: both byte totals joined. It fits in a `u32` for every template.
 #[inline(always)]
 fn score<V: Vector>(even: &Sums<V>, odd: &Sums<V>) -> u32 {
     V::across(V::plus(V::plus(even.low, odd.low), V::times_256(V::plus(even.high, odd.high))))
 }
 
-/// An upper bound of a score: the number of pixels inside their ranges, which are in the form of [`widen`], each taken
-/// as fully similar. It counts those outside, and stops once there are too many.
+/// Upper bound of a score: 65535 for each pixel inside its range (as [`widen`] encodes it). Counts the pixels outside,
+/// and returns `None` once they are too many for `floor`.
 #[inline(always)]
 pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -486,12 +481,12 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Finds those of four offsets that may score at least `floor`: see
-/// [`Scores::candidates`](super::scores::Scores::candidates). It counts the pixels of each that do not count in its
-/// score. A vector of the template is loaded and turned into ranges once for all four.
+/// Bit mask of the offsets, of four neighbours, whose score may reach `floor`: see
+/// [`Scores::candidates`](super::scores::Scores::candidates). Counts the pixels beyond the threshold at each offset. A
+/// vector of the template is loaded and turned into ranges once for all four.
 ///
 /// # Safety
-/// The patch has three more columns.
+/// The patch has three more columns than the template.
 #[inline(always)]
 pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bool>(
     rows: &Rows,
@@ -518,7 +513,7 @@ pub(crate) unsafe fn candidates<V: Neighbours, const WHOLE: usize, const END: bo
     }
 }
 
-/// Counts the pixels of row `y` that do not count in the scores of four offsets.
+/// Counts the pixels of row `y` that are beyond the threshold, at each of four offsets.
 ///
 /// # Safety
 /// As for [`candidates`]; the row exists, and `end` was made for its width.
@@ -559,8 +554,8 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// The range of the pixels f that count when compared with `g`, in a form like that of [`widen`]: f counts if and only
-/// if the first result minus f is at most the second result (as signed numbers).
+/// The range of the pixels f within the threshold of `g`, encoded like [`widen`]: f is inside if the first result minus
+/// f is at most the second one, as signed numbers.
 #[inline(always)]
 fn around<V: Neighbours>(g: V, last: V) -> (V, V) {
     let highest = V::minus(V::raised(g, last), half(g));
@@ -585,17 +580,16 @@ fn within<V: Vector>(counts: &mut [Count<V>; 4], allowed: u32) -> u8 {
     within
 }
 
-/// The number of pixels that passed a comparison.
+/// Number of pixels that passed a comparison.
 #[derive(Clone, Copy)]
 struct Count<V> {
-    /// The counts of the vectors since the last flush, lane by lane: at most 255 vectors.
+    /// Counts since the last flush, one in each lane, of at most 255 vectors.
     bytes: V,
-    /// The count up to the last flush.
     flushed: u32,
 }
 
 impl<V: Vector> Count<V> {
-    /// Vectors of a row after which the counts are flushed. A lane counts to 255, so 127 vectors may be counted before.
+    /// Vectors of a row between flushes. A lane counts to 255, so it may already hold counts of 127 earlier vectors.
     const MOST: usize = 128;
 
     /// Adds 1 in each lane that is 255 in `counts`. The other lanes of `counts` are 0.
@@ -637,7 +631,7 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     }
 }
 
-/// Adds the distance of row `y` to `sum`.
+/// Adds the absolute differences of row `y` to `sum`.
 ///
 /// # Safety
 /// The row exists, and `end` was made for its width.
@@ -665,8 +659,8 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// See [`plain::scores::spread`](crate::kernels::plain::scores::spread). Returns false, and does nothing, if there are
-/// fewer ranges than lanes.
+/// Vector version of [`plain::scores::spread`](crate::kernels::plain::scores::spread): lowest and highest pixel of 4x4
+/// blocks. Returns false, and does nothing, if there are fewer blocks than lanes.
 #[inline(always)]
 pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) -> bool {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
@@ -683,11 +677,11 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             let highest = V::max(highest, V::further::<1>(highest));
             V::store(V::min(lowest, V::further::<2>(lowest)), low.wrapping_add(at));
             V::store(V::max(highest, V::further::<2>(highest)), high.wrapping_add(at));
-            // The last three are incomplete. The next round computes them again.
+            // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // The last vector overlaps the one before it, which gives the same values. It needs three more loads a row,
-        // because no vector fits to its right.
+        // Overlaps the vector before it, with the same values. It takes three more loads a row, because no vector fits
+        // to its right.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -699,20 +693,19 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
     true
 }
 
-/// Half the values of a byte. Subtracted from numbers of 0 to 255 it gives signed numbers in the same order.
+/// Half the values of a byte. Subtracting it maps 0 to 255 to signed numbers in the same order.
 const HALF: u8 = 128;
 
-/// [`HALF`] in each lane.
 #[inline(always)]
 pub(crate) fn half<V: Vector>(_: V) -> V {
     // SAFETY: the argument exists, so the processor has the instruction set.
     unsafe { V::splat(HALF) }
 }
 
-/// Converts ranges to the form that [`inside_at_least`] reads. A pixel g counts if low - last <= g <= high + last, that
-/// is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed numbers, so
-/// both sides are stored with [`HALF`] added (modulo 256 the same as subtracted): the first result is low - last -
-/// HALF, the second one high + last minus the first.
+/// Widens ranges by `last` and encodes them for [`inside_at_least`]. A pixel g is inside if low - last <= g <= high +
+/// last, that is, if g - (low - last), modulo 256, is at most (high + last) - (low - last). Vectors compare signed
+/// numbers, so both sides are stored with [`HALF`] added (modulo 256 the same as subtracted): the first result is low -
+/// last - HALF, the second one high + last minus the first.
 #[inline(always)]
 fn widen<V: Neighbours>(low: V, high: V, last: V) -> (V, V) {
     let low_less_half = V::minus(V::beyond(low, last), half(low));
@@ -729,11 +722,12 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     }
 }
 
-/// Rows of ranges in the form of [`widen`]: see [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows).
-/// Returns false, and does nothing, if a row has fewer ranges than lanes, or if there is too little room.
+/// Computes rows of ranges, as [`widen`] encodes them: see
+/// [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows). Returns false, and does nothing, if a row has
+/// fewer ranges than lanes, or if `to` is too small.
 ///
-/// It goes down in strips as wide as a vector. In a strip each row of pixels is read once, and its minima and maxima of
-/// four neighbours are computed once. Those of each pair of rows serve two ranges.
+/// Processes strips as wide as a vector from top to bottom. Each row of a strip is read once, and its minima and maxima
+/// of four neighbours are computed once. Those of each pair of rows serve two ranges.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,
@@ -778,12 +772,12 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         if at == last_strip {
             return true;
         }
-        // The last strip overlaps the one before it, which gives the same values.
+        // The last strip overlaps the one before it, with the same values.
         at = last_strip.min(at + V::LANES);
     }
 }
 
-/// The lowest and the highest of each four neighbouring pixels.
+/// The lowest and the highest of four neighbouring pixels, from each pixel on.
 ///
 /// # Safety
 /// A vector and three more pixels can be read at `row`.
@@ -808,10 +802,10 @@ unsafe fn column_ranges<V: Neighbours>(rows: &[*const u8; 4], at: usize) -> (V, 
     (V::min(V::min(a, b), V::min(c, d)), V::max(V::max(a, b), V::max(c, d)))
 }
 
-/// The most lanes that the two functions below support.
+/// The most lanes that [`last_lanes`] and [`last`] support.
 const MOST_LANES: usize = 32;
 
-/// A mask of the last `width % LANES` lanes (255), for rows that [`last`] loads; others take [`Vector::end`].
+/// Mask (255) of the last `width % LANES` lanes, into which [`last`] loads the end of a row.
 #[inline(always)]
 pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     const BYTES: [[u8; MOST_LANES]; 2] = [[0; MOST_LANES], [u8::MAX; MOST_LANES]];
@@ -819,8 +813,7 @@ pub(crate) unsafe fn last_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::load(BYTES.as_flattened().as_ptr().wrapping_add(MOST_LANES - V::LANES + width % V::LANES)) }
 }
 
-/// Loads the end of a row into the last lanes. The lanes before hold earlier pixels of the row, or zeroes if `WHOLE` is
-/// 0.
+/// Loads the end of a row into the last lanes. Earlier lanes hold earlier pixels of the row, or zeroes if `WHOLE` is 0.
 ///
 /// # Safety
 /// `width` bytes can be read at `row`: more than LANES if `WHOLE` is not 0, else fewer.

@@ -1,17 +1,17 @@
-//! The size of a cell of the robust tracker's features, the layout of a filter's weights on the bytes of cells, and scratch memory for sums of products.
+//! Cell size of the robust tracker's features, layout of a correlation filter on the cells, and scratch memory.
 
 use core::ops::Range;
 
-/// Side of a cell in pixels of the grid.
+/// Side of a feature cell, in pixels of the resampled grid.
 pub const CELL: u16 = 4;
-/// Bytes of a cell, one for each channel.
+/// Feature channels of a cell, one byte each.
 pub const CHANNELS: usize = 10;
-/// Side of a cell with its neighbours, in pixels.
+/// Side of a cell with its border of neighbouring pixels, in pixels.
 pub(crate) const SIDE: usize = CELL as usize + 2;
-/// Length of [`Packed`] in numbers: two for each byte of a row of 48 cells.
+/// Length of [`Packed`]: two 16-bit numbers for each byte of a row of 48 cells.
 pub(crate) const PACKED: usize = 960;
 
-/// Scratch memory in which a backend may unpack bytes before it multiplies.
+/// Scratch memory into which a backend may unpack feature bytes before it multiplies them.
 #[repr(align(4))]
 pub(crate) struct Packed(pub(crate) [u16; PACKED]);
 
@@ -21,7 +21,6 @@ impl Packed {
         Self([0; PACKED])
     }
 
-    /// The scratch memory as words.
     #[allow(dead_code)] // for backends that multiply pairs
     pub(crate) fn words(&mut self) -> &mut [i32; PACKED / 2] {
         // SAFETY: the memory is aligned for words and as long, and a word may have any value.
@@ -29,48 +28,48 @@ impl Packed {
     }
 }
 
-/// The layout of a filter on the bytes of cells.
+/// Layout of a correlation filter on the feature bytes of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    /// Bytes under one row of the filter, one for each of its weights.
+    /// Weights in a row of the filter, equal to the feature bytes under the row.
     pub(crate) row: usize,
     /// Bytes from a row of cells to the next one.
     pub(crate) stride: usize,
     /// Bytes from an offset to its right neighbour.
     pub(crate) step: usize,
-    /// Offsets on each axis.
+    /// Filter offsets on each axis.
     pub(crate) span: usize,
 }
 
 impl Layout {
-    /// The rows of a filter of `weights` weights, if it has whole rows of whole cells, and at each offset lies wholly on
-    /// the `cells` bytes of cells.
+    /// Returns the height in rows of a filter of `weights` weights. `None` unless its rows consist of whole cells, and
+    /// at each offset it lies within the `cells` feature bytes.
     #[cfg_attr(smr_small, inline(never))]
     #[allow(dead_code)] // for backends that do not check each access
     pub(crate) fn fits(self, cells: usize, weights: usize) -> Option<usize> {
         let Self { row, stride, step, span } = self;
         let whole = step == CHANNELS && row > 0 && row.is_multiple_of(step) && weights.is_multiple_of(row) && span > 0;
         let down = weights.checked_div(row).filter(|&down| whole && down > 0)?;
-        // Checked, because backends read without further checks what fits.
+        // Checked arithmetic, because backends load without further checks what fits.
         let last_row = (down - 1).checked_add(span - 1)?.checked_mul(stride)?;
         let last = last_row.checked_add((span - 1).checked_mul(step)?)?;
         (last.checked_add(row)? <= cells).then_some(down)
     }
 
-    /// The pieces for a plain loop that replaces another loop with other pieces. The first piece does all the work, and the
-    /// others do nothing.
+    /// The rows of offsets that the plain loop computes when it replaces a faster loop, which divides its work
+    /// differently: all rows in the first piece of work, none in later pieces.
     #[allow(dead_code)] // for backends whose pieces are not rows of offsets
     pub(crate) fn whole(self, pieces: Range<usize>) -> Range<usize> {
         if pieces.start == 0 { 0..self.span } else { 0..0 }
     }
 
-    /// The number of rows of cells that lie under a filter of `weights` weights at some offset.
+    /// Number of rows of cells that lie under a filter of `weights` weights at any offset.
     #[allow(dead_code)] // for backends that go row by row of cells
     pub(crate) fn rows(self, weights: usize) -> usize {
         weights.checked_div(self.row).unwrap_or(0) + self.span.saturating_sub(1)
     }
 
-    /// The number of products of the weights with the bytes in row `row` of the cells, over all offsets.
+    /// Number of multiplications of the weights with row `row` of the cells, over all offsets.
     #[allow(dead_code)] // as above
     pub(crate) fn work_on(self, row: usize, weights: usize) -> usize {
         let down = weights.checked_div(self.row).unwrap_or(0);
@@ -99,7 +98,7 @@ mod tests {
         assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS), Some(2));
         assert_eq!(layout.fits(16 * CHANNELS - 1, 4 * CHANNELS), None);
         assert_eq!(layout.fits(16 * CHANNELS, 4 * CHANNELS - 1), None);
-        // Wrapped sums would be small.
+        // With wrapping arithmetic these would seem to fit.
         for huge in [Layout { stride: usize::MAX / 4 + 1, ..layout }, Layout { span: usize::MAX, ..layout }] {
             assert_eq!(huge.fits(16 * CHANNELS, 4 * CHANNELS), None);
         }

@@ -1,7 +1,8 @@
-//! Fast sums over pixels and cells: the inner loops of both trackers. All `unsafe` code of the crate is here.
+//! The inner loops (kernels) of both trackers, in plain Rust and for each instruction set. All `unsafe` code of the
+//! crate is here.
 //!
-//! The plain loops in `plain/` are the specification: every other loop of the same name gives the same integers.
-//! `check.rs` tests all of them.
+//! The plain loops in `plain/` are the specification. Every other version returns the same integers; only an upper
+//! bound of a score may be looser. `check.rs` compares them.
 //!
 //! | folder or file | instruction set | used when | tested |
 //! |---|---|---|---|
@@ -14,39 +15,38 @@
 //! | `arm/helium/` | Helium, the vectors of Armv8.1-M | compiled for | `examples/kernels` on the emulated Cortex-M55 |
 //! | `swar/` | any but DSP and Helium: words of four pixels in ordinary registers | no faster one exists (Armv6-M, RV32, plain WebAssembly, older x86-64) | always; `examples/kernels` on the emulated Cortex-M0+ and RV32 |
 //!
-//! Each loop has a file for its plain version, one for each instruction set that has its own version, and one that
-//! chooses:
+//! Each kernel has a plain version, a version for some instruction sets, and a file that selects one:
 //!
-//! | loop | chosen in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
+//! | kernel | selected in | plain | x86 | NEON | SIMD128 | DSP, Helium | words |
 //! |---|---|---|---|---|---|---|---|
-//! | scores, distances (SAD), and upper bounds of scores for groups of offsets and for four offsets at a time | `scorer.rs` | `scores.rs` | `scores.rs` | `neon.rs` | `simd128.rs` | `scores.rs`, `bounds.rs` | `scores.rs` |
+//! | scores, distances (SAD), and upper bounds of scores for 4x4 groups of offsets and for four neighbouring offsets | `scorer.rs` | `scores.rs` | `scores.rs` | `neon.rs` | `simd128.rs` | `scores.rs`, `bounds.rs` | `scores.rs` |
 //! | responses of a filter, gradients of its error | `products.rs` | `products.rs` | AVX2: `avx2.rs` | (compiler) | `products.rs` | `products.rs` | `products.rs` |
 //! | cells of gradient orientations (HOG) | `native.rs` | `gradients.rs` | (compiler) | (compiler) | (compiler) | `gradients.rs` | (plain) |
 //! | layers of the refiner's network | `products.rs` | `dense.rs` | AVX2: `avx2.rs` | (compiler) | (compiler) | `dense.rs` | (plain) |
 //! | bilinear sampling of a row, contrast of a patch, update of a template | `native.rs` | `levels.rs` | (compiler) | (compiler) | (compiler) | `levels.rs` | sampling: `levels.rs` |
-//! | weights of a filter: coding, steps | `native.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
+//! | weights of a filter: quantisation, gradient steps | `native.rs` | `weights.rs` | (compiler) | (compiler) | (compiler) | `weights.rs` | (plain) |
 //!
 //! "(compiler)" stands for the plain loop, which the compiler vectorizes where it can.
 //!
-//! A [`Backend`] chooses scores, products and layers, by the macro `by_backend!` (`backend.rs`). It has the one list of
-//! instruction sets. Each of them is a module that says whether it is available, and takes from `plain` the loops that
-//! it does not do faster. The other loops follow the set that the program is compiled for: `native`.
+//! The macro `by_backend!` (`backend.rs`) selects the kernels of scores, products and layers for a [`Backend`]. It has
+//! the only list of instruction sets. Each is a module that detects processor support and re-exports the plain loops
+//! that it does not accelerate. The other kernels are selected at compile time: `native.rs`.
 //!
-//! `generic.rs` holds the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait. The file of
-//! an instruction set defines its vector and the lookup in a table. The loops in `arm/` are assembly; `arm/scores.rs`
-//! calls those of scores, for both instruction sets there. `scores.rs` says what a backend has, and decides how often a
-//! bound is worth its time. `rows.rs` gives the kernels the rows of two pictures, `three_sums.rs` saves products,
-//! `unrolling.rs` keeps loops small.
+//! `generic.rs` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
+//! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly; `arm/scores.rs` calls
+//! the score loops of DSP and Helium. `scores.rs` defines the trait of score kernels, and decides how often a bound is
+//! worth its time. `rows.rs` has the row addresses of two pictures, `three_sums.rs` saves multiplications,
+//! `unrolling.rs` prevents unrolling.
 //!
-//! Words in ordinary registers (`swar/`): on Armv6-M and RV32IMAC words cannot be loaded from any address, and a word
-//! assembled from bytes costs more than it saves. So only ranges and bounds use words. They take 7 bits of a pixel.
-//! Ranges lie at multiples of four in a buffer of the search, and words of a row are shifted out of aligned words.
-//! Scores, distances and sums of products are loops over single numbers that share loads: Arm and RV32 score four
-//! offsets at once, and up to nine sums take a factor together. On Armv6-M these sums are in the high registers, to
-//! which it can only add. `examples/README.md` compares the instructions with those of the plain loops.
+//! `swar/` computes on words in ordinary registers. Armv6-M and RV32IMAC cannot load words from unaligned addresses,
+//! and assembling a word from bytes costs more than it saves. So only ranges and bounds use words, of 7 bits of each
+//! pixel. The search aligns ranges to four bytes; words of a pixel row are shifted out of aligned words. Scores,
+//! distances and sums of products process single numbers but share loads: Arm and RV32 score four offsets at once, and
+//! up to nine sums share each factor. On Armv6-M these sums are in the high registers, which support only additions.
+//! `examples/README.md` compares the instruction counts with those of the plain loops.
 //!
-//! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, since only there
-//! the intrinsic becomes an instruction. So is a function that would pass numbers through memory, where reading them
+//! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, because only
+//! there it compiles to an instruction. So is a function that would pass numbers through memory, because reading them
 //! back stalls. Never inlined are functions that take less flash in one copy, and loops that need all registers. A
 //! comment gives any other reason.
 //!

@@ -1,5 +1,5 @@
-//! Kernels that no [`Backend`](super::Backend) chooses. They follow the instruction set that the program is compiled for: bilinear
-//! sampling of rows, cells of gradient orientations (HOG, Dalal and Triggs), gray levels, and the weights of a filter.
+//! Kernels selected at compile time, not by a [`Backend`](super::Backend): bilinear sampling of rows, cells of gradient
+//! orientations (HOG, Dalal and Triggs), gray levels, and the weights of a filter.
 
 use super::backend::native;
 use super::cut_table::MAX_PIXELS;
@@ -7,16 +7,16 @@ use super::layout::{CELL, CHANNELS, SIDE};
 use super::plain::levels::{MixedRow, PLACES, Parts};
 use heapless::Vec;
 
-/// The places of up to `N` columns in a row.
+/// Bilinear sampling positions of up to `N` output columns in a row.
 pub(crate) struct Interpolation<const N: usize> {
-    /// The byte in the row where a column's first number begins.
+    /// Byte offset in the row of each column's left sample.
     from: Vec<u16, N>,
-    /// The weights of the first and of the second number, 256 together.
+    /// Weights of each column's left and right sample, 256 in sum.
     parts: Vec<Parts, N>,
 }
 
 impl<const N: usize> Interpolation<N> {
-    /// The number of places: a column's first number is at a place below this.
+    /// Left samples have indices below this.
     pub(crate) const PLACES: usize = PLACES as usize;
 
     #[inline(always)]
@@ -33,13 +33,13 @@ impl<const N: usize> Interpolation<N> {
         self.from.len()
     }
 
-    /// Adds a column at `place + part / 256`. Does nothing if there is no room.
+    /// Appends a column sampled at index `place + part / 256`. Does nothing if there are `N` columns already.
     pub(crate) fn push(&mut self, place: u16, part: u8) {
         let _ = self.from.push(2 * (place % PLACES));
         let _ = self.parts.push(Parts([256 - u16::from(part), part.into()]));
     }
 
-    /// Computes the rounded gray levels of the columns in `row`, up to the length of `out`.
+    /// Samples `row` at the columns: writes rounded gray levels, up to the length of `out`.
     #[inline(always)]
     pub(crate) fn mix(&self, row: &MixedRow, out: &mut [u8]) {
         let Self { from, parts } = self;
@@ -51,8 +51,8 @@ impl<const N: usize> Interpolation<N> {
     }
 }
 
-/// Computes the sums of a row of cells, and the energy of each cell: the sum of the squares of its nine gradient sums.
-/// Rows and lines have room for a multiple of eight cells.
+/// Computes the channel sums of a row of cells, and the energy of each cell: the sum of the squares of its nine
+/// gradient sums. The slices have room for a multiple of eight cells.
 #[inline(always)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -77,26 +77,25 @@ pub(crate) use super::plain::gradients::norms;
 #[cfg(smr_helium)]
 pub(crate) use native::gradients::norms;
 
-/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
-/// 65537 pixels.
+/// Returns the sum of absolute differences of `pixels` from `level`, and the number of clipped pixels (0 or 255). The
+/// sum fits for at most 65537 pixels.
 #[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     debug_assert!(pixels.len() <= MAX_PIXELS);
     native::levels::deviation(pixels, level)
 }
 
-/// Replaces `old` by `new`, which has the same length. Returns the largest of `largest` and the differences of the
-/// pixels.
+/// Copies `new` over `old`, of the same length. Returns the maximum of `largest` and the absolute differences.
 #[inline(never)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     debug_assert_eq!(old.len(), new.len());
     native::levels::replace(old, new, largest)
 }
 
-/// Numbers `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
+/// The values `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
 /// down.
 ///
-/// Each result is more than -2^31 and less than 2^31. A product or a sum alone may be larger.
+/// A value is more than -2^31 and less than 2^31. Its product or sum alone may be larger.
 #[derive(Clone, Copy)]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],
@@ -106,19 +105,19 @@ pub(crate) struct ScaledSums<'a> {
 }
 
 impl<'a> ScaledSums<'a> {
-    /// The sums alone, without weights. They may be -2^31.
+    /// The values of `sums` without weights. They may be -2^31.
     pub(crate) fn of(sums: &'a [i32]) -> Self {
         Self { weights: sums, factor: 0, sums, left: 0 }
     }
 
-    /// The largest absolute value.
+    /// Returns the largest absolute value.
     #[inline(never)]
     pub(crate) fn largest(self) -> u32 {
         let Self { weights, factor, sums, left } = self;
         native::weights::largest(weights, factor, sums, left)
     }
 
-    /// Codes all numbers: divides them by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
+    /// Quantises all values: divides by `2^shift` and rounds. The caller chooses `shift` so that they fit in 16 bits.
     #[inline(never)]
     pub(crate) fn code(self, shift: u32, out: &mut [i16]) {
         let Self { weights, factor, sums, left } = self;
@@ -126,7 +125,7 @@ impl<'a> ScaledSums<'a> {
     }
 }
 
-/// A step against a gradient: subtracts `slope * length / 2^back`, rounded, from each weight. `back` is 0 to 62, and no
+/// A gradient descent step: subtracts `slope * length / 2^back`, rounded, from each weight. `back` is 0 to 62, and no
 /// product reaches 2^62.
 #[derive(Clone, Copy)]
 pub(crate) struct GradientStep {
@@ -135,7 +134,7 @@ pub(crate) struct GradientStep {
 }
 
 impl GradientStep {
-    /// Takes the step. A weight that would overflow an `i32` stays.
+    /// Updates the weights. A weight that would overflow an `i32` is not changed.
     #[inline(never)]
     pub(crate) fn apply(self, weights: &mut [i32], slopes: &[i16]) {
         let Self { length, back } = self;

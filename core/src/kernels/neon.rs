@@ -1,10 +1,9 @@
-//! NEON, which every AArch64 with floating point has: 16 pixels in a vector. The compiler vectorizes the plain loops of
-//! the other kernels. Scores, for any threshold:
+//! NEON, which every AArch64 processor with floating point has: 16 pixels in a vector. The compiler vectorizes the
+//! plain loops of all kernels but scores. Scores:
 //!
-//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero. So
-//!    the lookup is also the test d < threshold. Larger thresholds take up to four lookups.
+//! 1. `tbl` looks up 64 bytes and gives zero for a larger index. Entries from the threshold on are zero, so the lookup
+//!    is also the test d < threshold. Thresholds above 64 take up to four lookups.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
-//! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, intrinsics, scores};
 use core::arch::aarch64::*;
@@ -13,7 +12,7 @@ use core::arch::aarch64::*;
 pub(crate) use crate::kernels::plain::dense;
 pub(crate) use crate::kernels::plain::products;
 
-/// True: it is compiled only for processors that have it.
+/// Returns true: this module is compiled only for processors with NEON.
 pub(crate) const fn is_available() -> bool {
     true
 }
@@ -54,14 +53,14 @@ impl Neighbours for uint8x16_t {
     }
 }
 
-/// Entries that one instruction looks up.
+/// Table entries that one instruction looks up.
 const SEGMENT: usize = 64;
 
 pub(crate) type Lookup = generic::Lookup<uint8x16_t, SEGMENT, 4>;
 
 scores!(Lookup, Planes, uint8x16_t, "neon", segments: 1 2 or 4);
 
-/// The first `SEGMENTS` segments of both byte planes. The others are not looked up.
+/// The first `SEGMENTS` table segments of both byte planes (low and high bytes), in registers.
 struct Planes<const SEGMENTS: usize> {
     low: [uint8x16x4_t; 4],
     high: [uint8x16x4_t; 4],
@@ -93,7 +92,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<SEGMENTS> {
     }
 }
 
-/// Looks up the bytes of one plane.
+/// Looks up the entries of one byte plane (low or high bytes).
 #[inline(always)]
 fn entries<const SEGMENTS: usize>([first, others @ ..]: &[uint8x16x4_t; 4], difference: uint8x16_t) -> uint8x16_t {
     // SAFETY: this file is compiled only if the target has NEON.
@@ -101,7 +100,7 @@ fn entries<const SEGMENTS: usize>([first, others @ ..]: &[uint8x16x4_t; 4], diff
         let mut index = difference;
         let mut entries = vqtbl4q_u8(*first, index);
         for segment in others.iter().take(SEGMENTS - 1) {
-            // An index of another segment is too large (or wrapped to a large one), and keeps its value in the lookup.
+            // An index outside of this segment is 64 or more (perhaps by wrapping), and keeps the previous result.
             index = vsubq_u8(index, vdupq_n_u8(64));
             entries = vqtbx4q_u8(entries, *segment, index);
         }

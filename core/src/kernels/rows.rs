@@ -1,13 +1,14 @@
-//! The rows of two pictures, as addresses that are cheap to step through.
+//! Row addresses of two pictures, for loops without bounds checks.
 
 use super::cut_table::ONE;
 use super::scores::Blocks;
 use crate::image::Image;
 
-/// The common top left part of a template and a patch, or of a template and the two pictures that bound a patch.
+/// Rows of a patch and a template, cropped to their common top left part. Two pictures that bound a patch may replace
+/// it.
 ///
 /// [`Image::rows`] checks the end of the slice in every row. For a row that fits in one register, the check costs as
-/// much as the row itself. So these are addresses: a kernel may read `width` bytes from each row and no more.
+/// much as the row itself. So this holds addresses: a kernel may read `width` bytes of each row and no more.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows {
     pub(crate) patch: *const u8,
@@ -39,7 +40,7 @@ impl Rows {
         }
     }
 
-    /// A template, and the ranges that it is compared with; `None` if there are fewer ranges than pixels.
+    /// Rows of a template and of the pixel ranges under it. `None` if there are fewer ranges than pixels.
     #[inline(always)]
     #[cfg_attr(smr_swar, allow(dead_code))]
     pub(crate) fn of_blocks(blocks: &Blocks<'_>, template: Image<'_>) -> Option<Self> {
@@ -55,7 +56,7 @@ impl Rows {
         })
     }
 
-    /// The score of the rows from `y` on if all their pixels were equal. It fits in a `u32`.
+    /// The largest possible score of the rows from `y` on. It fits in a `u32`.
     #[inline]
     pub(crate) fn full_after(&self, y: usize) -> u32 {
         u32::from(ONE).wrapping_mul(self.pixels_after(y))
@@ -69,22 +70,21 @@ impl Rows {
         }
     }
 
-    /// The number of equal pixels that a score of at least `floor` needs.
+    /// The fewest pixels with which a score can reach `floor`.
     #[inline]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // for kernels that count pixels
     pub(crate) const fn pixels_of(floor: u32) -> u32 {
         floor.div_ceil(ONE as u32)
     }
 
-    /// The addresses of row `y` of the patch and of the template. If `y < height`, `width` bytes can be read there as
-    /// long as the pictures live: [`Image::with_stride`] has checked that.
+    /// Addresses of row `y` of the patch and of the template. If `y < height`, `width` bytes can be read there as long
+    /// as the pictures live: [`Image::with_stride`] has checked that.
     #[inline]
     #[cfg_attr(target_arch = "arm", allow(dead_code))] // loops there are assembly
     pub(crate) fn row(&self, y: usize) -> (*const u8, *const u8) {
         (place(self.patch, self.patch_stride, y), place(self.template, self.template_stride, y))
     }
 
-    /// The address of row `y` of the upper bound.
     #[inline]
     #[cfg_attr(any(target_arch = "arm", smr_swar), allow(dead_code))]
     pub(crate) fn high_row(&self, y: usize) -> *const u8 {

@@ -1,4 +1,4 @@
-//! The kernels of SMR: chooses those of a backend and checks their arguments.
+//! Similarity kernels behind one type, [`Scorer`]: selects those of a backend and checks their arguments.
 
 #[cfg(smr_dsp)]
 use super::arm::dsp::scores::Dsp;
@@ -20,8 +20,8 @@ use super::swar::scores as swar;
 use super::x86::{avx2, ssse3};
 use crate::image::{Image, Rect};
 
-/// A table that is cut off at a threshold, prepared for a backend. It computes scores, distances and bounds of pictures
-/// of up to [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+/// Computes scores and distances of pictures with a [`CutTable`], prepared for a backend. Pictures have at most
+/// [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
 pub struct Scorer<'a> {
     plain: Plain<'a>,
     ready: Ready<'a>,
@@ -53,7 +53,7 @@ enum Ready<'a> {
 }
 
 impl<'a> Scorer<'a> {
-    /// The scorer with `table` by `backend`, or by the plain loop if the machine does not have the backend.
+    /// Prepares `table` for `backend`, or for the plain loop if the machine does not support the backend.
     #[must_use]
     #[inline(always)] // built in place: some are too large to be moved on a small stack
     pub fn new(backend: Backend, table: &'a CutTable) -> Self {
@@ -82,8 +82,8 @@ impl<'a> Scorer<'a> {
         Self { plain, ready }
     }
 
-    /// The sum of the similarities of two pictures of the same size. If the sizes differ, their common top left part is
-    /// compared. `None` if that has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
+    /// The score: the sum of the similarities of all pairs of pixels. If the sizes differ, the common top left part is
+    /// compared. `None` if it has more than [`Table::MAX_PIXELS`](crate::similarity::Table::MAX_PIXELS) pixels.
     #[must_use]
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))] // with only the plain loop, just its call remains
@@ -92,7 +92,7 @@ impl<'a> Scorer<'a> {
         Some(by_backend!(&self.ready, Ready(kernels) => kernels.score(patch, template)))
     }
 
-    /// The score if it is at least `floor`. `None` as soon as it is certain that it is less.
+    /// The score if it is at least `floor`. `None` as soon as the remaining pixels cannot reach `floor`.
     #[must_use]
     #[cfg_attr(smr_small, inline(never))]
     #[cfg_attr(not(smr_small), inline(always))]
@@ -101,7 +101,7 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.score_at_least(patch, template, floor))
     }
 
-    /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be left out. The result is then more
+    /// The sum of absolute differences (SAD). Once it exceeds `enough`, rows may be skipped: the result is then more
     /// than `enough` and at most the SAD. `None` as for [`Scorer::score`].
     #[must_use]
     #[inline(always)]
@@ -110,13 +110,13 @@ impl<'a> Scorer<'a> {
         Some(by_backend!(&self.ready, Ready(kernels) => kernels.distance(patch, template, enough)))
     }
 
-    /// True if a backend of this target bounds four offsets at a time, and faster than it scores them.
+    /// True if this target can bound the scores of four neighbouring offsets faster than it computes them.
     pub(crate) const BOUNDS_FOUR: bool =
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
-    /// The offsets among the `wanted` of four that may score at least `floor`; see [`Scores::candidates`]. All of them
-    /// if the template is too large for a score, or if the patch has fewer than three more columns than the template, or
-    /// fewer rows.
+    /// Bit mask of the offsets whose score may reach `floor`, among the `wanted` of four neighbours; see
+    /// [`Scores::candidates`]. Returns `wanted` if the template is too large for a score, or the patch does not cover
+    /// it at all four offsets.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();
@@ -126,9 +126,9 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
-    /// Computes the ranges of 4x4 blocks for [`Scorer::bound`], in the form of this backend. `low` and `high` begin at
-    /// multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than there are
-    /// blocks.
+    /// Computes the ranges of pixels in 4x4 blocks for [`Scorer::bound`], as the backend encodes them. `low` and `high`
+    /// begin at multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than
+    /// there are blocks.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));
@@ -136,29 +136,29 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges(rows, low, high));
     }
 
-    /// True if a backend of this target computes the ranges of several rows faster than row by row.
+    /// True if a backend of this target computes several rows of ranges faster than row by row.
     pub(crate) const RANGES_OF_ROWS: bool = cfg!(any(
         target_arch = "x86_64",
         all(target_arch = "aarch64", target_feature = "neon"),
         all(target_arch = "wasm32", target_feature = "simd128")
     ));
 
-    /// Computes the ranges for all blocks of `pixels`, every `step`th row; see [`Scores::ranges_of_rows`].
+    /// Computes the ranges of the 4x4 blocks that begin in every `step`th row of `pixels`; see
+    /// [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to))
     }
 
-    /// An upper bound of the score of every patch between `blocks`, if it is at least `floor`.
+    /// Upper bound of the score of every patch with pixels in the ranges `blocks`. `None` if it is below `floor`.
     #[inline(always)]
     pub(crate) fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
         debug_assert!(blocks.stride.is_multiple_of(4));
         by_backend!(&self.ready, Ready(kernels) => kernels.bound(blocks, template, floor))
     }
 
-    /// The score of the pixels of `template` that lie on the padding, which is all zeroes. `seen` is the rectangle that
-    /// lies on the frame, in coordinates of the template; it is empty if the whole template lies on the padding. The
-    /// template is not too large for a score.
+    /// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template
+    /// on the frame, in its coordinates, or empty. The template is not too large for a score.
     #[cfg(not(smr_swar))]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -186,7 +186,7 @@ impl<'a> Scorer<'a> {
         }
         sum
     }
-    /// As above, by the plain loop: words are not faster here.
+    /// The score of the pixels of `template` on the padding by the plain loop, because words are not faster here.
     #[cfg(smr_swar)]
     #[must_use]
     pub(crate) fn score_on_padding(&self, template: Image<'_>, seen: Rect) -> u32 {
@@ -194,13 +194,13 @@ impl<'a> Scorer<'a> {
     }
 }
 
-/// Pixels of the padding, which are black.
+/// A row of the zero padding around the frame.
 #[cfg(not(smr_swar))]
 static BLACK: [u8; BLACK_PIXELS as usize] = [0; BLACK_PIXELS as usize];
 #[cfg(not(smr_swar))]
 const BLACK_PIXELS: u8 = 64;
 
-/// `None` if the sum could overflow, because the pictures have too many pixels in common.
+/// `None` if the common part of the pictures has too many pixels for a sum in a `u32`.
 #[inline(always)]
 fn checked(patch: Image<'_>, template: Image<'_>) -> Option<()> {
     (plain::pixels(patch, template) <= MAX_PIXELS).then_some(())

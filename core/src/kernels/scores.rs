@@ -1,22 +1,21 @@
-//! The kernels that a backend of SMR has: scores, distances, and bounds that exclude offsets.
+//! The similarity kernels of a backend, as a trait: scores, distances, and upper bounds that exclude offsets.
 
 use crate::image::Image;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
-/// All four offsets, one bit for each: see [`Scores::candidates`].
+/// Bit mask of all four neighbouring offsets of [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
-/// Memory for rows of ranges: the lowest and the highest pixel of each 4x4 block, or what a backend stores instead.
-/// They bound the scores of groups of offsets.
+/// Output of [`Scores::ranges_of_rows`]: the lowest and the highest pixel of each 4x4 block, as the backend encodes
+/// them.
 #[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
 pub(crate) struct RowsOfRanges<'a> {
     pub(crate) low: &'a mut [u8],
     pub(crate) high: &'a mut [u8],
-    /// Bytes from row to row.
     pub(crate) stride: usize,
 }
 
-/// Rows of ranges.
+/// Pixel ranges of 4x4 blocks: the lowest and the highest pixel, as the backend encodes them.
 #[derive(Clone, Copy)]
 pub(crate) struct Blocks<'a> {
     pub(crate) low: &'a [u8],
@@ -28,7 +27,7 @@ pub(crate) struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
-    /// The lower and the upper bounds of a patch, of the size of `template`.
+    /// The lower and the upper bounds of a patch as pictures of the size of `template`.
     #[cfg_attr(any(smr_dsp, smr_helium), allow(dead_code))]
     pub(crate) fn pictures(&self, template: Image<'_>) -> Option<(Image<'a>, Image<'a>)> {
         let (width, height) = (template.width(), template.height());
@@ -37,9 +36,10 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// The kernels of SMR. For each of them the function of the same name in `plain/scores.rs` is the specification.
+/// The similarity kernels. Their implementation in `plain/scores.rs` is the specification.
 pub(crate) trait Scores {
-    /// The score. It is a separate method, so that a program that never uses a floor does not link the bounds.
+    /// The score without a floor. A separate method, so that a program that never uses a floor does not link the
+    /// bounds.
     #[inline(always)]
     fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         self.score_at_least(patch, template, 0).unwrap_or(0)
@@ -47,9 +47,9 @@ pub(crate) trait Scores {
 
     fn score_at_least(&self, patch: Image<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 
-    /// The offsets among the `wanted` of four that may score at least `floor`. Bit i is cleared only if the offset i
-    /// columns to the right cannot. The patch has three more columns than the template. Backends without a fast way
-    /// return all of them.
+    /// Bit mask of the offsets whose score may reach `floor`, among the `wanted` of four neighbours. Bit i is cleared
+    /// only if the offset i columns to the right cannot. The patch has three more columns than the template. Backends
+    /// without a fast bound return `wanted`.
     #[inline(always)]
     fn candidates(&self, _patch: Image<'_>, _template: Image<'_>, _floor: u32, wanted: u8) -> u8 {
         wanted
@@ -57,29 +57,30 @@ pub(crate) trait Scores {
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
 
-    /// Computes the ranges of 4x4 blocks for [`Scores::bound`]. A backend may store them in a form of its own.
+    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scores::bound`]. A backend may encode them in its
+    /// own form.
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
-    /// Computes the ranges for all blocks of `pixels`, every `step`th row. Returns false, and does nothing, if this
-    /// backend does not compute them faster than row by row.
+    /// Computes the ranges of the 4x4 blocks that begin in every `step`th row of `pixels`. Returns false, and does
+    /// nothing, if this backend does not compute them faster than row by row.
     #[inline(always)]
     fn ranges_of_rows(&self, _pixels: Image<'_>, _step: usize, _to: &mut RowsOfRanges<'_>) -> bool {
         false
     }
 
-    /// An upper bound of the score of every patch between `blocks`, which [`Scores::ranges`] has computed; `None` if it
-    /// is less than `floor`.
+    /// Upper bound of the score of every patch with pixels in the ranges `blocks`, which [`Scores::ranges`] has
+    /// computed. `None` if it is below `floor`.
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 }
 
-/// Decides how often a bound is computed. While it excludes nothing, it is computed less and less often, in the end one
-/// time in 64. So a bound that never helps costs 1/64 of its time. The fields are atomic, so that a scorer can be
-/// shared. No result depends on them.
+/// Decides how often a bound is computed. While it excludes no offset, it is computed less and less often, at last one
+/// time in 64. So a useless bound costs 1/64 of its time. The fields are atomic, so that a scorer can be shared. No
+/// result depends on them.
 #[allow(dead_code)] // not every target has a backend that bounds four offsets
 pub(crate) struct Effort {
-    /// The number of times that the loop goes on without the bound.
+    /// Number of next calls that skip the bound.
     without: AtomicU8,
-    /// One set bit for each successive time that the bound excluded nothing, at most six.
+    /// One set bit for each successive bound that excluded no offset, at most six.
     in_vain: AtomicU8,
 }
 
@@ -88,7 +89,7 @@ impl Effort {
     #[allow(clippy::declare_interior_mutable_const)] // each use is a new one
     pub(crate) const NEW: Self = Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) };
 
-    /// True if the bound is to be computed this time.
+    /// True if the bound should be computed this time.
     #[inline(always)]
     pub(crate) fn is_worth_it(&self) -> bool {
         let left = self.without.load(Relaxed).checked_sub(1);

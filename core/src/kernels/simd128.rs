@@ -1,11 +1,9 @@
-//! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. The compiler vectorizes the plain loop of layers. Scores,
-//! for any threshold:
+//! SIMD128, the vectors of WebAssembly: 16 pixels in a vector. Scores:
 //!
-//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are stored as zero.
-//!    So the lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each
-//!    plane. Larger ones take up to 16.
+//! 1. A swizzle looks up 16 bytes and gives zero for a larger index. Entries from the threshold on are zero, so the
+//!    lookup is also the test d < threshold. The usual threshold is at most 16, which takes one lookup for each plane.
+//!    Larger ones take up to 16.
 //! 2. Bytes are added in pairs, and the pairs to four-byte lanes.
-//! 3. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked.
 
 pub(crate) mod products;
 
@@ -15,7 +13,7 @@ use core::arch::wasm32::*;
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
 
-/// True: it is compiled only for processors that have it.
+/// Returns true: this module is compiled only for runtimes with SIMD128.
 pub(crate) const fn is_available() -> bool {
     true
 }
@@ -57,14 +55,13 @@ impl Neighbours for v128 {
     }
 }
 
-/// The sum of the lanes.
 #[inline(always)]
 fn across(total: v128) -> u32 {
     let halves = u32x4_add(total, u32x4_shuffle::<2, 3, 0, 1>(total, total));
     u32x4_extract_lane::<0>(halves) + u32x4_extract_lane::<1>(halves)
 }
 
-/// Moves the bytes down by `BY` lanes, 1 or 2, and fills up with zeroes. A shuffle takes numbers only, no expressions.
+/// Shifts the bytes down by `BY` lanes, 1 or 2; zeroes fill the top. The indices of a shuffle must be literals.
 #[inline(always)]
 fn further<const BY: i32>(bytes: v128) -> v128 {
     const { assert!(BY == 1 || BY == 2) };
@@ -75,21 +72,21 @@ fn further<const BY: i32>(bytes: v128) -> v128 {
     }
 }
 
-/// Entries that one swizzle looks up.
+/// Table entries that one swizzle looks up.
 const SEGMENT: usize = 16;
 
-/// Stands for any number of segments from two on. They share a loop: separate ones would make the module a third
-/// larger.
+/// Value of `SEGMENTS` for any number of segments from two on. They share a loop, because separate ones would make the
+/// module a third larger.
 const MANY: usize = 16;
 
 pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;
 
 scores!(Lookup, Planes, v128, "simd128", segments: 1 or 16);
 
-/// The segments of both byte planes: the first `SEGMENTS`, or as many as are in use if that is [`MANY`].
+/// The table segments of both byte planes: the first `SEGMENTS`, or all that are in use if that is [`MANY`].
 struct Planes<'a, const SEGMENTS: usize> {
     first: (v128, v128),
-    /// The other segments.
+    /// The segments after the first.
     low: &'a [[u8; SEGMENT]],
     high: &'a [[u8; SEGMENT]],
 }
@@ -119,7 +116,7 @@ impl<const SEGMENTS: usize> LookUp for Planes<'_, SEGMENTS> {
         let mut index = difference;
         let mut planes = (u8x16_swizzle(self.first.0, index), u8x16_swizzle(self.first.1, index));
         for (low, high) in self.low.iter().zip(self.high) {
-            // An index of another segment is too large (or wrapped to a large one), and gives zero.
+            // An index outside of this segment is 16 or more (perhaps by wrapping), and gives zero.
             index = u8x16_sub(index, u8x16_splat(16));
             planes.0 = v128_or(planes.0, u8x16_swizzle(segment(low), index));
             planes.1 = v128_or(planes.1, u8x16_swizzle(segment(high), index));

@@ -1,4 +1,4 @@
-//! Runs the comparisons of `check.rs` for each backend of the host, beside memory that may not be accessed.
+//! Runs the comparisons of `check.rs` for each backend of the host, at the edge of inaccessible memory.
 
 use super::backend::Backend;
 use super::check;
@@ -7,8 +7,8 @@ use super::scorer::Scorer;
 use crate::image::Image;
 use memory::Guarded;
 
-/// Three areas of memory with no access before and after each: a page without access, or (elsewhere, and under Miri,
-/// which checks every access itself) another allocation.
+/// Three memory areas with inaccessible pages before and after each. Elsewhere, and under Miri, which checks every
+/// access itself, plain allocations.
 #[cfg(all(unix, not(miri)))]
 mod memory {
     use crate::kernels::check::{Areas, ROOM};
@@ -98,7 +98,7 @@ fn a_root_is_rounded_down() {
 #[test]
 fn means_are_exact() {
     for cells in 1..=9 {
-        // All rests with all ten bits that may follow, and large energies.
+        // All remainders with all ten bits that may follow, and large energies.
         let large = (0..30).flat_map(|places| [(1 << places) - 1, (1 << places) + cells / 2, (cells << 26) - 1]);
         for energy in (0..cells << 10).chain(large) {
             assert_eq!(mean_by_parts(energy, cells), energy / cells, "{energy} / {cells}");
@@ -106,7 +106,8 @@ fn means_are_exact() {
     }
 }
 
-/// Defines a module of tests for each backend. A backend that the machine does not have is skipped by name.
+/// Defines a module of tests for each backend. If the machine does not support a backend, its tests report that they
+/// are skipped.
 macro_rules! for_each_backend {
     ($($module:ident: $backend:ident),*; $tests:tt) => {$(
         mod $module {

@@ -1,7 +1,6 @@
-//! Responses at two rows of offsets by three sums of products instead of four (Karatsuba and Ofman, 1962).
+//! Filter responses at two rows of offsets by three sums of products instead of four (Karatsuba and Ofman, 1962).
 //!
-//! w are the rows of the filter, X those of the cells, and `w * X` the sums of products of two rows at all offsets to
-//! the right:
+//! w[i] is row i of the filter, X[m] row m of the cells, and `w * X` their sums of products at all horizontal offsets:
 //!
 //! ```text
 //! response[2k]     = sum over i of  w[2i] * X[2m]     + w[2i + 1] * X[2m + 1],    m = k + i
@@ -14,16 +13,16 @@
 //! response[2k] = both[k] + upper[k],    response[2k + 1] = both[k] + lower[k]
 //! ```
 //!
-//! A difference of cells and a sum of two weights fit in 16 bits. Sums may wrap on the way.
+//! Differences of cells and sums of two weights fit in 16 bits. Intermediate sums may wrap.
 
 use super::unrolling::rolled;
 use core::ops::Range;
 
-/// Number of sums: `upper`, `both` and `lower`, in the order of the rows of cells with which they begin.
+/// Number of partial sums: `upper`, `both` and `lower`, with the indices 0 to 2.
 pub(crate) const SUMS: usize = 3;
 pub(crate) const BOTH: usize = 1;
 
-/// The sizes of sums over two rows of the filter and two rows of offsets at a time.
+/// Sizes for partial sums, which take the rows of a filter and of offsets in pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Pairs {
     /// Rows of the filter.
@@ -31,17 +30,17 @@ pub(crate) struct Pairs {
     span: usize,
 }
 
-/// Sums of products along rows, by a backend.
+/// A backend's products of rows of cells with rows of filter factors.
 pub(crate) trait Rows {
-    /// Takes the row `first` of the cells, less the row `second` if there is one.
+    /// Selects the cells to multiply: row `first`, minus row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
 
-    /// Adds the products of the cells with row of factors `number` (see [`Pairs::factors`]) at each offset to the
-    /// right.
+    /// Adds the products of the selected cells with row `number` of factors (see [`Pairs::factors`]) to `sums`, one sum
+    /// for each horizontal offset.
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 
-/// Rows of `count` factors on rows of numbers. A row of numbers is `width` numbers long.
+/// Rows of `count` factors that slide along rows of `width` numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Slide<T> {
     pub(crate) factors: *const T,
@@ -52,7 +51,7 @@ pub(crate) struct Slide<T> {
 }
 
 impl Pairs {
-    /// Pairs of `down` rows of a filter at `span` offsets downwards.
+    /// Sizes for a filter of `down` rows at `span` vertical offsets.
     pub(crate) fn new(down: usize, span: usize) -> Self {
         Self { down, span }
     }
@@ -61,7 +60,7 @@ impl Pairs {
         2 * self.down.div_ceil(2) + self.down / 2
     }
 
-    /// The rows of the filter that add up to a row of factors.
+    /// The one or two rows of the filter whose sum is row `number` of factors.
     pub(crate) fn factors(self, number: usize) -> (usize, Option<usize>) {
         let half = half(self.down, BOTH);
         let sum = (number / half.max(1)).min(SUMS - 1);
@@ -69,23 +68,23 @@ impl Pairs {
         (first, Some(first + 1).filter(|&row| sum == BOTH && row < self.down))
     }
 
-    /// The number of rows of the sums `both`.
+    /// Number of rows of sums `both`, which the caller stores.
     pub(crate) fn both(self) -> usize {
         self.offsets_of(BOTH)
     }
 
-    /// The number of rows of factors of sum `sum`.
+    /// Number of rows of factors of partial sum `sum` (0 to 2).
     #[allow(dead_code)] // for backends that go sum by sum
     pub(crate) fn rows_of(self, sum: usize) -> usize {
         half(self.down, sum)
     }
 
-    /// The number of rows of sum `sum`.
+    /// Number of vertical offsets of partial sum `sum` (0 to 2).
     pub(crate) fn offsets_of(self, sum: usize) -> usize {
         half(self.span, sum)
     }
 
-    /// Computes the parts `parts` of the responses. A part is two rows of cells. The caller leaves `both` as it is
+    /// Computes the filter responses for some parts of the cells, two rows each. The caller leaves `both` unchanged
     /// between parts.
     #[inline(always)]
     pub(crate) fn responses<const N: usize>(
@@ -100,7 +99,7 @@ impl Pairs {
         if parts.start == 0 {
             out.iter_mut().take(span).chain(&mut *both).for_each(|sums| sums.fill(0));
         }
-        // One loop for parts and sums: the compiler would unroll a loop over the three sums.
+        // One loop over parts and sums, because the compiler would unroll a loop over the three sums.
         let (mut part, mut sum) = (parts.start, 0);
         while part < parts.end && 2 * part + sum < count {
             rows.take(2 * part + sum, Some(2 * part + 1).filter(|&row| sum != BOTH && row < count));
@@ -124,7 +123,7 @@ impl Pairs {
     }
 }
 
-/// The number of rows of a sum out of `rows`: those with an even number, or for `lower` those with an odd one.
+/// The number of even rows out of `rows`, or of odd rows for the sum `lower`.
 fn half(rows: usize, sum: usize) -> usize {
     (rows + 1 - sum / 2) / 2
 }

@@ -1,11 +1,11 @@
 //! Keeps the compiler from unrolling small loops, which saves flash.
 //!
-//! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the rest. That is
-//! several times the code and saves few instructions. It does not unroll a loop that contains assembly, even if that is
-//! empty, unless the number of rounds is constant.
+//! For Arm's microcontrollers the compiler unrolls a small loop four times and adds a loop for the remainder: several
+//! times the code, for few saved instructions. It does not unroll a loop that contains assembly, even empty assembly,
+//! unless the number of iterations is constant.
 
-/// Returns the same iterator, but its loop is not unrolled. Does nothing for Helium, where assembly would keep the
-/// compiler from vectorizing.
+/// Returns the same iterator, but keeps the compiler from unrolling its loop. Does nothing for Helium, where assembly
+/// would prevent vectorization.
 #[inline(always)]
 pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {
@@ -14,7 +14,7 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
     })
 }
 
-/// As [`rolled`], for a plain loop that hardly ever runs because the target has a faster one. Elsewhere the compiler
+/// Like [`rolled`] on targets with a faster loop, where the plain loop hardly ever runs. On other targets the compiler
 /// may unroll it.
 #[inline(always)]
 pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
@@ -24,7 +24,6 @@ pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = 
     })
 }
 
-/// Executes empty assembly.
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 fn nothing() {
@@ -35,8 +34,8 @@ fn nothing() {
     }
 }
 
-/// Returns the same number, computed before the code that follows. Without it the compiler mixes the order of
-/// independent sums until it has no register left. Does nothing except for RV32.
+/// Returns `number`, and computes it before the code that follows (RV32 only). Without this the compiler interleaves
+/// independent sums until it runs out of registers.
 #[inline(always)]
 #[allow(dead_code)] // not every target needs it
 pub(crate) fn in_order(number: i32) -> i32 {

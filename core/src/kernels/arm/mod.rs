@@ -1,4 +1,4 @@
-//! The instruction sets of Arm's microcontrollers, and the scores that both share.
+//! Kernels for Arm's microcontrollers: the DSP extension, Helium, and the score kernels that both share.
 
 #[cfg(smr_dsp)]
 pub(crate) mod dsp;

@@ -1,34 +1,34 @@
 //! Points: a sum of bytes, cheap to compute, that bounds the score of an offset.
 //!
-//! A pixel that counts and differs by d has 255 - d points, all others have none. Points fall with the difference
+//! A pixel that differs by d has 255 - d points if d is below the threshold, else none. Points fall with the difference
 //! almost as similarities do. So a score is at most the number of points divided by a fixed rate. An offset with too
-//! few points is excluded without a lookup in a table.
+//! few points is excluded without a table lookup.
 
 use crate::kernels::cut_table::ONE;
 use crate::kernels::rows::Rows;
 use crate::kernels::unrolling::rolled;
 
-/// The bounds that points and differences give for the scores by a table that is cut off at a threshold.
+/// Constants that bound scores by points, computed for a table and its threshold.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
-    /// The largest difference of a pixel that counts.
+    /// The largest difference below the threshold.
     pub(super) largest: u8,
-    /// A pixel that scores p has at least p * `rate` / 2^24 points. If it is 0, points bound nothing.
+    /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
     rate: u32,
     /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
     ///
-    /// The search goes through all d, so it holds for any table. For exp the largest d decides: the chord from p(0) to
-    /// it is the flattest. It is stored, because every step needs it, and processors divide slowly.
+    /// It is computed from all d, so it holds for any table. For exp the largest d decides: its chord from p(0) is the
+    /// flattest. It is stored, because every bound needs it and division is slow.
     chord: u32,
 }
 
 impl Points {
-    /// The points of an equal pixel. No pixel has more.
+    /// Points of an equal pixel, the most that a pixel can have.
     pub(super) const MOST: u8 = u8::MAX;
 
     pub(crate) const NONE: Self = Self { largest: 0, rate: 0, chord: 0 };
 
-    /// Sets the bounds for `entries` cut off at `threshold`. They bound nothing if no pixel counts or every pixel does.
+    /// Computes the constants for `entries` and `threshold`. The thresholds 0 and 256 disable the bound.
     pub(crate) fn set(&mut self, entries: &[u16; 256], threshold: u16) {
         *self = Self::NONE;
         if let Some(largest) = u8::try_from(threshold).ok().and_then(|threshold| threshold.checked_sub(1)) {
@@ -43,12 +43,12 @@ impl Points {
         }
     }
 
-    /// The fewest points of an offset with `pixels` pixels that scores at least `floor`; 0 if points bound nothing. It
+    /// The fewest points of an offset that scores at least `floor` with `pixels` pixels; 0 if the bound is disabled. It
     /// is the larger of two bounds, the second one tight where most pixels are similar:
     ///
     /// - A score of `floor` needs at least `floor` * `rate` / 2^24 points.
-    /// - A pixel loses at least `chord` for each point that it lacks. One that does not count lacks 255 and loses 65535,
-    ///   that is 257 for each.
+    /// - A pixel loses at least `chord` of its score for each point that it lacks. A pixel beyond the threshold lacks
+    ///   255 points and loses 65535: 257 for each.
     pub(super) fn needed(&self, floor: u32, pixels: u32) -> u32 {
         if self.rate == 0 {
             return 0;
@@ -60,9 +60,9 @@ impl Points {
         (pixels * u32::from(Self::MOST)).saturating_sub(lacking).max(of_score)
     }
 
-    /// The numbers with which a loop over the rows begins. For each of the `wanted` of four offsets: the most points
-    /// that the rows can give, less those needed. The loop subtracts the points that pixels lack. An offset is excluded
-    /// once its number is negative; an offset that is not wanted begins so.
+    /// Spare points of four offsets before the first row: the most points that the rows can have, minus those needed. A
+    /// loop over rows subtracts the points that pixels lack, and excludes an offset once its number is negative. An
+    /// offset that is not `wanted` starts negative.
     #[inline(always)]
     pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();
@@ -77,5 +77,5 @@ impl Points {
     }
 }
 
-/// Offsets that are compared at once: one, and the next ones to its right.
+/// Number of horizontally neighbouring offsets that are bounded at once.
 pub(super) const OFFSETS: usize = 4;

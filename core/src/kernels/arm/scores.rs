@@ -1,9 +1,9 @@
-//! The scores of Arm's microcontrollers, and the bounds that exclude offsets: one code for both instruction sets, each
-//! of which defines its loops over pixels ([`Loops`]).
+//! Score kernels of Arm's microcontrollers, common to the DSP extension and Helium. Each defines its loops over pixels
+//! ([`Loops`]).
 //!
-//! These instruction sets sum bytes fast, but look up a table pixel by pixel. So two bounds only sum bytes:
+//! Both sum bytes fast, but look up a table pixel by pixel. So two bounds, which exclude offsets, only sum bytes:
 //!
-//! - [`Loops::MISSES`] counts the pixels that cannot count at any offset of a group.
+//! - [`Loops::MISSES`] counts the pixels beyond the threshold at every offset of a 4x4 group.
 //! - [`Loops::SPARE`] sums the points of four offsets (`points.rs`).
 
 use super::points::{OFFSETS, Points};
@@ -14,30 +14,30 @@ use crate::kernels::rows::Rows;
 use crate::kernels::scores::{Blocks, Effort, Scores};
 use core::marker::PhantomData;
 
-/// The loops of an instruction set over the pixels of two pictures, which have at least `NARROWEST` columns.
+/// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// Pixels that the loops take at a time, and the fewest columns that they can take. If it is more than one, the
-    /// loops need a table in which equal pixels score [`ONE`].
+    /// The fewest columns of the pictures. If it is more than one, the loops need a table in which equal pixels score
+    /// [`ONE`].
     const NARROWEST: usize;
-    /// The score by 256 entries if it is at least a floor, else any number below the floor.
+    /// (rows, 256 entries, floor): the score if it is at least `floor`, else any number below it.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;
-    /// The distance. It may stop once that is more than enough.
+    /// (rows, enough): the sum of absolute differences. It may stop once that exceeds `enough`.
     const DISTANCE: unsafe fn(&Rows, u32) -> u32;
-    /// The number of template pixels outside their ranges. It may stop once that exceeds what is allowed. The lower
-    /// ends are the patch, the lengths its upper bound; both have the same stride.
+    /// (rows, allowed): the number of template pixels outside their ranges. It may stop once that exceeds `allowed`.
+    /// The patch holds the lower ends of the ranges, its upper bound the lengths; both have the same stride.
     const MISSES: unsafe fn(&Rows, u32) -> u32;
-    /// For each of the wanted of four offsets a number that is negative only if the offset has fewer points than
-    /// needed; for the other offsets it is negative. The patch has three more columns than the template.
+    /// (rows, points, needed, wanted): spare points of four offsets ([`Points::spare`]). A result is negative only if
+    /// its offset has fewer points than needed or is not wanted. The patch has three more columns than the template.
     const SPARE: unsafe fn(&Rows, &Points, u32, u8) -> [i32; OFFSETS];
-    /// Computes the ranges of 4x4 blocks, widened by a margin on both sides: their lower ends, and their lengths. Does
-    /// nothing if there are fewer blocks than `NARROWEST`.
+    /// (rows, margin, low, lengths): computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by a
+    /// margin on both sides. Does nothing if there are fewer blocks than `NARROWEST`.
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]);
 }
 
-/// A table, and the loops that use it.
+/// The score kernels by the loops `L`, with a similarity table.
 pub(crate) struct Kernels<'a, L> {
     plain: Plain<'a>,
-    /// Decides how often candidates are bounded.
+    /// Decides how often `candidates` computes points.
     points: Effort,
     loops: PhantomData<L>,
 }
@@ -48,7 +48,6 @@ impl<'a, L: Loops> Kernels<'a, L> {
         Self { plain: Plain { table }, points: Effort::NEW, loops: PhantomData }
     }
 
-    /// True if the loops can take rows of this width.
     #[inline(always)]
     fn can_take(width: usize) -> bool {
         L::NARROWEST == 1 || width >= L::NARROWEST
@@ -91,7 +90,7 @@ impl<L: Loops> Scores for Kernels<'_, L> {
         unsafe { (L::DISTANCE)(&pair, enough) }
     }
 
-    /// Computes the ranges in the form that [`Loops::MISSES`] reads: widened by the largest difference that counts.
+    /// Computes ranges as [`Loops::MISSES`] reads them: widened by the largest difference below the threshold.
     #[inline(never)]
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         let margin = u8::try_from(self.plain.table.threshold().saturating_sub(1)).unwrap_or(u8::MAX);
@@ -113,15 +112,14 @@ impl<L: Loops> Scores for Kernels<'_, L> {
     }
 }
 
-/// The distance of pictures with few columns. A separate function, so that the usual case need not save registers for
-/// it.
+/// The distance of narrow pictures. A separate function, so that the usual case need not save registers for it.
 #[cold]
 #[inline(never)]
 fn few(patch: Image<'_>, template: Image<'_>, enough: u32) -> u32 {
     plain::distance(patch, template, enough)
 }
 
-/// The number of 4x4 blocks, one for each column, in the four rows and with room in `low` and `high`.
+/// Number of 4x4 blocks, one for each column, in the four rows and with room in `low` and `high`.
 #[inline]
 pub(crate) fn blocks(rows: &[&[u8]; 4], low: &[u8], high: &[u8]) -> usize {
     rows.iter().fold(low.len().min(high.len()), |blocks, row| blocks.min(row.len().saturating_sub(3)))

@@ -1,4 +1,4 @@
-//! A layer of a small network, the plain loop. It specifies the result of every backend.
+//! Plain loop of a fully connected layer of a small network. It specifies the results of every backend.
 //!
 //! ```text
 //! out[n, o] = min(max((bias[o] + sum over k of  w[o, k] * x[n, k]) >> shift, 0), 127)
@@ -24,12 +24,12 @@ pub(crate) struct Layer<'a> {
     pub(crate) shift: u32,
 }
 
-/// The sum of output `o` for one patch, before the shift.
+/// The sum of one output for one patch, before the shift.
 #[inline(always)]
 pub(crate) fn sum(layer: Layer<'_>, output: usize, patch: &[i8]) -> i32 {
     let bias = layer.biases.get(output).map_or(0, |&bias| i32::from_le_bytes(bias));
     let weights = layer.weights.get(output * layer.inputs..).unwrap_or_default();
-    // The loop is kept small on every microcontroller: processors that need speed have another loop.
+    // A small loop on every microcontroller, because those that need speed have another one.
     let pairs = rolled_if_spare(rolled(patch.iter().zip(weights)));
     let products = pairs.map(|(&x, &w)| i32::from(x) * i32::from(w));
     bias + products.sum::<i32>()
@@ -45,13 +45,13 @@ pub(crate) fn outputs_inline(layer: Layer<'_>, patches: &[i8], out: &mut [i8]) {
     }
 }
 
-/// Converts a sum to an input of the next layer.
+/// Shifts and clamps a sum to 0..=127, an input of the next layer.
 #[inline(always)]
 pub(crate) fn shifted(sum: i32, shift: u32) -> i8 {
     i8::try_from((sum >> shift).max(0)).unwrap_or(i8::MAX)
 }
 
-/// Calls [`outputs_inline`], in one copy. Other instruction sets use the scratch memory.
+/// One copy of [`outputs_inline`], to save flash. Other backends use the scratch memory.
 #[inline(never)]
 pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], _: &mut [i8], out: &mut [i8]) {
     outputs_inline(layer, patches, out);

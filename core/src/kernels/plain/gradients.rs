@@ -1,21 +1,18 @@
-//! Cells of gradient orientations (HOG, Dalal and Triggs), the plain loops.
+//! Plain loops for cells of gradient orientations (HOG, Dalal and Triggs).
 //!
-//! A cell has 4x4 pixels. The gradient of a pixel is (x, y) = (right - left, below - above). It votes for the two
-//! directions next to it, of nine directions 20 degrees apart; opposite directions count alike. The votes are the
-//! components of the gradient along the two directions: g = a u + b v. That is linear, so it needs no root, no angle
-//! and no division.
+//! A cell has 4x4 pixels. The gradient of a pixel is (x, y) = (right - left, below - above). It votes for the nearest
+//! two of nine directions, 20 degrees apart; opposite directions are the same. The votes are the components of the
+//! gradient along the two directions: g = a u + b v. That is linear, so it needs no root, no angle and no division.
 
 use super::super::layout::{CELL, CHANNELS, SIDE};
 use super::super::unrolling::rolled;
 
-/// The number of directions of gradients.
 const BINS: usize = 9;
 
-/// (cos, sin) / sin 20 degrees of 0, 20, ... 100 degrees, in units of 1/256. The other directions mirror these.
+/// (cos, sin) / sin 20 degrees of the directions 0, 20, ... 100 degrees, in units of 1/256. The others mirror these.
 pub(crate) const DIRECTIONS: [(i32, i32); 6] = [(748, 0), (703, 256), (573, 481), (374, 648), (130, 737), (-130, 737)];
 
-/// The sums of a cell, channel by channel: those of nine directions in units of 1/4 gray level, and the sum of gray
-/// levels.
+/// Channel sums of a cell: votes for nine directions in units of 1/4 gray level, and the sum of gray levels.
 pub(crate) struct Sums(pub(crate) [u16; CHANNELS]);
 
 impl Sums {
@@ -25,20 +22,19 @@ impl Sums {
     }
 }
 
-/// The gradients of a cell, added up for each of the five sectors between the directions of 0 to 100 degrees, and for
-/// each mirrored sector: |y| in the low 16 bits and |x| in the high ones, at most 4,080 each.
+/// Gradients of a cell, summed in each of five sectors (between the directions of 0 to 100 degrees) and in each
+/// mirrored sector: |y| in the low 16 bits and |x| in the high ones, at most 4,080 each.
 pub(crate) struct Sectors(pub(crate) [[u32; 5]; 2]);
 
 impl Sectors {
-    /// Adds the gradient of a pixel, given its four neighbours.
     #[inline(always)]
     fn add(&mut self, [left, right]: [u8; 2], [above, below]: [u8; 2]) {
         let (x, y) = (i32::from(right) - i32::from(left), i32::from(below) - i32::from(above));
-        // Opposite gradients count alike. Directions beyond 90 degrees mirror the others.
+        // Opposite gradients are equivalent. Directions beyond 90 degrees mirror those below.
         let [whole, mirrored] = &mut self.0;
         let sectors = if x * y < 0 { mirrored } else { whole };
         let (right, up) = (x.abs(), y.abs());
-        // The gradient is always beyond 0 degrees and never beyond 100.
+        // The angle of (|x|, |y|) is always beyond 0 degrees and never beyond 100.
         let beyond = |(cos, sin): (i32, i32)| cos * up >= sin * right;
         let [_, one, two, three, four, _] = DIRECTIONS;
         let number = if !beyond(two) {
@@ -53,12 +49,12 @@ impl Sectors {
         }
     }
 
-    /// The votes of all gradients, and the sum of gray levels.
+    /// Computes the channel sums of the cell: the votes of all gradients, and the gray levels.
     #[inline(always)]
     pub(crate) fn sums(&self, gray: u16) -> Sums {
-        // A gradient votes for the direction after it by its distance beyond the one before, and for the one before by
-        // its distance short of the one after. Here a and c are whole sectors, b and d mirrored ones; a and b distances
-        // beyond, c and d distances short, which are negative. The number is that of the direction with the vote.
+        // A gradient votes for the next direction by its distance beyond the previous one, and for the previous
+        // direction by its distance short of the next one (negative here). a and b are distances beyond, c and d short;
+        // a and c of sectors, b and d of mirrored ones. The digit is the direction with the vote.
         let beyond = |number: usize, direction| {
             self.0.map(|sectors| distance(sectors.get(number).copied().unwrap_or(0), direction))
         };
@@ -84,18 +80,18 @@ impl Sectors {
     }
 }
 
-/// Returns how far the gradient in `sum` is beyond a direction: cos * |y| - sin * |x|.
+/// The distance of the gradient in `sum` beyond a direction: cos * |y| - sin * |x|.
 fn distance(sum: u32, (cos, sin): (i32, i32)) -> i32 {
     cos * (sum & 0xFFFF).cast_signed() - sin * (sum >> 16).cast_signed()
 }
 
-/// The sums of a cell. They depend on its pixels and their neighbours.
+/// The channel sums of a cell. Its left border is column `at` of the lines.
 #[inline(always)]
 pub(crate) fn cell<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sums {
     sectors(lines, at).sums(gray(lines, at))
 }
 
-/// Computes the sums and the energy of each cell of a row.
+/// Computes the channel sums and the energy of each cell of a row.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -106,7 +102,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     by_cells(lines, sums, energies, across, cell);
 }
 
-/// Computes the sums and the energy of each cell of a row, one by one, by `cell`.
+/// [`gradients`] by a function for the channel sums of one cell.
 #[inline(always)]
 pub(crate) fn by_cells<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -126,14 +122,12 @@ pub(crate) fn by_cells<const COLUMNS: usize, const ROW: usize>(
     }
 }
 
-/// The sum of the gray levels of a cell.
 #[inline(always)]
 pub(crate) fn gray<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> u16 {
     let mut gray = 0;
     for line in lines.iter().skip(1).take(CELL.into()) {
         let pixels = line.get(at + 1..).and_then(|line| line.first_chunk());
         let pixels = u32::from_le_bytes(pixels.copied().unwrap_or_default());
-        // Adds two pixels at a time.
         gray += (pixels & 0x00FF_00FF) + (pixels >> 8 & 0x00FF_00FF);
     }
     low(gray) + low(gray >> 16)
@@ -161,8 +155,7 @@ fn low(number: u32) -> u16 {
     number as u16
 }
 
-/// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
-/// level less 128.
+/// Computes the features of a row of cells: channel sum times inverse norm / 2^16, and mean gray level - 128.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     for ((number, out), &inverse) in rolled(out.iter_mut().enumerate().zip(inverses)) {
@@ -179,15 +172,14 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies, each of a column of three cells, by `of(norm)`. The norm is the root of 64 times the mean
-/// energy of the cells around. `rows` of the three cells of a column lie in the lattice. There are at least two
-/// columns.
+/// Replaces the energies of columns of three cells by `of(norm)`. The norm of a cell is the root of 64 times the mean
+/// energy of the 3x3 cells around it, of which `rows` rows exist. There are at least two columns.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     debug_assert!(columns.len() != 1);
     let (mut left, mut here) = (0, 0);
     for at in rolled(0..columns.len()) {
-        // Cells beyond the edge do not count.
+        // The mean excludes cells beyond the edge.
         let (next, cells) = columns.get(at + 1).map_or((0, here + rows), |&next| (next, here + 2 * rows));
         let Some(column) = columns.get_mut(at) else { return };
         // Nine energies are below 2^29; 64 times their mean is below 2^32.
@@ -196,14 +188,14 @@ pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     }
 }
 
-/// `energy / cells`. Armv6-M has no division.
+/// `energy / cells`, without a division on Armv6-M, which has no such instruction.
 fn mean(energy: u32, cells: u32) -> u32 {
     if cfg!(all(smr_swar, target_arch = "arm")) { mean_by_parts(energy, cells) } else { energy / cells.max(1) }
 }
 
 /// `energy / cells` for up to nine cells and an energy below 2^30, ten bits at a time.
 pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
-    // 2^16 / cells, rounded up. Ten bits after a rest, times this and divided by 2^16, are exact.
+    // 2^16 / cells, rounded up. Exact as a divisor of ten bits after a remainder: product >> 16.
     const INVERSES: [u32; 10] = [0, 65_536, 32_768, 21_846, 16_384, 13_108, 10_923, 9363, 8192, 7282];
     let inverse = usize::try_from(cells).ok().and_then(|cells| INVERSES.get(cells)).copied().unwrap_or(0);
     let (mut rest, mut mean) = (0, 0);
@@ -215,7 +207,7 @@ pub(crate) fn mean_by_parts(energy: u32, cells: u32) -> u32 {
     mean
 }
 
-/// The square root, rounded down, bit by bit: Armv6-M has no division.
+/// The square root, rounded down, bit by bit, because Armv6-M has no division.
 #[cfg(all(smr_swar, target_arch = "arm"))]
 pub(crate) fn root(number: u32) -> u32 {
     let (mut rest, mut root, mut bit) = (number, 0, 1 << 30);
@@ -231,7 +223,7 @@ pub(crate) fn root(number: u32) -> u32 {
     root
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17: two Newton steps. Where division is an instruction
+/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps. Where division is an instruction
 /// they are faster than `isqrt`.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]

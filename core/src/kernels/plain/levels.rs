@@ -1,9 +1,8 @@
-//! Gray levels of a row: sampled between neighbours (bilinear), summed, replaced. The plain loops.
+//! Plain loops on the gray levels of a row: bilinear sampling, deviation from a level, replacement.
 
 use super::super::unrolling::rolled;
 
-/// The sum of the differences of `pixels` from `level`, and the number of pixels at 0 or 255. The sum fits for at most
-/// 65537 pixels.
+/// The sum of absolute differences of `pixels` from `level`, and the number of clipped pixels (0 or 255).
 #[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let (mut deviation, mut clipped) = (0, 0);
@@ -18,10 +17,10 @@ pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     [deviation, clipped]
 }
 
-/// The pixels whose deviations are summed in 16 bits: 257 * 255 is the most that these can hold.
+/// The most pixels whose deviations fit in 16 bits: 257 * 255 = 65535.
 const PART: usize = 257;
 
-/// Replaces `old` by as many pixels of `new`. Returns the largest of `largest` and the differences of the pixels.
+/// Copies `new` over `old`. Returns the maximum of `largest` and the absolute differences of the pixels.
 #[inline(always)]
 pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     // Two loops, so that the compiler vectorizes both.
@@ -30,24 +29,22 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest
 }
 
-/// The number of places in a row where the first number of a column may be.
+/// Number of positions in a row for the left sample of a column.
 pub(crate) const PLACES: u16 = 512;
 
-/// A row to interpolate: 256 times a gray level, less [`BIAS`] (in two's complement). One number may follow the last
-/// place.
+/// A row to sample: 256 * gray level - [`BIAS`] (in two's complement). A number after the last position is its right
+/// sample.
 pub(crate) type MixedRow = [u16; PLACES as usize + 4];
 
-/// The weights of a column's first and second number, 256 in sum. The assembly loads them as aligned words.
+/// Weights of a column's left and right sample, 256 in sum. The assembly loads them as an aligned word.
 #[derive(Clone, Copy)]
 #[repr(align(4))]
 pub(crate) struct Parts(pub(crate) [u16; 2]);
 
-/// The number that is subtracted from each number of a [`MixedRow`]: the DSP extension and Helium multiply signed
-/// numbers.
+/// Subtracted from each number of a [`MixedRow`], because the DSP extension and Helium multiply signed numbers.
 pub(crate) const BIAS: u16 = if cfg!(any(smr_dsp, smr_helium)) { 1 << 15 } else { 0 };
 
-/// Computes the rounded gray level of each column. `from` is the byte in the row where the column's first number
-/// begins.
+/// Computes the rounded gray level of each column. `from` holds the byte offsets of the left samples in `row`.
 #[inline(always)]
 fn mixed(from: &[u16], parts: &[Parts], row: &MixedRow) -> impl Iterator<Item = u8> {
     from.iter().zip(parts).map(|(&from, parts)| {
@@ -59,7 +56,6 @@ fn mixed(from: &[u16], parts: &[Parts], row: &MixedRow) -> impl Iterator<Item = 
     })
 }
 
-/// Writes the [`mixed`] gray levels of columns, up to the length of `out`.
 #[inline(always)]
 pub(crate) fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
     out.iter_mut().zip(mixed(from, parts, row)).for_each(|(out, level)| *out = level);

@@ -1,4 +1,4 @@
-//! The plain loops: they specify every kernel, and compute where no instruction set does it faster.
+//! Plain Rust loops. They specify every kernel, and run where no instruction set is faster.
 #![allow(dead_code)] // a processor with a faster loop does not need the plain one
 
 #[cfg(feature = "refiner")]

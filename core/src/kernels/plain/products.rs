@@ -1,5 +1,4 @@
-//! Sums of products, the plain loops: the responses of a filter, and the gradient of its error. They specify the
-//! results of every backend.
+//! Plain loops of sums of products: the responses of a correlation filter, and the gradient of its error.
 //!
 //! | symbol | what | type |
 //! |---|---|---|
@@ -13,7 +12,7 @@ use core::ops::Range;
 
 /// Computes the responses: `out[y][x]` is the sum of `w * x` over all weights, with the filter at the offset (x, y).
 ///
-/// A piece is a row of offsets. No sum may leave an `i32`: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
+/// A piece of work is a row of offsets. No sum overflows: 2000 weights of at most 8191 reach 2000 * 8191 * 128 < 2^31.
 #[inline(always)]
 pub(crate) fn responses_inline<const N: usize>(
     pieces: Range<usize>,
@@ -41,10 +40,10 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// Adds the gradient: for each weight the sum of `e * x` over all offsets, where x is the feature under the weight at
-/// that offset.
+/// Adds the gradient of the error to `sums`: for each weight the sum of `e * x` over all offsets, where x is the
+/// feature under the weight at the offset.
 ///
-/// A piece is a row of errors. No sum may leave an `i32`: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 <
+/// A piece of work is a row of errors. No sum overflows: 17 * 17 errors of at most 16383 reach 289 * 16383 * 128 <
 /// 2^31.
 #[inline(always)]
 pub(crate) fn gather_inline<const N: usize>(
@@ -70,12 +69,12 @@ pub(crate) fn gather_inline<const N: usize>(
     }
 }
 
-/// True if a piece of the responses is two rows of cells. Here it is a row of offsets.
+/// False: a piece of work is a row of offsets, not two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = false;
-/// The number of pieces of the gradient, unless they are those of the responses.
+/// Number of pieces of work of [`gather`]; `None` if it has those of [`responses`].
 pub(crate) const GATHER_PIECES: Option<usize> = None;
 
-/// Calls [`responses_inline`], in one copy. Other instruction sets use the scratch memory.
+/// One copy of [`responses_inline`], to save flash. Other backends use the scratch memory.
 #[inline(never)]
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
@@ -89,7 +88,6 @@ pub(crate) fn responses<const N: usize>(
     responses_inline(pieces, cells, layout, weights, out);
 }
 
-/// Calls [`gather_inline`], in one copy.
 #[inline(never)]
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,

@@ -1,5 +1,5 @@
-//! Scores, the plain loops: the specification of a score (steps 2 to 4 of the method), and of the distances and bounds
-//! by which the search excludes offsets. Every backend gives the same scores and distances.
+//! Plain loops that specify scores (steps 2 to 4 of the method), and the distances and bounds by which the search
+//! excludes offsets. Every backend returns the same scores and distances.
 
 use super::super::cut_table::{CutTable, ONE};
 use super::super::scores::{Blocks, Scores};
@@ -10,7 +10,6 @@ use crate::image::Image;
 #[cfg(smr_swar)]
 use crate::image::Rect;
 
-/// The plain loops as a backend.
 #[derive(Clone, Copy)]
 pub(crate) struct Plain<'a> {
     pub(crate) table: &'a CutTable,
@@ -41,15 +40,15 @@ impl Scores for Plain<'_> {
 }
 
 /// The score, the sum of the similarities of all pairs of pixels, if it is at least `floor`. `None` as soon as the
-/// remaining pixels cannot reach that.
+/// remaining pixels cannot reach `floor`.
 ///
 /// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
 /// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
-        // The plain loop hardly ever runs on this target, so it shares the loop of bounds: with the patch as the lower
-        // and the upper bound, that loop gives the score.
+        // The plain loop hardly ever runs on this target, so it shares the code of the bound, which is the score if
+        // lower and upper bound of the patch are equal.
         return score_between_at_least(patch, patch, template, table, floor);
     }
     let mut reachable = most(patch, template);
@@ -63,12 +62,12 @@ pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutT
     Some(reachable)
 }
 
-/// The score of a patch that equals the template.
+/// The largest possible score: that of a patch equal to the template.
 pub(crate) fn most(patch: Image<'_>, template: Image<'_>) -> u32 {
     full(pixels(patch, template))
 }
 
-/// The number of pixels in the common top left part.
+/// The number of pixels in the common top left part of two pictures.
 #[inline]
 pub(crate) fn pixels(patch: Image<'_>, template: Image<'_>) -> usize {
     usize::from(patch.width().min(template.width())) * usize::from(patch.height().min(template.height()))
@@ -83,13 +82,12 @@ fn row_score(patch: &[u8], template: &[u8], table: &CutTable) -> u32 {
     rolled_if_spare(patch.iter().zip(template)).map(|(&f, &g)| pixel(f, g, table)).sum()
 }
 
-/// The similarity of two pixels; 0 if their difference reaches the threshold.
 #[inline]
 fn pixel(f: u8, g: u8, table: &CutTable) -> u32 {
     u32::from(table.similarity(f.abs_diff(g)))
 }
 
-/// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be left out. The result is
+/// The sum of absolute differences (SAD). Once it exceeds `enough`, the remaining rows may be skipped: the result is
 /// then more than `enough` and at most the SAD.
 #[must_use]
 #[inline(never)]
@@ -105,11 +103,11 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// An upper bound of the score of every patch between `low` and `high`, if it is at least `floor`. `None` as soon as it
-/// cannot reach that.
+/// Upper bound of the score of every patch with pixels between `low` and `high`. `None` as soon as it cannot reach
+/// `floor`.
 ///
-/// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between the two:
-/// no patch in the range is closer. If `low` equals `high`, the bound is the score.
+/// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between them: no
+/// patch in the range is closer. If `low` equals `high`, the bound is the score.
 #[must_use]
 #[cfg_attr(any(smr_dsp, smr_helium), inline(never))]
 pub(crate) fn score_between_at_least(
@@ -132,7 +130,7 @@ pub(crate) fn score_between_at_least(
     Some(reachable)
 }
 
-/// The lowest and the highest pixel of each 4x4 block. The block at index `i` begins in column `i`. The rows have three
+/// Computes the lowest and the highest pixel of each 4x4 block. Block `i` begins in column `i`, so the rows have three
 /// more pixels than `low` and `high`.
 #[inline(never)]
 pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
@@ -148,10 +146,8 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the pixels of `template` that lie on the padding, which is all zeroes.
-///
-/// `seen` is the rectangle that lies on the frame, in coordinates of the template. It is empty if the whole template
-/// lies on the padding.
+/// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template on
+/// the frame, in its coordinates, or empty.
 #[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))]

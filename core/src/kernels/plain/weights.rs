@@ -1,9 +1,8 @@
-//! Weights of a filter: coded in 16 bits, moved along a gradient, scaled down.
+//! Plain loops on a filter's weights: scaling, quantisation to 16 bits, gradient descent step.
 
 use super::super::unrolling::rolled_if_spare;
 
-/// The largest absolute value of [`number`]. Of a negative number the sign is removed first, then the number is rounded
-/// down.
+/// The largest absolute value of [`number`], rounded toward zero.
 #[inline(always)]
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let size = |(&weight, &sum): (&i32, &i32)| match number(weight, factor, sum << left) {
@@ -13,10 +12,10 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     rolled_if_spare(weights.iter().zip(sums)).map(size).max().unwrap_or(0)
 }
 
-/// Each [`number`] divided by `2^shift` and rounded. The caller chooses `shift` so that the results fit in 16 bits.
+/// Quantises each [`number`]: divides by `2^shift` and rounds. The caller chooses `shift` so that it fits in 16 bits.
 #[inline(always)]
 pub(crate) fn coded(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32) -> impl Iterator<Item = i16> {
-    // Rounds by the last bit that is dropped: adding half of the divisor to the sum could overflow.
+    // Rounds by the last bit shifted out, because adding half of the divisor could overflow.
     let (first, last) = (shift.saturating_sub(1), shift.min(1));
     let shifted = move |number: i32| ((number >> first) + last.cast_signed()) >> last;
     rolled_if_spare(weights.iter().zip(sums))
@@ -32,7 +31,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
 #[inline(always)]
 #[allow(clippy::cast_possible_truncation)] // the caller guarantees that the result fits
 fn number(weight: i32, factor: i64, sum: i32) -> i32 {
-    // A product is expensive on a processor that cannot multiply to 64 bits.
+    // A 64-bit product is slow on a processor without an instruction for it.
     if factor == 0 {
         return sum;
     }
@@ -50,7 +49,6 @@ pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) 
         .for_each(|(weight, &slope)| *weight = stepped(*weight, slope, length, back));
 }
 
-/// `weight - slope * length / 2^back`, rounded; `weight` if that would overflow an `i32`.
 #[inline(always)]
 fn stepped(weight: i32, slope: i16, length: i64, back: u32) -> i32 {
     let change = (i64::from(slope) * length + (1 << back >> 1)) >> back;

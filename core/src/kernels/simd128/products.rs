@@ -1,5 +1,5 @@
-//! Sums of products by SIMD128: eight products in one instruction. It multiplies eight pairs of 16-bit numbers and adds
-//! them two by two.
+//! Sums of products by SIMD128: an instruction multiplies eight pairs of 16-bit numbers and adds the products two by
+//! two.
 
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
@@ -8,21 +8,21 @@ use core::ops::Range;
 
 pub(crate) use plain::{GATHER_PIECES, TAKES_ROWS_OF_CELLS};
 
-/// Numbers in a vector.
+/// 16-bit numbers in a vector.
 const LANES: usize = 8;
 
-/// Offsets whose responses are summed at a time. They share the loads of the weights.
+/// Filter offsets computed at a time, which share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// The starts of the vectors of a row, and a mask for each. All but the last vector are whole. The last one ends with
-/// the row; its lanes that the vector before has, too, are masked.
+/// Start and mask of each vector of a row of numbers. The last vector ends with the row; the mask excludes its lanes
+/// that overlap the vector before it.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
     let rest = row % LANES;
     whole.chain((rest > 0).then(|| (row - LANES, last_lanes(rest))))
 }
 
-/// All bits set in the last `count` lanes.
+/// Mask with all bits set in the last `count` lanes.
 fn last_lanes(count: usize) -> v128 {
     const LAST: [i16; 2 * LANES] = [0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1];
     // SAFETY: the vector begins at most at the ninth number of sixteen.
@@ -59,8 +59,7 @@ pub(crate) fn responses<const N: usize>(
     }
 }
 
-/// The responses at `COUNT` neighbouring offsets. `first` is the cell at the top left of the filter at the first of
-/// them.
+/// Filter responses at `COUNT` neighbouring offsets. `first` is the top left cell under the filter at the first offset.
 ///
 /// # Safety
 /// At each offset, all cells under the filter can be read, and its rows have at least a vector each.
@@ -116,8 +115,8 @@ pub(crate) fn gather<const N: usize>(
     }
 }
 
-/// Multiplies a row of errors by cells, and adds the products to those of the eight sums at `sums` whose lane is set in `mask`.
-/// `first` is the cell by which the first error is multiplied for the first sum.
+/// Multiplies a row of errors by cells, and adds the products to eight neighbouring sums of a gradient, where `mask` is
+/// set. `first` is the cell of the first error and the first sum.
 ///
 /// # Safety
 /// Eight cells can be read at each offset, and eight sums written.
@@ -130,7 +129,7 @@ unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], s
         let cells = |x: usize| i16x8_load_extend_i8x8(first.wrapping_add(x * step));
         let (pairs, last) = errors.as_chunks::<2>();
         for (number, pair) in pairs.iter().enumerate() {
-            // Takes two offsets at once: their cells alternate, and so do their errors.
+            // Two offsets at once: their cells alternate in the lanes, and so do their errors.
             let errors = v128_load32_splat(pair.as_ptr().cast());
             total = add_products(total, cells(2 * number), cells(2 * number + 1), errors, mask);
         }
@@ -142,7 +141,6 @@ unsafe fn gather_at(first: *const i8, step: usize, mask: v128, errors: &[i16], s
     }
 }
 
-/// Adds to each sum the products of two cells and their errors.
 #[inline(always)]
 fn add_products(total: (v128, v128), one: v128, other: v128, errors: v128, mask: v128) -> (v128, v128) {
     let (one, other) = (v128_and(one, mask), v128_and(other, mask));

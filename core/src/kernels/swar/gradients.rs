@@ -1,4 +1,4 @@
-//! Gradients of a cell for Armv6-M. The compiler has too few registers for the plain loop in `plain/gradients.rs`.
+//! Gradients of a cell for Armv6-M, which has too few registers for the compiled loop in `plain/gradients.rs`.
 
 use crate::kernels::layout::SIDE;
 use crate::kernels::plain::gradients::{self as plain, DIRECTIONS, Sectors};
@@ -6,7 +6,7 @@ use core::arch::asm;
 
 pub(crate) use plain::features;
 
-// The assembly below relies on these factors.
+// The assembly below contains these factors of the directions.
 const _: () = {
     let [_, one, two, three, four, _] = DIRECTIONS;
     assert!(one.1 == 256 && three.0 == 2 * 187 && three.1 == 8 * 81 && four.0 == 130 && two.0 > two.1);
@@ -22,8 +22,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     plain::by_cells(lines, sums, energies, across, |lines, at| sectors(lines, at).sums(plain::gray(lines, at)));
 }
 
-/// Adds the gradient of the pixel `at`. r0 points to the left neighbour of the row's first pixel, r1 and r2 to the pixels
-/// above and below that, r12 to sector 0.
+/// Adds the gradient of pixel `$at` of a row to its sector. r0 points to the left neighbour of the row's first pixel,
+/// r1 and r2 one line above and below r0, r12 to sector 0.
 macro_rules! add {
     ($at:literal) => {
         concat!(
@@ -67,15 +67,15 @@ macro_rules! add {
     };
 }
 
-/// Compares cos * |y| with sin * |x|.
+/// Compares cos * |y| with sin * |x|: is the gradient beyond a direction?
 macro_rules! beyond {
     ($cos:literal, $right:literal) => {
         concat!($cos, "\nmuls r6, r4, r6\n", $right, "\ncmp r6, r7\n")
     };
 }
 
-/// The gradients of the cell that begins at the column `at`. A gradient along an axis may count in a sector or in its
-/// mirror image: both give the same votes. All are 0 if the cell reaches beyond the lines.
+/// Sums the gradients of the cell at column `at` in sectors; all are 0 if the cell reaches beyond the lines. A gradient
+/// along an axis may be added to a sector or to its mirror image: both give the same votes.
 #[inline(always)]
 fn sectors<const COLUMNS: usize>(lines: &[[u8; COLUMNS]; SIDE], at: usize) -> Sectors {
     const { assert!(COLUMNS < 256) };

@@ -1,11 +1,11 @@
-//! Gray levels of a row, sampled with one product for each column. The other loops are the plain ones.
+//! Bilinear sampling of a row with one product for each column. The other loops are the plain ones.
 
 use crate::kernels::plain::levels::{MixedRow, Parts};
 use crate::kernels::unrolling::rolled;
 
 pub(crate) use crate::kernels::plain::levels::{deviation, replace};
 
-/// See `plain::mix`.
+/// Samples columns as `plain::levels::mix` does.
 ///
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
@@ -15,7 +15,7 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mu
         let pair = row.as_ptr().wrapping_byte_add(from.into());
         // SAFETY: the row has a number at each place, and one after the last.
         let [first, second] = [pair, pair.wrapping_add(1)].map(|number| u32::from(unsafe { *number }));
-        // The weight of the first number is 256 less that of the second. Wrapping cancels out.
+        // The left sample's weight is 256 - part, so one product suffices. Wrapping cancels out.
         let level =
             (first << 8).wrapping_add(second.wrapping_sub(first).wrapping_mul(part.into())).wrapping_add(1 << 15);
         [_, _, *out, _] = level.to_le_bytes();

@@ -12,13 +12,13 @@ pub(crate) mod scores;
 pub(crate) use crate::kernels::plain::dense;
 #[cfg(all(smr_swar, not(target_arch = "arm")))]
 pub(crate) use crate::kernels::plain::gradients;
-// A page with WebAssembly must be small, and nearly all browsers have its vectors.
+// The plain loops, because a WebAssembly module must be small, and nearly all browsers have SIMD128.
 #[cfg(target_arch = "wasm32")]
 pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
 pub(crate) use crate::kernels::plain::weights;
 
-/// True: every processor has such registers.
+/// Returns true: every processor has 32-bit registers.
 pub(crate) const fn is_available() -> bool {
     true
 }

@@ -1,12 +1,12 @@
-//! Sums of products for processors without DSP or SIMD.
+//! Filter responses and gradients for processors without DSP or SIMD.
 //!
-//! Both loops slide rows of factors along rows of numbers, up to nine neighbouring sums at a time. These share the load
-//! of a factor. The numbers are those of one channel, so that neighbouring sums have neighbouring numbers. Both take
-//! three sums of products instead of four (`three_sums.rs`): the numbers are differences of two rows of cells, the
-//! factors of some sums are sums of two factors.
+//! Both kernels slide rows of factors along rows of numbers. Up to nine neighbouring sums share the load of a factor.
+//! The numbers of a channel are stored side by side, so that neighbouring sums have neighbouring numbers. Both compute
+//! three sums of products instead of four (`three_sums.rs`): numbers are differences of two rows of cells, and some
+//! factors are sums of two factors.
 //!
-//! Armv6-M cannot load a signed number from a place relative to an address. So there each number is stored with 256
-//! added, and 256 times the sum of its factors is subtracted. Sums may wrap before the subtraction.
+//! Armv6-M has no signed load with a constant offset. So there each number is stored with 256 added, and 256 times the
+//! sum of its factors is subtracted. Sums may wrap before the subtraction.
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
@@ -16,17 +16,17 @@ use crate::kernels::unrolling::in_order;
 use crate::kernels::unrolling::rolled;
 use core::ops::Range;
 
-/// A piece of the responses is two rows of cells.
+/// True: a piece of work of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// The pieces of [`gather`] are the channels.
+/// Number of pieces of work of [`gather`]: the channels.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
 const STEP: usize = CHANNELS;
 
-/// The number added to a difference of two cells.
+/// Added to a stored number, so that it is not negative on Armv6-M.
 const MIDDLE: i32 = if cfg!(all(smr_swar, target_arch = "arm")) { 256 } else { 0 };
 
-/// See [`plain::responses`]. A piece is two rows of cells. The caller leaves `spare` as it is between pieces.
+/// Filter responses, as [`plain::responses`] specifies. A piece of work is two rows of cells.
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -71,15 +71,14 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, or of differences of two rows, channel by channel. `fits` has checked that all rows of cells are
-/// there.
+/// Rows of cells, or differences of two rows, by channel. `Layout::fits` has checked that all rows exist.
 struct Differences<'a> {
     cells: *const i8,
     stride: usize,
     numbers: *mut i16,
     width: usize,
     factors: *const i16,
-    /// The sum of a row of factors, for each row.
+    /// The sum of the factors of each row.
     totals: &'a [i32],
     /// Cells in a row of factors.
     across: usize,
@@ -107,14 +106,14 @@ impl Rows for Differences<'_> {
     }
 }
 
-/// Computes a channel of `width` cells from `first`, less that of those from `second` if there are any, plus
+/// Writes one channel of `width` cells: those from `first`, minus those from `second` if there are any, plus
 /// [`MIDDLE`].
 ///
 /// # Safety
 /// A byte of each of these cells can be read, and as many numbers written.
 #[inline(never)]
 unsafe fn subtract(mut to: *mut i16, width: usize, mut first: *const i8, second: Option<*const i8>) {
-    // Two loops, so that each has a register for all it needs.
+    // Two loops, because one for both cases would need too many registers.
     if let Some(mut second) = second {
         for _ in rolled(0..width) {
             // SAFETY: a round for each of the `width` cells and numbers.
@@ -139,13 +138,12 @@ fn sum(factors: &[i16]) -> i32 {
     rolled(factors.iter()).map(|&factor| i32::from(factor)).sum()
 }
 
-/// Memory as numbers of 16 bits.
 fn numbers_in(words: &mut [i32]) -> &mut [i16] {
     // SAFETY: a word may hold any two numbers.
     unsafe { words.align_to_mut().1 }
 }
 
-/// See [`plain::gather`]. A piece is a channel. The caller leaves `spare` as it is between pieces.
+/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel.
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -157,7 +155,7 @@ pub(crate) fn gather<const N: usize>(
 ) {
     let Layout { row, stride, span, .. } = layout;
     let down = layout.fits(cells.len(), sums.len()).unwrap_or(0);
-    // The errors are the factors, and each row of the filter is an offset.
+    // Errors take the role of factors, and rows of the filter that of offsets.
     let (pairs, across) = (Pairs::new(span, down), row / STEP);
     let width = across + span.saturating_sub(1);
     let rows = |sum| pairs.rows_of(sum) + pairs.offsets_of(sum) - 1;
@@ -186,7 +184,7 @@ pub(crate) fn gather<const N: usize>(
                 let of =
                     |row: usize| (row < down + span - 1).then(|| cells.as_ptr().wrapping_add(row * stride + channel));
                 let (first, second) = (of(2 * at + sum_of), of(2 * at + 1).filter(|_| sum_of != BOTH));
-                // Below the last row the numbers are 0, as those of a row less itself.
+                // Below the last row of cells the numbers are 0: a row minus itself.
                 let all = cells.as_ptr();
                 let (first, second) = first.map_or((all, Some(all)), |first| (first, second));
                 // SAFETY: the cells have these rows, and there is room for so many rows of numbers.
@@ -200,7 +198,7 @@ pub(crate) fn gather<const N: usize>(
                 rolled(of_row.iter_mut()).for_each(|sum| *sum = 0);
                 // SAFETY: the rows of errors lie on as many rows of numbers.
                 unsafe { slide.add(total, of_row) };
-                // The sums of `both` belong to two rows of the filter, all others to one.
+                // A sum `both` belongs to two rows of the filter, `upper` and `lower` to one each.
                 let first = 2 * at + sum_of / 2;
                 for at in first..first + 1 + usize::from(sum_of == BOTH) {
                     let of_cells = of_cells.get_mut(at * across..).unwrap_or_default();
@@ -217,8 +215,8 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i16> {
-    /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
-    /// move on by one number. `total` is the sum of all factors.
+    /// Adds to `sums[i]` the products of all factors with the numbers from index `i` on, over all rows. `total` is the
+    /// sum of all factors.
     ///
     /// # Safety
     /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. Neither `count` nor
@@ -246,7 +244,7 @@ impl Slide<i16> {
     }
 }
 
-/// Defines a function for n sums. The registers r4 to r12 hold them, and r3 a product.
+/// Defines a function for n neighbouring sums on Armv6-M. The registers r4 to r12 hold them, and r3 a product.
 #[cfg(all(smr_swar, target_arch = "arm"))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {
@@ -292,7 +290,7 @@ macro_rules! slide {
                         "add sp, #16",
                         "pop {{r6, r7}}",
                         inout("r0") numbers => _,
-                        // The way from a number to its factor.
+                        // Bytes from a number to its factor.
                         inout("r1") factors.addr().wrapping_sub(numbers.addr()) => _,
                         inout("r2") 2 * count => _,
                         inout("r3") 2 * (width - count) => _,
@@ -307,7 +305,7 @@ macro_rules! slide {
     };
 }
 
-/// Defines a function for n sums. It takes up to four factors at a time: each number is loaded once for all of them.
+/// Defines a function for n neighbouring sums. Each number is loaded once for up to four factors.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 macro_rules! slide {
     ($name:ident $n:literal: $($sum:literal $at:literal)*) => {

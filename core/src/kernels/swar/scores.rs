@@ -7,11 +7,11 @@
 //! x + (127 - y) has the top bit set if x > y
 //! ```
 //!
-//! Ranges and bounds need no more than that: a bound may be too large. Scores and distances need all eight bits, so
-//! they take single bytes.
+//! Seven bits suffice for ranges and bounds, because a bound may be too large. Scores and distances need all eight
+//! bits, so they process single bytes.
 //!
-//! These processors load words from multiples of four only. The search stores ranges at such places. Words of frames
-//! and templates are put together from two aligned words.
+//! These processors load words from multiples of four only. The search aligns ranges so. Words of frames and templates
+//! are shifted together from two aligned words.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -23,22 +23,21 @@ use crate::kernels::scores::{Blocks, Scores};
 use crate::kernels::unrolling::rolled;
 use core::{mem, slice};
 
-/// Pixels in a word.
 const LANES: usize = 4;
 
-/// The lower seven bits of each byte, and the top bit.
+/// Masks of the lower seven bits and of the top bit of each byte.
 const LOWER: u32 = 0x7F7F_7F7F;
 const TOP: u32 = !LOWER;
 
-/// Pixels that the loops over bytes take at a time. On Cortex-M0+ they hardly ever run, and fewer take less flash.
+/// Pixels in an iteration of the loops over bytes. On Cortex-M0+ they hardly ever run, and fewer take less flash.
 const UNROLLED: usize = if cfg!(target_arch = "arm") { 4 } else { 8 };
 
-/// The most words of a row. Each byte of a sum grows by at most 1 for each word.
+/// The most words in a row, because each byte of a sum grows by at most 1 for each word.
 const MOST_WORDS: usize = 255;
 
 pub(crate) struct Swar<'a> {
     plain: Plain<'a>,
-    /// Half the threshold, in each byte. A pixel does not count if its upper seven bits are this far outside a range.
+    /// Half the threshold in each byte. Upper seven bits this far outside a range are beyond the threshold.
     threshold: u32,
     #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
     fours: Effort,
@@ -129,8 +128,6 @@ impl Scores for Swar<'_> {
     }
 }
 
-/// The score of `width` pixels.
-///
 /// # Safety
 /// `width` pixels can be read at `f` and at `g`.
 #[inline(never)]
@@ -139,12 +136,12 @@ unsafe fn row_score(f: *const u8, g: *const u8, width: usize, table: &CutTable) 
     unsafe { row_sum(f, g, width, |f, g| table.of_pixels(f, g).into()) }
 }
 
-/// Offsets that are scored at once: one, and the next ones to its right.
+/// Number of horizontally neighbouring offsets that are scored at once.
 #[cfg(any(target_arch = "arm", target_arch = "riscv32"))]
 const OFFSETS: usize = 4;
 
-/// The scores of `width` pixels at four offsets. A pixel of the frame is compared with four of the template, and its
-/// address in the table is computed once.
+/// The scores of a row of `width` pixels at four neighbouring offsets. A frame pixel is compared with four template
+/// pixels, so its address in the table is computed once.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.
@@ -156,7 +153,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     // is -255 to 255, and entry 255 of 511 is that of no difference.
     unsafe {
         let equal = table.entries().as_ptr().add(255);
-        // The bytes of as many entries as the pixel's gray level. A pixel of the frame is doubled only once.
+        // Table offset in bytes of a gray level, computed once for each pixel of the frame.
         let entries = |pixel: *const u8| size_of::<u16>() * usize::from(*pixel);
         let mut column = |pixels: [usize; OFFSETS], g: *const u8| {
             let of_black = equal.byte_sub(entries(g));
@@ -188,15 +185,16 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     sums
 }
 
-/// As above, for Armv6-M. `add` takes sums from any register; the pixels and addresses need the lower eight.
+/// The scores of a row at four neighbouring offsets, for Armv6-M. Sums are in high registers, on which only `add`
+/// works.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.
 #[cfg(target_arch = "arm")]
 #[inline(never)]
 unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
-    /// Adds the entries of four pixels, compared with a pixel of the template. Registers hold twice their gray levels.
-    /// The last pixel is new.
+    /// Adds the entries of four frame pixels, compared with template pixel `$at`. Registers hold twice the gray levels.
+    /// Loads the last of the four.
     macro_rules! column {
         ($at:literal $a:literal $b:literal $c:literal $d:literal) => {
             concat!(
@@ -267,8 +265,6 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
     sums
 }
 
-/// The distance of `width` pixels.
-///
 /// # Safety
 /// As for [`row_score`].
 #[inline(never)]
@@ -277,7 +273,7 @@ unsafe fn row_distance(f: *const u8, g: *const u8, width: usize) -> u32 {
     unsafe { row_sum(f, g, width, |f, g| f.abs_diff(g).into()) }
 }
 
-/// The sum of `of` over `width` pixels.
+/// The sum of `of(f, g)` over `width` pairs of pixels.
 ///
 /// # Safety
 /// As for [`row_score`].
@@ -299,10 +295,10 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
     sum
 }
 
-/// Computes for each 4x4 block the upper seven bits of the lowest pixel, and 127 less those of the highest, both less
-/// the threshold but not below 0.
+/// Computes for each 4x4 block half its lowest pixel, and 127 minus half its highest pixel, both minus the threshold
+/// (half of it in each byte), but at least 0.
 ///
-/// For each column it takes the least and the most of four rows, then of two and of four columns.
+/// Takes the minimum and maximum of four rows in each column, then of two and of four columns.
 #[inline(never)]
 fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut [u8]) {
     let (low, high) = (words_mut(low), words_mut(high));
@@ -319,7 +315,7 @@ fn widened_ranges(rows: &[&[u8]; 4], threshold: u32, low: &mut [u8], high: &mut 
     }
 }
 
-/// The minima of each four neighbouring columns.
+/// Sliding minimum over four neighbouring columns, one word of columns at a time.
 #[derive(Default)]
 struct Minima {
     /// The last word of columns, and the minima of each two columns of the word before that.
@@ -328,7 +324,7 @@ struct Minima {
 }
 
 impl Minima {
-    /// [`Minima::next`] returns the minima that begin this many words before its argument.
+    /// Words by which the result of [`Minima::next`] begins before its argument.
     const DELAY: usize = 2;
 
     #[inline(always)]
@@ -358,7 +354,7 @@ fn max(a: u32, b: u32) -> u32 {
     b + beyond(a, b)
 }
 
-/// The lower and the higher of each two bytes.
+/// (minimum, maximum) of each two bytes.
 #[inline(always)]
 fn sorted(a: u32, b: u32) -> (u32, u32) {
     let beyond = beyond(a, b);
@@ -375,13 +371,12 @@ fn words_mut(bytes: &mut [u8]) -> &mut [u32] {
     }
 }
 
-/// The words of a row that begins at any address. Zeroes follow its end.
+/// Reads a row that begins at any address word by word. Zeroes follow its end.
 struct Words<'a> {
-    /// The words at multiples of four.
     aligned: slice::Iter<'a, u32>,
     /// The bytes after the aligned words.
     end: u32,
-    /// The aligned word that holds the next byte, and the bits before that byte.
+    /// The aligned word that holds the next byte, and the number of bits before that byte.
     present: u32,
     shift: u32,
 }
@@ -405,33 +400,32 @@ impl<'a> Words<'a> {
     #[inline(always)]
     fn next(&mut self) -> u32 {
         let next = self.next_aligned();
-        // In two steps: a shift by 32 is not defined.
+        // Two shifts, because a shift by 32 would overflow.
         let word = self.present >> self.shift | next << 1 << (31 - self.shift);
         self.present = next;
         word
     }
 }
 
-/// The number of bits in up to three bytes.
 #[allow(clippy::cast_possible_truncation)]
 fn bits(bytes: usize) -> u32 {
     8 * bytes as u32
 }
 
-/// Up to three bytes as the lower bytes of a word.
+/// Joins up to three bytes to a word, the first one lowest.
 fn joined(bytes: &[u8]) -> u32 {
     rolled(bytes.iter().rev()).fold(0, |word, &byte| word << 8 | u32::from(byte))
 }
 
-/// An upper bound of the score of every patch between `blocks`, if it is at least `floor`. Pixels that count are taken
-/// as fully similar, and so are rows whose words reach beyond the template: at most the first and the last one of
-/// templates that have at least seven columns.
+/// Upper bound of the score of every patch with pixels in the ranges `blocks`; `None` if it is below `floor`. Takes
+/// pixels inside their ranges as fully similar, and also rows whose words reach beyond the template: at most the first
+/// and the last one of templates that have at least seven columns.
 #[inline(never)]
 fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32> {
     let (width, height) = (usize::from(template.width()), usize::from(template.height()));
     let full = plain::full(width * height);
     let allowed = full.checked_sub(floor)?;
-    // The number of ranges in the first word that come before the template.
+    // Ranges in the first word that lie left of the template.
     let skipped = blocks.start % LANES;
     let count = (skipped + width).div_ceil(LANES);
     let from = blocks.start - skipped;
@@ -472,22 +466,21 @@ fn count_at_least(blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Optio
     Some(full - outside * u32::from(ONE))
 }
 
-/// Words of a row of ranges in a round of the loop. A loop of one word takes less flash.
+/// Words in an iteration of the loop over a row of ranges. One word takes less flash.
 const ROUND: usize = if cfg!(target_arch = "riscv32") { 2 } else { 1 };
 
-/// A row of ranges.
 struct Row {
     low: *const u32,
     high: *const u32,
     /// Words in the row, at least one.
     count: usize,
-    /// The top bits of the pixels of the template in the first word, and in the last.
+    /// Masks of the top bits of the template's pixels in the first word and in the last.
     first: u32,
     last: u32,
 }
 
 impl Row {
-    /// The number of pixels outside their ranges. With `SHIFTED` the template begins `shift` bits after `g`.
+    /// Counts the pixels outside their ranges. With `SHIFTED` the template begins `shift` bits after `g`.
     ///
     /// # Safety
     /// The words of the row can be read at `g`, with `SHIFTED` one more.

@@ -6,7 +6,7 @@ use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};
 use core::arch::x86_64::*;
 use core::slice;
 
-/// True if the machine has it; without `std` and outside of tests, if the program is compiled for it.
+/// Detects AVX2 at run time; without `std` and outside of tests, at compile time.
 pub(crate) fn is_available() -> bool {
     #[cfg(any(test, feature = "std"))]
     return std::is_x86_feature_detected!("avx2");
@@ -54,7 +54,7 @@ impl Neighbours for __m256i {
         fn min(a: Self, b: Self) -> Self { _mm256_min_epu8(a, b) }
         fn max(a: Self, b: Self) -> Self { _mm256_max_epu8(a, b) }
         fn raised(a: Self, b: Self) -> Self { _mm256_adds_epu8(a, b) }
-        // 0x81: moves the upper half down, and zeroes follow.
+        // 0x81 moves the upper half of the vector down and zeroes it.
         fn further<const BY: i32>(bytes: Self) -> Self {
             _mm256_alignr_epi8::<BY>(_mm256_permute2x128_si256::<0x81>(bytes, bytes), bytes)
         }
@@ -85,7 +85,7 @@ unsafe fn halves(row: &[u8]) -> __m256i {
     }
 }
 
-/// Sums of products by the plain loops.
+/// The plain loops of sums of products, compiled with AVX2.
 pub(crate) mod products {
     use crate::kernels::layout::{Layout, Packed};
     use crate::kernels::plain::products as plain;
@@ -120,7 +120,7 @@ pub(crate) mod products {
     }
 }
 
-/// Layers of a small network by the plain loop.
+/// The plain loop of network layers, compiled with AVX2.
 #[cfg(feature = "refiner")]
 pub(crate) mod dense {
     use crate::kernels::plain::dense as plain;

@@ -1,36 +1,34 @@
-//! Scores by the shuffles of x86-64, for any threshold: what AVX2 and SSSE3 share.
+//! Scores by byte shuffles, for any threshold: the common code of AVX2 and SSSE3.
 //!
 //! 1. The low and the high bytes of the table are two planes of 256 bytes. A shuffle looks up 16 bytes, so the loop
-//!    goes through the entries below the threshold in segments of 16. The usual threshold is at most 16: one segment.
+//!    processes the entries below the threshold in segments of 16. The usual threshold is at most 16: one segment.
 //! 2. A shuffle gives zero if the top bit of the index is set. A saturating addition sets that bit for differences that
-//!    belong to other segments. So the lookup is also the test d < threshold.
+//!    belong to other segments, so the lookup is also the test d < threshold.
 //! 3. `psadbw` against zero adds eight bytes exactly.
-//! 4. The end of a row that fills no vector is loaded together with the pixels before it, which are then masked. So no
-//!    byte outside of a row is read, whatever its width.
 
 use crate::kernels::cut_table::CutTable;
 use crate::kernels::generic::{self, LookUp, Neighbours, Vector, half};
 use core::arch::x86_64::*;
 
-/// A register whose 16-byte parts are shuffled.
+/// A vector register that shuffles bytes within each of its 16-byte parts.
 pub(super) trait Shuffle: Neighbours {
     /// Loads 16 bytes into each part.
     unsafe fn segment(entries: &[u8; SEGMENT]) -> Self;
-    /// In each part the byte of `entries` at each index; zero if its top bit is set.
+    /// Looks up each index in the `entries` of its part; zero if the top bit of the index is set.
     unsafe fn shuffle(entries: Self, index: Self) -> Self;
-    /// max(a - b, -128) of signed numbers.
+    /// Signed saturating subtraction: max(a - b, -128).
     fn lowered(a: Self, b: Self) -> Self;
     fn xor(a: Self, b: Self) -> Self;
 }
 
-/// Entries that one shuffle looks up.
+/// Table entries that one shuffle looks up.
 pub(super) const SEGMENT: usize = 16;
 
-/// Segments that a half of the table has: as many as the top bit of an index can tell from the rest.
+/// Segments in a half of the table: 128 entries, which the top bit of an index separates from the others.
 const SEGMENTS_A_HALF: usize = 8;
 
-/// The first segment of a half of the table is stored as it is, each other one as its xor with the one before it. A pixel
-/// in segment k gets a value from each shuffle up to k, and their xor is the entry.
+/// A table in shuffle segments. In each half of the table a segment after the first is stored as its xor with the one
+/// before it. An index in segment k gets a value from each shuffle up to k, and their xor is the entry.
 pub(crate) type Lookup<V> = generic::Lookup<V, SEGMENT, 16>;
 
 impl<V> Lookup<V> {
@@ -47,10 +45,10 @@ impl<V> Lookup<V> {
     }
 }
 
-/// Replaces each segment of a half but the first by its xor with the one before it.
+/// Replaces each segment of a half, except the first, by its xor with the segment before it.
 fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     for half in plane.chunks_mut(SEGMENTS_A_HALF) {
-        // Starts at the last segment: each segment then meets the one before it unchanged.
+        // Starts at the last segment, so that the segment before each is still unchanged.
         let mut rest = half;
         while let Some((last, before)) = rest.split_last_mut() {
             last.iter_mut().zip(before.last().into_iter().flatten()).for_each(|(byte, before)| *byte ^= before);
@@ -59,8 +57,8 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     }
 }
 
-/// The first `SEGMENTS` segments of both byte planes in registers. The others are not looked up. They exist only if the
-/// processor has the shuffle.
+/// The first `SEGMENTS` table segments of both byte planes, in registers. They exist only if the processor has the
+/// shuffle.
 pub(super) struct Planes<V, const SEGMENTS: usize> {
     low: [V; 16],
     high: [V; 16],
@@ -87,7 +85,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
     #[inline(always)]
     #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 16 * 8
     fn look_up_half<const COUNT: usize>(&self, first: usize, difference: V) -> (V, V) {
-        // With this added, the last segment ends at 127. Differences beyond it have the top bit.
+        // Added to the differences, so that the last segment ends at 127 and larger differences have the top bit.
         let up = SEGMENT * (SEGMENTS_A_HALF - COUNT);
         // SAFETY: `self` exists, so the processor has the instruction set.
         unsafe {
@@ -115,14 +113,14 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
         if SEGMENTS <= SEGMENTS_A_HALF {
             return self.look_up_half::<SEGMENTS>(0, difference);
         }
-        // The top bit tells the halves apart.
+        // The top bit of a difference selects the half of the table.
         let first = self.look_up_half::<SEGMENTS_A_HALF>(0, difference);
         let second = self.look_up_half::<SEGMENTS_A_HALF>(SEGMENTS_A_HALF, V::xor(difference, half(difference)));
         (V::or(first.0, second.0), V::or(first.1, second.1))
     }
 }
 
-/// A mask of the lanes in which a row narrower than a vector is loaded, each pixel once.
+/// Mask of the lanes that hold a row narrower than a vector, each pixel once.
 ///
 /// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they
 /// overlap, only the first is valid.
@@ -142,8 +140,8 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// The numbers that [`narrow_lanes`] compares. The first `first` mark lanes that are always valid, the next `second` count
-/// up to 31, and the others mark lanes that are never valid.
+/// The numbers that [`narrow_lanes`] compares: 127 in the first `first` lanes (always valid), then `second` numbers
+/// that end at 31, then 0 (never valid).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];
@@ -167,7 +165,7 @@ pub(super) fn narrow(row: &[u8]) -> __m128i {
             (Some(&first), Some(&last)) => {
                 i64::from(u32::from_le_bytes(first)) | i64::from(u32::from_le_bytes(last)) << 32
             }
-            // Shifts pixels in from the top of four bytes, so that the last pixel is included.
+            // Fewer than four pixels: shifts them in from the top of four bytes, so that the last pixel is included.
             _ => i64::from(row.iter().fold(0, |all, &pixel| all >> 8 | u32::from(pixel) << 24)),
         };
         _mm_set_epi64x(0, both)

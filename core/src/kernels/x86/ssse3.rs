@@ -1,5 +1,4 @@
-//! SSSE3 (Intel since 2006, AMD since 2011): 16 pixels in a vector. The compiler vectorizes the plain loops of the other
-//! kernels by SSE2.
+//! SSSE3 (Intel since 2006, AMD since 2011): 16 pixels in a vector. The compiler vectorizes other plain loops by SSE2.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
 use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};
@@ -10,7 +9,7 @@ use core::slice;
 pub(crate) use crate::kernels::plain::dense;
 pub(crate) use crate::kernels::plain::products;
 
-/// True if the machine has it; without `std` and outside of tests, if the program is compiled for it.
+/// Detects SSSE3 at run time; without `std` and outside of tests, at compile time.
 pub(crate) fn is_available() -> bool {
     #[cfg(any(test, feature = "std"))]
     return std::is_x86_feature_detected!("ssse3");

@@ -1,8 +1,8 @@
-//! Bounds of scores by the DSP extension, which exclude offsets: the points of four neighbouring offsets at a time, and
-//! the pixels of the template that cannot count at any offset of a group.
+//! Upper bounds of scores by the DSP extension, which exclude offsets: the points of four neighbouring offsets, and the
+//! pixels of the template beyond the threshold at every offset of a 4x4 group.
 //!
 //! Both take seven instructions for four pixels. The score itself takes 17: two loads, three for the difference, four
-//! bytes taken out of it, four loads from the table and four additions.
+//! to extract bytes, four table loads and four additions.
 //!
 //! | points of an offset | what |
 //! |---|---|
@@ -23,17 +23,16 @@ use super::words::{LANES, Row, entry, in_lanes, words};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// The numbers that a loop reads from memory. The assembly knows their offsets.
+/// Constants that a loop reads from memory. The assembly depends on their offsets.
 #[repr(C)]
 struct Memory {
     row: Row,
-    /// Bytes in the whole words of a row.
     words: usize,
-    /// For [`spare`]: the points of a row of equal pixels. For [`misses`]: see [`entry`].
+    /// In [`spare`] the points of a row of equal pixels, in [`misses`] the result of [`entry`].
     own: usize,
 }
 
-/// Adds the points of the four columns at `from` to `sum`.
+/// Adds the points of the four columns at `$from` to `$sum`: 255 - difference, or 0 beyond the threshold.
 macro_rules! points {
     ($from:literal, $sum:literal $(, $without:literal)?) => {
         concat!(
@@ -49,7 +48,7 @@ macro_rules! points {
     };
 }
 
-/// Adds the points of the next four columns.
+/// Adds the points of the next four columns at four neighbouring offsets.
 macro_rules! points_of_word {
     () => {
         concat!(
@@ -62,7 +61,7 @@ macro_rules! points_of_word {
     };
 }
 
-/// See [`Loops::SPARE`](super::super::scores::Loops::SPARE).
+/// Spare points of four offsets: see [`Loops::SPARE`](super::super::scores::Loops::SPARE).
 ///
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
@@ -139,10 +138,10 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     spare
 }
 
-/// Bytes of code that `misses` has for one word.
+/// Bytes of code for one word in [`misses`].
 const MISSES_WORD: usize = 28;
 
-/// Adds the pixels in `{g}` that are outside the range in `{l}` and `{s}`.
+/// Counts the pixels in `{g}` outside the ranges with the lower ends `{l}` and the lengths `{s}`.
 macro_rules! outside {
     () => {
         "usub8 {l}, {g}, {l}\nusub8 {l}, {s}, {l}\nsel {l}, {zero}, {one}\nusada8 {misses}, {l}, {zero}, {misses}\n"
@@ -155,7 +154,7 @@ macro_rules! outside_word {
     };
 }
 
-/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
+/// Number of pixels outside their ranges: see [`Loops::MISSES`](super::super::scores::Loops::MISSES).
 ///
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.

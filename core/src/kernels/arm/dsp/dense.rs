@@ -1,9 +1,8 @@
 //! A layer of a small network by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
 //! Four bytes become two pairs of 16-bit numbers: bytes 0 and 2, and bytes 1 and 3. The inputs of two patches are
-//! unpacked once for all outputs. Two outputs of two patches are computed at a time, so each weight is loaded and
-//! unpacked once for two products. The inputs of a single patch are unpacked again for every two outputs, which needs
-//! no scratch memory.
+//! unpacked once for all outputs. Two outputs of two patches are computed at a time, so each weight is unpacked once
+//! for two products. A single patch is unpacked again for every two outputs, without scratch memory.
 
 use crate::kernels::plain::dense as plain;
 use crate::kernels::plain::dense::Layer;
@@ -44,7 +43,7 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     }
 }
 
-/// Unpacks two patches of `inputs` bytes, one after the other.
+/// Unpacks two successive patches of `inputs` bytes to 16-bit numbers, four inputs of each in turn.
 ///
 /// # Safety
 /// `2 * inputs` bytes can be read and `inputs` words written. `inputs` is a multiple of 4 and not 0. `room` is aligned.
@@ -73,7 +72,7 @@ unsafe fn unpack(patches: *const i8, inputs: usize, room: *mut u32) {
     }
 }
 
-/// The outputs that remain to be computed for one patch or two. The assembly reads and changes this.
+/// Remaining outputs of one patch or two. The assembly reads and updates this.
 #[repr(C)]
 struct Run {
     biases: *const [u8; 4],
@@ -88,7 +87,7 @@ struct Run {
     last: *mut i8,
 }
 
-/// Four inputs of two patches times the weights of two outputs. r0 to r3 are the sums.
+/// Adds the products of four inputs of two patches and the weights of two outputs to the sums r0 to r3.
 macro_rules! turn {
     () => {
         "ldr r6, [r11, r12]
@@ -152,7 +151,8 @@ impl Run {
                 "cmp r11, lr",
                 "bne 2b",
                 "b 6f",
-                // Two patches: eight inputs a round. If only four are left over, the first round starts in its middle.
+                // Two patches: eight inputs a round. With an odd multiple of four, the first round starts in its
+                // middle.
                 "3:",
                 "lsls r4, r12, #29",
                 "bmi 5f",
@@ -162,7 +162,7 @@ impl Run {
                 turn!(),
                 "cmp r11, lr",
                 "bne 4b",
-                // Shift, limit and store. For one patch the outputs of the first overwrite those of the second.
+                // Shifts, clamps and stores. If `apart` is 0 (one patch), r0 and r1 overwrite the outputs of r2 and r3.
                 "6:",
                 "ldr r6, [sp, #8]",
                 "add r11, r11, r12",

@@ -1,26 +1,26 @@
 //! Gradients of a cell by the DSP extension. It subtracts four pixels at a time. `smusd` computes in one instruction
-//! how far a gradient is beyond a direction. The plain loop is in `plain/gradients.rs`.
+//! the distance of a gradient beyond a direction. The plain loop is in `plain/gradients.rs`.
 
 use crate::kernels::layout::{CELL, CHANNELS, SIDE};
 use crate::kernels::plain::gradients::DIRECTIONS;
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
-/// Cosine in the low 16 bits and sine in the high 16 bits, as `smusd` takes them.
+/// Packs cosine in the low 16 bits and sine in the high 16 bits, as `smusd` multiplies them.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // both fit in 16 bits
 const fn pair(cos: i32, sin: i32) -> u32 {
     cos as u16 as u32 | (sin as u16 as u32) << 16
 }
 
-/// Directions as the assembly reads them. Word 0: the first. Words 1 to 5: the second to the sixth, negated. Words 6 to
-/// 9: the second to the fifth. A gradient that is beyond n of these four lies in sector n.
+/// Directions for the assembly. Word 0: direction 0. Words 1 to 5: directions 1 to 5, negated. Words 6 to 9: directions
+/// 1 to 4. A gradient that is beyond n of these four lies in sector n.
 static TABLE: [u32; 10] = {
     let [first, (a, b), (c, d), (e, f), (g, h), (i, j)] = DIRECTIONS;
     let [k, l, m] = [pair(first.0, first.1), pair(-a, -b), pair(-c, -d)];
     [k, l, m, pair(-e, -f), pair(-g, -h), pair(-i, -j), pair(a, b), pair(c, d), pair(e, f), pair(g, h)]
 };
 
-/// Computes a feature of each of the sums: the sum times the inverse, divided by 2^16, and at most 127.
+/// Computes features in the registers of channel sums: min(sum * inverse norm / 2^16, 127).
 macro_rules! features {
     ($($sum:literal)*) => {
         concat!(
@@ -31,8 +31,8 @@ macro_rules! features {
     };
 }
 
-/// Adds the gradient of a pixel. The register `pixel` holds |y| in the low and |x| in the high 16 bits. The top bit of
-/// byte `byte` of r8 says whether the gradient is mirrored. r11 becomes the sector minus 4.
+/// Adds the gradient of a pixel to its sector. `$pixel` holds |y| in the low and |x| in the high 16 bits. The top bit
+/// of byte `$byte` of r8 is set if the gradient is mirrored. r11 becomes the sector minus 4.
 macro_rules! add {
     ($pixel:literal, $byte:literal) => {
         concat!(
@@ -52,8 +52,8 @@ macro_rules! add {
     };
 }
 
-/// Computes the features of a row of cells, as [`plain::features`](crate::kernels::plain::gradients::features) specifies them. Does nothing if there are fewer sums or
-/// inverses than cells.
+/// Computes the features of a row of cells, as [`plain::features`](crate::kernels::plain::gradients::features)
+/// specifies. Does nothing if channels are missing or `out` is longer than a row.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     const { assert!(2 * ROW < 256) };
@@ -90,8 +90,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Computes a channel of a cell from two or three sectors. Stores it, moves r3 to the next channel, and adds its square
-/// to r10. Each sector comes with the word of `TABLE` that gives its vote.
+/// Computes a channel sum of a cell from two or three sectors, each with the index of its direction in `TABLE`. Stores
+/// it, moves r3 to the next channel, and adds its square to r10.
 macro_rules! sum {
     ($first:literal $at:literal, $second:literal $to:literal $(, $third:literal $by:literal)?) => {
         concat!(
@@ -103,8 +103,9 @@ macro_rules! sum {
     };
 }
 
-/// See [`plain::gradients`](crate::kernels::plain::gradients::gradients). A gradient along an axis may count in a sector
-/// or in its mirror image: both give the same votes. Does nothing if there are too few sums.
+/// Computes channel sums and energies, as [`plain::gradients`](crate::kernels::plain::gradients::gradients) specifies.
+/// A gradient along an axis may be added to a sector or to its mirror image: both give the same votes. Does nothing if
+/// channels are missing.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -113,8 +114,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     across: usize,
 ) {
     const { assert!(COLUMNS >= 4 * ROW + 2 && COLUMNS < 256 && 2 * ROW < 256) };
-    // Words 0 to 4: the sectors. Word 5: the address where the pixels end. Words 32 to 36: the mirrored sectors. They
-    // are 128 bytes further on, and 128 is the top bit of a byte.
+    // Words 0 to 4: the sectors. Word 5: the end address of the pixels. Words 32 to 36: the mirrored sectors, 128 bytes
+    // further on, because the top bit of a byte, 128, marks a mirrored gradient.
     let mut memory = MaybeUninit::<[u32; 37]>::uninit();
     let mut pixels = lines.as_ptr().cast::<u8>().wrapping_add(COLUMNS);
     let mut to = sums.as_mut_ptr().cast::<u16>().wrapping_add(ROW);
@@ -160,7 +161,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 add!("r10", 3),
                 "cmp r1, r12",
                 "bne 2b",
-                // The sums 1 to 4 from the sectors, then 8 to 5 in the same way from the mirrored ones. r9 becomes sum 0.
+                // Sums 1 to 4 from the sectors, then sums 8 to 5 in the same way from the mirrored sectors. r9 becomes
+                // sum 0.
                 "ldrd r2, r3, [sp]",
                 "add r1, r0, #128",
                 "mov r8, #{row}",

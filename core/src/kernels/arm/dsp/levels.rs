@@ -1,4 +1,4 @@
-//! Gray levels of a row by the DSP extension: summed and replaced four pixels at a time, sampled column by column.
+//! Gray levels of a row by the DSP extension: four pixels or one bilinear sample at a time.
 
 use super::words::{LANES, in_lanes};
 use crate::kernels::plain::levels::{MixedRow, Parts};
@@ -69,7 +69,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest
 }
 
-/// Computes two columns: the weights in the registers become 2^16 times the gray levels.
+/// Samples two columns: the weights in the registers become 2^16 times the gray levels.
 macro_rules! columns {
     ($first:literal $second:literal) => {
         concat!(
@@ -79,8 +79,8 @@ macro_rules! columns {
     };
 }
 
-/// See `plain::mix`. `smlad` mixes two numbers in one instruction. It takes signed numbers, so 2^15 is subtracted from
-/// the numbers of a row.
+/// Samples columns as `plain::levels::mix` does. `smlad` weights and adds two samples in one instruction. It multiplies
+/// signed numbers, so 2^15 is subtracted from the numbers of a row.
 ///
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).

@@ -10,7 +10,7 @@ pub(crate) mod scores;
 pub(crate) mod weights;
 mod words;
 
-/// True: it is compiled only for processors that have it.
+/// Returns true: this module is compiled only for processors with the DSP extension.
 pub(crate) const fn is_available() -> bool {
     true
 }

@@ -1,15 +1,15 @@
 //! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Both loops slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. The numbers
-//! under it pass from the register of one sum to that of the next, so each number is loaded once for all of them. A
-//! factor is a pair of 16-bit numbers:
+//! Both kernels slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. Numbers
+//! move from the register of one sum to that of the next, so each is loaded once for all sums. A factor is a pair of
+//! 16-bit numbers:
 //!
 //! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side.
 //! - Gradient: the errors of two rows of offsets. The features of a channel are unpacked as pairs of two rows of cells,
 //!   or of differences of rows.
 //!
-//! Both take three sums of products instead of four (`three_sums.rs`). The gradient exchanges two roles: rows of errors
-//! are used as rows of the filter, and rows of the filter as rows of offsets.
+//! Both compute three sums of products instead of four (`three_sums.rs`). In the gradient, rows of errors take the role
+//! of filter rows, and filter rows that of rows of offsets.
 
 use crate::kernels::layout::{CHANNELS, Layout, PACKED, Packed};
 use crate::kernels::plain::products as plain;
@@ -20,13 +20,12 @@ use core::ops::Range;
 
 /// Bytes from an offset to the next one: the features of a cell.
 const STEP: usize = CHANNELS;
-/// The least number of factors in a row.
+/// The fewest factors in a row.
 const LEAST: usize = 4;
-/// Pairs of channels.
 const PAIRS: usize = STEP / 2;
 const WORD: usize = size_of::<i32>();
 
-/// See [`plain::responses`]. A piece is two rows of cells. The caller leaves `spare` as it is between pieces.
+/// Filter responses, as [`plain::responses`] specifies. A piece of work is two rows of cells.
 pub(crate) fn responses<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -60,14 +59,13 @@ pub(crate) fn responses<const N: usize>(
     pairs.responses(pieces, &mut rows, both, out);
 }
 
-/// A row of cells, unpacked, under rows of factors. `fits` has checked that all rows of cells are there.
+/// Rows of cells, unpacked, under rows of factors. `Layout::fits` has checked that all rows exist.
 struct Unpacked {
     cells: *const i8,
     stride: usize,
     unpacked: *mut i32,
     width: usize,
     factors: *const i32,
-    /// Factors in a row.
     of_row: usize,
 }
 
@@ -88,9 +86,8 @@ impl Rows for Unpacked {
     }
 }
 
-/// Unpacks pairs of channels of `width` cells from `first`, less those from `second` if there are any: first one pair
-/// of all cells, then the next pair of all cells. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and
-/// 9.
+/// Unpacks pairs of channels of `width` cells from `first`, minus those from `second` if there are any: one pair of all
+/// cells, then the next pair. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
 ///
 /// # Safety
 /// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is
@@ -148,7 +145,7 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
     }
 }
 
-/// Unpacks the same pairs of the weights from `first`, plus those from `second` unless both are the same row.
+/// Unpacks the pairs of channels of the weights from `first`, plus those from `second` unless it is the same row.
 ///
 /// # Safety
 /// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is
@@ -197,8 +194,7 @@ unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, sec
     }
 }
 
-/// Unpacks one channel of `width` cells: pairs of two rows, `first`. Unless `whole`, the two rows `second` are
-/// subtracted.
+/// Unpacks one channel of `width` cells as pairs of two rows (`first`). Subtracts the two rows `second` unless `whole`.
 ///
 /// # Safety
 /// A byte of `width` cells can be read from each row, and as many words written. `width` is not 0.
@@ -230,13 +226,12 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
     }
 }
 
-/// A piece of the responses is two rows of cells.
+/// True: a piece of work of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// The pieces of [`gather`] are the channels of each of the three sums.
+/// Number of pieces of work of [`gather`]: the channels of each of the three sums.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
-/// See [`plain::gather`]. A piece is a channel of one of the three sums. The caller leaves `room` as it is between pieces;
-/// `spare` holds a row of sums.
+/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel of one of the three sums.
 ///
 /// An error is at most 16,383, and two of them add up to at most 32,766, which fits in 16 bits. A difference of two
 /// features takes 9 bits. Each of the three sums is at most 17 * 9 * 32,766 * 128 < 2^30.
@@ -263,7 +258,7 @@ pub(crate) fn gather<const N: usize>(
     for piece in pieces.start..pieces.end.min(SUMS * STEP) {
         let (sum_of, channel) = (piece / STEP, piece % STEP);
         let (rows, offsets) = (by_two.rows_of(sum_of), by_two.offsets_of(sum_of));
-        // At odd offsets the first row of a pair of rows of cells lies under no errors.
+        // At odd offsets no errors lie on the first row of the first pair of rows of cells.
         let odd_rows = rows.div_ceil(2);
         if channel == 0 {
             factors.fill(0);
@@ -282,7 +277,7 @@ pub(crate) fn gather<const N: usize>(
                 }
             }
         }
-        // A row below the last is replaced by the last. It does not matter: `both` adds it, another sum subtracts it.
+        // A row below the last is replaced by the last. That cancels out: `both` adds it, another sum subtracts it.
         let channel_of = |row: usize| cells.as_ptr().wrapping_add(row.min(down + span - 2) * stride + channel);
         for number in 0..(rows + offsets) / 2 {
             let of = |row| channel_of(4 * number + row);
@@ -310,8 +305,7 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i32> {
-    /// Adds to each sum the products of all factors with the numbers under them. From one sum to the next the factors
-    /// move on by one number.
+    /// Adds to `sums[i]` the products of all factors with the numbers from index `i` on, over all rows.
     ///
     /// # Safety
     /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least
@@ -336,16 +330,16 @@ impl Slide<i32> {
     }
 }
 
-/// Adds the product of two registers to a sum.
+/// Multiplies pairs: adds the two products of each number and factor to a sum.
 macro_rules! add {
     ($($sum:literal $number:literal $factor:literal,)*) => {
         concat!($("smlad ", $sum, ", ", $number, ", ", $factor, ", ", $sum, "\n",)*)
     };
 }
 
-/// Defines a function for n sums. The loop over a row takes four factors at a time, and counts behind its first load,
-/// which a product would wait for. If one or two factors are left over, they are taken before it; then the numbers are
-/// loaded again.
+/// Defines a function for n neighbouring sums. The loop over a row processes four factors at a time, and decrements its
+/// counter after its first load, where a product would wait. One to three factors left over come first; then the
+/// numbers are loaded again.
 macro_rules! slide {
     ($name:ident $n:literal: $load:literal $store:literal $window:literal; $one:expr; $two:expr; $four:expr) => {
         impl Slide<i32> {
@@ -388,7 +382,7 @@ macro_rules! slide {
                         $store,
                         "add sp, sp, #16",
                         inout("r0") sums => _,
-                        // Bytes from the end of a row to the next one.
+                        // Bytes from the end of a row of numbers to the next one.
                         inout("r5") WORD * width.wrapping_sub(count + $n - 1) => _,
                         inout("r8") factors.wrapping_add(rows * count) => _,
                         // Not negative. Its two lowest bits are those of the count.
@@ -404,15 +398,14 @@ macro_rules! slide {
     };
 }
 
-/// Counts four factors.
 macro_rules! count {
     () => {
         "subs r11, r11, #4\n"
     };
 }
 
-/// Multiplies two factors, r6 and r7, for two sums. At the start r5 holds the number under the first factor of the
-/// first sum, at the end the number two places further.
+/// Adds the products of two factors (r6 and r7) to two sums. r5 holds the number under the first factor of the first
+/// sum, afterwards the number two places further.
 macro_rules! two {
     ($move:literal; $between:expr) => {
         concat!(
@@ -425,7 +418,7 @@ macro_rules! two {
     };
 }
 
-/// Multiplies two factors for four sums. The numbers are in the registers a, b and c, then in c, d and a.
+/// Adds the products of two factors to four sums. The numbers are in the registers a, b and c, then in c, d and a.
 macro_rules! four {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(
@@ -438,7 +431,7 @@ macro_rules! four {
     };
 }
 
-/// Multiplies two factors for five sums. The numbers are in the registers a, b, c and d, then in c, d, a and b.
+/// Adds the products of two factors to five sums. The numbers are in the registers a to d, then in c, d, a and b.
 macro_rules! five {
     ($a:literal $b:literal $c:literal $d:literal $move:literal; $between:expr) => {
         concat!(

@@ -1,13 +1,12 @@
 //! Scores by the DSP extension of Armv7E-M (Cortex-M4, M7) and Armv8-M (M33, M35P): four pixels in a register.
 //!
 //! - `usada8` adds the four absolute differences of two registers to a third.
-//! - `uqsub8` subtracts and stops at zero: how far a pixel is beyond another, and how much of a threshold remains.
+//! - `uqsub8` is a saturating subtraction: by how much one pixel exceeds another.
 //! - `usub8` compares, and `sel` then selects the larger or the smaller of each two pixels.
 //!
 //! The intrinsics need an unstable compiler, so these are `asm!`: whole loops, because the compiler would spill
-//! registers between pieces. Rows begin at any address, and words are loaded from there. That works in Normal memory,
-//! unless firmware sets `UNALIGN_TRP`. In Device memory it faults; external RAM (0xA000_0000 and up) is Device memory
-//! until the MPU says otherwise. See [`Backend`](crate::similarity::Backend).
+//! registers between pieces. Words are loaded from any address. That works in Normal memory, unless firmware sets
+//! `UNALIGN_TRP`, and faults in Device memory: see [`Backend`](crate::similarity::Backend).
 
 use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Loops, blocks};
@@ -17,7 +16,7 @@ use crate::kernels::plain::scores as plain;
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// Columns that `distance` takes at a time. Its loop is unrolled for this many.
+/// Columns that `distance` processes at a time, by an unrolled loop.
 const STRIP: usize = 16 * LANES;
 
 pub(crate) struct Dsp;
@@ -31,9 +30,8 @@ impl Loops for Dsp {
     const RANGES: fn(&[&[u8]; 4], u8, &mut [u8], &mut [u8]) = ranges;
 }
 
-/// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths. Does
-/// nothing if there are fewer than four blocks. A row has at least as many blocks as the template has columns, and no
-/// bound reads the ranges for a template of fewer than four.
+/// Computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by `margin` on both sides. Does nothing
+/// for fewer than four blocks, which no bound reads: templates of fewer than four columns have none.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let blocks = blocks(rows, low, span);
     if blocks < LANES {
@@ -138,7 +136,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// The distance. Stops once it is more than enough.
+/// The sum of absolute differences. Stops once it exceeds `enough`.
 ///
 /// # Safety
 /// The pictures have at least four columns.
@@ -157,8 +155,8 @@ unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     sum.wrapping_sub(start).cast_unsigned()
 }
 
-/// The text of the loop, unrolled. It is not made by `.irp`: the compiler counts lines of text to know how far its
-/// jumps reach.
+/// Assembly of the unrolled loop. It does not use `.irp`, because the compiler estimates jump distances from the number
+/// of lines.
 macro_rules! distance_of_words {
     ($($offset:literal)*) => {
         concat!($(
@@ -169,15 +167,15 @@ macro_rules! distance_of_words {
     };
 }
 
-/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row, until the sum is no
-/// longer negative.
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row, while the sum is
+/// negative.
 ///
 /// # Safety
 /// The pair has these columns, and at least four.
 #[inline(always)]
 unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     let left = width % LANES;
-    // The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
+    // Offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     let last = if left == 0 { 0 } else { width.wrapping_sub(LANES) };
     // SAFETY: only words within the `width` columns of a row are read. Nothing is written.
     unsafe {
@@ -218,7 +216,7 @@ unsafe fn strip(pair: &Rows, column: usize, width: usize, mut sum: i32) -> i32 {
     sum
 }
 
-/// Selects the smaller (`least`) or the larger (`most`) of each two pixels of two registers. Overwrites `free`.
+/// Selects the smaller (`least`) or the larger (`most`) of each two pixels in two registers. Overwrites `$free`.
 macro_rules! of_two {
     (least, $to:literal, $x:literal, $y:literal, $free:literal) => {
         concat!("usub8 ", $free, ", ", $x, ", ", $y, "\nsel ", $to, ", ", $y, ", ", $x)
@@ -247,7 +245,7 @@ macro_rules! of_four_rows {
     };
 }
 
-/// Selects the smallest or the largest of four neighbours, for four columns. `next` holds the four columns after them.
+/// The smallest or the largest of four neighbouring columns, from each of four columns on. `$next` holds the next four.
 macro_rules! of_four_columns {
     ($what:ident, $first:literal, $next:literal) => {
         concat!(
@@ -264,18 +262,17 @@ macro_rules! of_four_columns {
     };
 }
 
-/// The numbers that [`spread`] reads. The assembly knows their offsets.
+/// Constants that [`spread`] reads. The assembly depends on their offsets.
 #[repr(C)]
 struct Spread {
     rows: [*const u8; 4],
-    /// The width of the margin on both sides of each range, in each lane.
+    /// Margin on both sides of each range, in each lane.
     margin: u32,
     /// The first of the last four blocks.
     last: usize,
 }
 
-/// Computes ranges: the smallest pixel less the margin, at least 0; and how far the largest pixel plus the margin, at
-/// most 255, lies above that.
+/// Computes ranges with a margin: low = max(smallest pixel - margin, 0), span = min(largest pixel + margin, 255) - low.
 ///
 /// # Safety
 /// `last + 7` bytes can be read at each of the rows, and `last + 4` bytes written at `low` and `span`.
@@ -317,7 +314,7 @@ unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
             a = out(reg) _, b = out(reg) _, c = out(reg) _, d = out(reg) _, e = out(reg) _, f = out(reg) _,
             g = out(reg) _,
             rows = in(reg) from,
-            // The loop has moved `at` on by a word when it writes these.
+            // A word less, because the loop has advanced `at` by a word when it stores.
             low = in(reg) low.wrapping_sub(LANES),
             span = in(reg) span.wrapping_sub(LANES),
             at = inout(reg) 0 => _,

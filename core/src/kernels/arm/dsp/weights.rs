@@ -4,8 +4,7 @@
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
-/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`. Of a negative number the sign is removed
-/// first, then the number is rounded down.
+/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`, rounded toward zero.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let count = weights.len().min(sums.len());
     let mut largest = 0;
@@ -47,7 +46,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// Codes each number `weight * factor / 2^32 + (sum << left)`: divides it by `2^shift` and rounds.
+/// Quantises each `weight * factor / 2^32 + (sum << left)`: divides by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let count = weights.len().min(sums.len()).min(out.len());
     if count == 0 {
@@ -63,7 +62,7 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
             "lsls {number}, {left}",
             "smmla {number}, {weight}, {lower}, {number}",
             "mla {number}, {weight}, {upper}, {number}",
-            // Rounds by the last bit that is dropped.
+            // Rounds by the last bit shifted out.
             "asrs {number}, {first}",
             "add {number}, {number}, {last}",
             "asrs {number}, {last}",
@@ -85,8 +84,8 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
-/// stays. This loop divides by 2^32, and each change must fit in an `i32`; else the plain loop runs.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`. This loop
+/// divides by 2^32, and requires that each change fits in an `i32`; else the plain loop runs.
 pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
     let count = weights.len().min(slopes.len());
     if count == 0 || back > 32 || length.unsigned_abs() >> (15 + back) != 0 {

@@ -1,31 +1,29 @@
-//! Words of four pixels, in which the DSP extension computes.
+//! Layout of picture rows in words of four pixels, for the loops of the DSP extension.
 
 use crate::kernels::rows::Rows;
 
 /// Pixels in a word.
 pub(super) const LANES: usize = 4;
 
-/// A word of four equal bytes.
 pub(super) fn in_lanes(byte: u8) -> u32 {
     u32::from_ne_bytes([byte; LANES])
 }
 
-/// The numbers that each loop over rows reads from memory. The assembly knows their offsets.
+/// Constants that each loop over rows reads from memory. The assembly depends on their offsets.
 #[repr(C)]
 pub(super) struct Row {
     /// Bytes from the end of the whole words of a row to the next row.
     f_stride: usize,
     g_stride: usize,
-    /// The offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
+    /// Offset of the word whose upper part holds the columns after the last whole word; 0 if there are none.
     last: usize,
-    /// The number of low bits of that word that belong to earlier columns.
+    /// Number of low bits in the word at `last` that belong to earlier columns.
     pub(super) none: u32,
-    /// The address where the rows of the template end.
     end: *const u8,
 }
 
 impl Row {
-    /// The rows of pictures that have at least four columns.
+    /// Layout of the rows of pictures with at least four columns.
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)] // a word has 32 bits
     pub(super) fn of(pair: &Rows) -> Self {
@@ -46,8 +44,8 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// The place in the code where the first words of a row are taken: the first round takes 1 to 4 words, all others 4. A
-/// word has `bytes` bytes of code.
+/// Offset in the code of the loop over a row where the loop is entered: the first round processes 1 to 4 words, all
+/// others 4. A word has `bytes` bytes of code.
 #[inline(always)]
 pub(super) fn entry(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

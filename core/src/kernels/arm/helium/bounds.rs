@@ -1,13 +1,13 @@
-//! Bounds of scores by Helium, which exclude offsets: the points of four neighbouring offsets at a time, and the pixels
-//! of the template that cannot count at any offset of a group. They cannot where they lie outside the range of their
-//! block, widened by threshold - 1 on both sides: stored as the lower end, and the length.
+//! Upper bounds of scores by Helium, which exclude offsets: the points of four neighbouring offsets, and the pixels of
+//! the template beyond the threshold at every offset of a 4x4 group. These lie outside the range of their block,
+//! widened by threshold - 1 on both sides, and stored as lower end and length.
 
 use super::super::points::{OFFSETS, Points};
 use super::{LANES, strides};
 use crate::kernels::rows::Rows;
 use core::arch::asm;
 
-/// Adds the points of the pixels at `from` to `sum`.
+/// Adds the points of the pixels at `$from` to `$sum`: 255 - difference, or 0 beyond the threshold.
 macro_rules! points {
     ($from:literal, $sum:literal) => {
         concat!(
@@ -19,7 +19,7 @@ macro_rules! points {
     };
 }
 
-/// See [`Loops::SPARE`](super::super::scores::Loops::SPARE).
+/// Spare points of four offsets: see [`Loops::SPARE`](super::super::scores::Loops::SPARE).
 ///
 /// # Safety
 /// The patch has three more columns than the template.
@@ -74,7 +74,7 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     spare
 }
 
-/// See [`Loops::MISSES`](super::super::scores::Loops::MISSES).
+/// Number of pixels outside their ranges: see [`Loops::MISSES`](super::super::scores::Loops::MISSES).
 ///
 /// # Safety
 /// Patch and upper bound have the same stride.

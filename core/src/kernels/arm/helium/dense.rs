@@ -1,7 +1,7 @@
 //! A layer of a small network by Helium: `vmladava` adds 16 products to a register.
 //!
 //! Three outputs of two patches are computed at a time, so five loads serve six sums. In a loop from `dlstp` to `letp`
-//! the last round uses only one lane for each input left, so nothing else is read.
+//! the last round uses and loads one lane for each remaining input.
 
 use crate::kernels::plain::dense as plain;
 use crate::kernels::plain::dense::Layer;
@@ -42,7 +42,6 @@ pub(crate) fn outputs(layer: Layer<'_>, patches: &[i8], spare: &mut [i8], out: &
     }
 }
 
-/// Copies numbers until either slice ends.
 #[inline(always)]
 pub(crate) fn copy(from: &[i8], to: &mut [i8]) {
     // SAFETY: only the first `count` numbers of each are read or written.
@@ -63,7 +62,7 @@ pub(crate) fn copy(from: &[i8], to: &mut [i8]) {
     }
 }
 
-/// The outputs that remain to be computed for two patches. The assembly reads and changes this.
+/// Remaining outputs of two patches. The assembly reads and updates this.
 #[repr(C)]
 struct Run {
     biases: *const [u8; 4],
@@ -119,7 +118,6 @@ impl Run {
                 "vmladava.s8 r4, q0, q2",
                 "vmladava.s8 r12, q1, q2",
                 "letp lr, 3b",
-                // Shift, limit and store.
                 "mov r5, r7",
                 "ldrd r1, r3, [r6, #16]",
                 "ldrd r9, r11, [r6, #24]",
@@ -146,7 +144,7 @@ impl Run {
                 "ble 2b",
                 "cmp r9, #3",
                 "beq 4f",
-                // One or two outputs are left: steps back, and computes the last three of the row together.
+                // One or two outputs are left: goes back, and computes the last three of the row together.
                 "ldrd r7, lr, [r6]",
                 "sub r7, r7, r9, lsl #2",
                 "str r7, [r6]",

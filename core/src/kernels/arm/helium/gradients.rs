@@ -5,11 +5,10 @@ use crate::kernels::plain::gradients::DIRECTIONS;
 use core::arch::asm;
 use core::mem::MaybeUninit;
 
-/// Cells at a time.
 const LANES: usize = 4;
-/// Sectors between two directions, with the mirrored ones.
+/// Sectors between two directions, including the mirrored ones.
 const SECTORS: usize = 10;
-/// For the assembly, which knows the offsets.
+/// Lookup tables of the assembly, which depends on their offsets.
 #[repr(C, align(4))]
 struct Tables([u8; 256], [[u8; 16]; 6]);
 static TABLES: Tables = Tables(
@@ -21,16 +20,15 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // The sum of the indices of a sector and of its mirrored sector: less one of them, it is the other. Then the
-        // offset of each pixel in `Memory::pixels`.
+        // The sum of the indices of a sector and its mirror image: minus one index, it is the other. Then the offset of
+        // each pixel in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
 );
-/// Factors for the sum of each direction, in the order 5 to 8, then 0 to 4. A sum takes two neighbouring entries of
-/// `Memory::sectors`. Each entry has two factors: of the packed number |y| + 65,536 |x|, and of |x|.
+/// Factors of the vote for each direction, in the order 5 to 8, then 0 to 4. A vote takes two neighbouring entries of
+/// `Memory::sectors`, with two factors each: of the packed number |y| + 65,536 |x|, and of |x|.
 static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
-    /// The factors of a distance beyond a direction, or short of it.
     const fn distance(beyond: bool, (cos, sin): (i32, i32)) -> [i32; 2] {
         if beyond { [cos, -sin - (cos << 16)] } else { [-cos, sin + (cos << 16)] }
     }
@@ -48,15 +46,15 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
     ]
 };
 
-/// Memory of the assembly, which knows the offsets of the fields.
+/// Scratch memory of the assembly, which depends on the offsets of the fields.
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients in a row of pixels. For the first pixel of each cell |y| and |x|, then for each the index of its
-    /// sector; then those of the next pixels.
+    /// Gradients of a row of pixels: |y| and |x| for the first pixel of each of four cells, their sector indices, then
+    /// the same for the next pixels.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
-    /// The sums of |y| and |x| of each cell: those of the mirrored sectors 4 to 0, then of the sectors 0 to 4. So two
-    /// neighbouring sectors share a direction.
+    /// Sums of |y| and |x| of four cells, in the mirrored sectors 4 to 0, then the sectors 0 to 4. So two neighbouring
+    /// sectors share a direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 
@@ -72,15 +70,15 @@ const fn largest_beyond((cos, sin): (i32, i32)) -> [u8; 256] {
     largest
 }
 
-/// Adds 4 to the index (q1), which is one sector, where |x| (q0) is at most `$most`.
+/// Adds 4 (one sector) to the index in q1 where |x| (q0) is at most `$most`, that is, beyond a direction.
 macro_rules! beyond {
     ($most:literal) => {
         concat!("vpt.u8 cs, ", $most, ", q0\nvaddt.i8 q1, q1, r8\n")
     };
 }
 
-/// Adds the gradient of one pixel in each of four cells, q1, to the sectors at an index. Loads the gradients `at`, and
-/// their index.
+/// Adds q1, the gradients of one pixel in each of four cells, to the sectors at `$index`. Loads the gradients at `$at`,
+/// and the index `$next` after them.
 macro_rules! add {
     ($index:literal, $next:literal, $at:literal) => {
         concat!(
@@ -93,8 +91,8 @@ macro_rules! add {
     };
 }
 
-/// Computes sums and energies as the plain loop does, four cells at a time. It may write up to three cells beyond
-/// `across`, for which lines and rows have room. It leaves out cells for which they have none.
+/// Computes channel sums and energies as the plain loop does, four cells at a time. May write up to three cells beyond
+/// `across`, if the slices have room, and leaves out cells without room.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -124,10 +122,9 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "add r11, r1, #64",
                 "dls lr, r8",
                 "2:",
-                // The gradients of 16 pixels, and the index of their sector. r10 points to the pixel above the first
-                // one and becomes that pixel's place, r5 is one row further down. A gradient is beyond direction 1, 3
-                // or 4 if |x| is at most a number that these products give for each |y|. Loads stand between sums: the
-                // processor does both at once.
+                // The gradients of 16 pixels, and the indices of their sectors. r10 begins one row above the pixels and
+                // moves to them, r5 is one row below. A gradient is beyond direction 1, 3 or 4 if |x| is at most a
+                // multiple of |y|. Loads alternate with arithmetic, because the processor does both at once.
                 "vldrb.u8 q2, [r10]",
                 "add r10, r10, #{line}",
                 "add r5, r10, #{line}",
@@ -183,8 +180,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 "vadd.i16 q6, q6, q1",
                 "vstrh.32 q6, [r0]",
                 "sub r0, r0, #4 * {row}",
-                // Sector 4 and its mirror image lie between the directions 4 and 5. In both sums their |y| are added and
-                // their |x| subtracted. So both entries become (|y| + mirrored |y|, |x| - mirrored |x|).
+                // Sector 4 and its mirror image lie between the directions 4 and 5. Both votes add their |y| and
+                // subtract their |x|. So both entries become (|y| + mirrored |y|, |x| - mirrored |x|).
                 "vldrw.u32 q0, [r11]",
                 "vldrw.u32 q1, [r11, #144]",
                 "mvn r2, #0",
@@ -291,12 +288,12 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Replaces the energies of columns by `of` the norms of cells, as the plain loop does.
+/// Replaces the energies of columns by `of(norm)` for each cell, as the plain loop does.
 ///
 /// For n cells and an energy below 2^29, the product with 2^32 / n, rounded up, gives the exact mean. For x = number *
-/// 4^h / 2^32, from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 4 %. Each Newton step computes
-/// y (x y^2 - 3) / 2, the better y with the opposite sign, so two steps restore the sign. y ends a little too small, and
-/// the root is right or too small by 1.
+/// 4^h / 2^32, from 1/4 to 1, y = 1 / sqrt(x) begins as a polynomial, within 4 %. Each Newton step computes y (x y^2 -
+/// 3) / 2, the better y with the opposite sign, so two steps restore the sign. y ends a little too small, and the root
+/// is right or too small by 1.
 #[inline(always)]
 pub(crate) fn norms(columns: &mut [u32], rows: u32, of: impl Fn(u32) -> u32) {
     let per = |cells: u32| u32::MAX / cells.max(1) + 1;

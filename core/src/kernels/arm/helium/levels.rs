@@ -1,4 +1,4 @@
-//! Gray levels of a row by Helium: summed and replaced 16 pixels at a time, sampled four columns at a time.
+//! Gray levels of a row by Helium: 16 pixels or four bilinear samples at a time.
 
 use crate::kernels::plain::levels::{MixedRow, Parts};
 use core::arch::asm;
@@ -61,7 +61,7 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest.to_le_bytes()[0]
 }
 
-/// See `plain::mix`.
+/// Samples columns as `plain::levels::mix` does.
 ///
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).

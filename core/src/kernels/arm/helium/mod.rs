@@ -11,7 +11,7 @@ pub(crate) mod weights;
 
 use crate::kernels::rows::Rows;
 
-/// True: it is compiled only for processors that have it.
+/// Returns true: this module is compiled only for processors with Helium.
 pub(crate) const fn is_available() -> bool {
     true
 }
@@ -19,11 +19,10 @@ pub(crate) const fn is_available() -> bool {
 /// Pixels in a vector.
 const LANES: usize = 16;
 
-/// The offsets of a channel in eight neighbouring cells.
+/// Byte offsets of a channel in eight neighbouring cells.
 static CELLS: [u16; 8] = [0, 10, 20, 30, 40, 50, 60, 70];
 
-/// Bytes from the end of the last vector of a row to the next row, in the patch and in the template. A vector has
-/// `lanes` pixels.
+/// Bytes from the end of a row's last vector of `lanes` pixels to the next row, in the patch and in the template.
 #[inline(always)]
 fn strides(pair: &Rows, lanes: usize) -> [usize; 2] {
     let read = pair.width.next_multiple_of(lanes);

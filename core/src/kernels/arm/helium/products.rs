@@ -1,8 +1,7 @@
 //! Sums of products by Helium: eight products in one instruction.
 //!
 //! - Responses: `vmladava` adds the products of two vectors to a register. Up to seven neighbouring offsets share the
-//!   loaded weights. In a loop from `dlstp` to `letp` the last round uses only one lane for each weight left: nothing
-//!   else is read.
+//!   loaded weights. In a loop from `dlstp` to `letp` the last round uses and loads one lane for each remaining weight.
 //! - Gradient: the features of a channel are copied side by side. The gradient of its weights is then the response to a
 //!   filter of errors, at the offset of each weight.
 
@@ -60,17 +59,17 @@ pub(crate) fn responses<const N: usize>(
     }
 }
 
-/// The rows of a filter. The assembly reads this.
+/// Row sizes of a filter, which the assembly reads.
 #[repr(C)]
 struct Rows {
     width: usize,
-    /// Bytes from the end of the loop over a row to the next row of cells.
+    /// Bytes from the end of the loop over a row to the next row.
     cells: usize,
     weights: usize,
 }
 
 /// Defines a function for the sums at neighbouring offsets, `APART` bytes apart: the first sum in r0, the others in the
-/// registers given. `asm!` may not name r6, so the lines that use it are arguments of their own.
+/// given registers. `asm!` may not name r6, so the lines that use it are separate arguments.
 macro_rules! sums {
     (
         $name:ident: $sums:expr;
@@ -169,9 +168,9 @@ macro_rules! eight {
 }
 
 impl Rows {
-    /// As [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. The rows of errors are `N` numbers
-    /// apart, those of the bytes `apart`. A row of 9 or 17 errors is one or two vectors and one error more. The last
-    /// errors of all rows are taken together as a column, which fills lanes better.
+    /// [`Rows::seven`], or [`Rows::six`] if `SEVEN` is 0, for a square of errors. Rows of errors are `N` numbers apart,
+    /// rows of bytes `apart`. A row of 9 or 17 errors is one or two vectors and one more error. The last errors of all
+    /// rows are processed as a column, which fills lanes better.
     ///
     /// # Safety
     /// All these errors can be read, and the bytes under them at seven offsets. Seven sums can be written.
@@ -289,10 +288,10 @@ impl Rows {
 }
 
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
-/// The pieces of [`gather`] are the channels.
+/// Number of pieces of work of [`gather`]: the channels.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
-/// See [`plain::gather`]. A piece is a channel. `spare` holds its sums.
+/// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel, with its sums in `spare`.
 pub(crate) fn gather<const N: usize>(
     pieces: Range<usize>,
     room: &mut Packed,
@@ -315,7 +314,7 @@ pub(crate) fn gather<const N: usize>(
     };
     let read = span.next_multiple_of(8);
     let rows = Rows { width: span, cells: width.wrapping_sub(read), weights: N.wrapping_sub(read).wrapping_mul(2) };
-    // Chooses six or seven sums, whichever takes fewer instructions: a block of seven sums costs 9/8 of a block of six.
+    // Six or seven sums, whichever takes fewer instructions: a block of seven costs 9/8 of a block of six.
     let across = row / STEP;
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in pieces.start..pieces.end.min(STEP) {

@@ -2,10 +2,9 @@
 //!
 //! - `vldrh` with a vector of offsets loads an entry of the table for each lane.
 //! - `vabav` adds the absolute differences of two vectors to a register.
-//! - `vpt` compares. The instructions after it work only in the lanes where the comparison holds, or only in the
-//! others.
-//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses one lane for each pixel left, so
-//! nothing else is read or written.
+//! - `vpt` compares. The instructions after it work only in the lanes where the comparison holds, or does not hold.
+//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses, loads and stores one lane for each
+//!   remaining pixel.
 //!
 //! There are no intrinsics, so these are `asm!`.
 
@@ -73,7 +72,7 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// The distance. Stops once it is more than enough.
+/// The sum of absolute differences. Stops once it exceeds `enough`.
 #[inline(always)]
 fn distance(pair: &Rows, enough: u32) -> u32 {
     let mut sum = 0;
@@ -128,11 +127,10 @@ macro_rules! of_four {
     };
 }
 
-/// Computes the ranges of 4x4 blocks, widened by `margin` on both sides: their lower ends, and their lengths.
+/// Computes the lower ends and the lengths of the ranges of 4x4 blocks, widened by `margin` on both sides.
 ///
-/// For each column it takes the least and the most of four rows, then of each four columns. A lane takes the columns
-/// before its own, so a vector gives the blocks that begin three columns earlier. The first vector has three lanes too
-/// many, which are not stored.
+/// Takes the minimum and maximum of four rows in each column, then of four columns: a lane and the three before it. So
+/// a vector has the blocks that begin three columns earlier, and the first vector has three lanes that are not stored.
 fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
     let columns = blocks(rows, low, span);
     if columns == 0 {

@@ -1,11 +1,11 @@
-//! Weights of a filter by Helium: four at a time, or eight. The plain loops are in `plain/weights.rs`.
+//! Weights of a filter by Helium, four at a time. The plain loops are in `plain/weights.rs`.
 //!
-//! In a loop from `dlstp` to `letp` the last round uses one lane for each number left.
+//! In a loop from `dlstp` to `letp` the last round uses one lane for each remaining number.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
 
-/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`.
+/// The largest absolute value of `weight * factor / 2^32 + (sum << left)`, rounded toward zero.
 pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> u32 {
     let Ok(factor) = i32::try_from(factor) else { return plain::largest(weights, factor, sums, left) };
     let count = weights.len().min(sums.len());
@@ -44,7 +44,7 @@ pub(crate) fn largest(weights: &[i32], factor: i64, sums: &[i32], left: u32) -> 
     largest
 }
 
-/// Codes each number `weight * factor / 2^32 + (sum << left)`: divides it by `2^shift` and rounds.
+/// Quantises each `weight * factor / 2^32 + (sum << left)`: divides by `2^shift` and rounds.
 pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift: u32, out: &mut [i16]) {
     let Ok(factor) = i32::try_from(factor) else { return plain::code(weights, factor, sums, left, shift, out) };
     let count = weights.len().min(sums.len()).min(out.len());
@@ -78,11 +78,11 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would leave the range of an `i32`
-/// stays. If this loop cannot take these numbers, the plain loop runs.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`. The plain loop
+/// runs outside of the limits below.
 ///
-/// The product of a slope and the length is computed in three products, one for each 16 bits of the length. The bits of
-/// a product above the lowest 16 are added to the next product.
+/// A slope times the length takes three products, one for each 16 bits of the length. The bits of a product above the
+/// lowest 16 are added to the next one.
 ///
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).
