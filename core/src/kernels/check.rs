@@ -57,7 +57,6 @@ pub fn all(backend: Backend, areas: &mut Areas<'_>) {
     native(areas);
 }
 
-/// Compares the kernels that are selected at compile time (`native.rs`).
 #[inline(never)]
 pub(super) fn native(areas: &mut Areas<'_>) {
     weights();
@@ -89,8 +88,7 @@ impl Noise {
     }
 }
 
-/// Fills the areas with noise. Bytes at the same index in two areas are similar, so that differences lie on both sides
-/// of any threshold.
+/// Fills the areas with noise, similar at the same index, so that differences lie on both sides of any threshold.
 fn fill(areas: &mut Areas<'_>) {
     let mut noise = Noise(1);
     for ((first, second), third) in areas.end.iter_mut().zip(&mut *areas.other_end).zip(&mut *areas.start) {
@@ -214,7 +212,6 @@ fn pair(backend: Backend, patch: Image<'_>, template: Image<'_>, threshold: u16)
     }
 }
 
-/// Compares scores of templates that lie partly on the zero padding around the frame.
 fn padding(backend: Backend, areas: &Areas<'_>) {
     for (width, height) in [(1, 1), (3, 5), (40, 9), (64, 2), (65, 3), (150, 4)] {
         let template = picture(areas.end, true, (width, height), usize::from(width) + 1);
@@ -606,7 +603,6 @@ fn scaled(numbers: ScaledSums<'_>) {
     }
 }
 
-/// Compares the bilinear sampling of a row with the formula.
 fn columns() {
     let mut noise = Noise(11);
     let mut places = [(0, 0); 40];
@@ -634,7 +630,6 @@ fn columns() {
     }
 }
 
-/// Compares the channel sums, energies and features of cells with the plain loops.
 fn cells() {
     /// Cells in the longest row of the robust tracker.
     const ROW: usize = 48;
@@ -679,7 +674,6 @@ fn norms_of_rows() {
     }
 }
 
-/// Compares `deviation` and `replace` with the formulas.
 fn gray_levels(areas: &mut Areas<'_>) {
     fill(areas);
     for (length, level) in (0..=300).chain([1024, 4099, 65_535]).zip([0, 255, 1, 100, 254].into_iter().cycle()) {

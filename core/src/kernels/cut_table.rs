@@ -10,8 +10,7 @@ pub(crate) const ONE: u16 = u16::MAX;
 /// The most pixels whose similarities a `u32` can sum: 65537.
 pub(crate) const MAX_PIXELS: usize = u32::MAX as usize / ONE as usize;
 
-/// Number of entries. Without vectors an absolute value costs more than the difference, so there the table is indexed
-/// by signed differences, -255 to 255.
+/// Number of entries. Without vectors, an index by the signed difference costs less than an absolute value.
 const ENTRIES: usize = if cfg!(smr_swar) { 511 } else { 256 };
 
 /// Similarities by gray-level difference, 0 from a threshold on (step 2 of the method), so that kernels need no
@@ -29,7 +28,6 @@ pub struct CutTable {
 }
 
 impl CutTable {
-    /// The table for the threshold 0: all entries are 0.
     pub(crate) const EMPTY: Self = Self {
         entries: [0; ENTRIES],
         threshold: 0,

@@ -1,7 +1,7 @@
 //! The score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait.
 //!
-//! An instruction set's file defines its vector ([`Vector`], and [`Neighbours`] for ranges) and its table lookup
-//! ([`LookUp`]). `scores!` compiles the loops for it.
+//! The file of an instruction set defines [`Vector`], [`Neighbours`] and [`LookUp`]. `scores!` compiles the loops for
+//! it.
 //!
 //! The score of a patch f and a template g ([`sum_at_least`]):
 //!
@@ -29,21 +29,18 @@
 //! 1. **Low and high bytes apart.** Entries have 16 bits, but a lookup gives one byte for each lane. Both byte planes
 //!    have their own totals, which are joined once, at the end. No lane of a total overflows ([`Vector::Total`]).
 //! 2. **No comparison with the threshold.** The entries from the threshold on are 0, so the lookup does it.
-//! 3. **Two sets of totals in the score**, for even and for odd rows, so that the additions of a row need not wait for
-//!    those of the row before.
+//! 3. **Two sets of totals in the score**, for even and odd rows, so that additions need not wait for the row before.
 //! 4. **A check every 8 rows** ([`ROWS_A_LOOK`]). It adds the lanes of the totals, which is too slow for each row. The
 //!    score skips the check while the remaining rows alone could reach the floor.
 //! 5. **Counts in bytes.** A comparison gives 255, which is -1, in each lane where it holds, so one subtraction counts.
 //!    A lane holds at most 255, so [`Count::flush`] empties the lanes: after 8 rows of up to two vectors and an end,
 //!    else after each row and after 128 vectors.
 //! 6. **A range in one comparison.** low <= g <= high takes one subtraction and one comparison ([`widen`], [`around`]).
-//! 7. **The width as a constant.** Common widths up to two vectors get loops of their own, in which the number of
-//!    vectors (`WHOLE`) and whether an end follows (`END`) are constants (`by_width!`). Where code must be small, only
-//!    rows shorter than a vector do.
+//! 7. **The width as a constant.** Rows of up to two vectors get loops in which the number of vectors (`WHOLE`) and
+//!    whether an end follows (`END`) are constants (`by_width!`). Where code must be small, only short rows do.
 //! 8. **No byte beyond a row is read.** The end of a row is loaded as the last vector that fits; lanes that overlap the
 //!    vector before are masked. Rows narrower than a vector are copied ([`last`]) or loaded in parts (x86-64).
-//! 9. **The last vector of ranges overlaps.** [`spread`] and [`ranges_of_rows`] store the same values again, so they
-//!    need no loop for remaining ranges.
+//! 9. **The last vector of ranges overlaps the one before** ([`spread`], [`ranges_of_rows`]), with the same values.
 //! 10. **No closures.** A closure is a function of its own, without the `#[target_feature]` that it needs.
 //!
 //! Each `unsafe` function requires that the processor has the instruction set of its vector, and that the pictures of
@@ -71,8 +68,7 @@ pub(crate) trait Vector: Copy {
     /// Loads bytes from any address.
     unsafe fn load(from: *const u8) -> Self;
     unsafe fn nothing() -> Self::Total;
-    /// Mask of the end of a row, the pixels after its last whole vector: 255 in the lanes that hold them. `WHOLE` is 0
-    /// if the row is narrower than a vector.
+    /// Mask (255) of the end of a row: the pixels after the last whole vector. `WHOLE` is 0 if there is none.
     unsafe fn end<const WHOLE: usize>(width: usize) -> Self;
     /// Loads the end of the row that begins at `row`. Lanes outside the mask [`Vector::end`] may hold anything.
     unsafe fn load_end<const WHOLE: usize>(row: *const u8, width: usize) -> Self;
@@ -91,9 +87,7 @@ pub(crate) trait Vector: Copy {
         Self::or(Self::beyond(f, g), Self::beyond(g, f))
     }
 
-    /// Adds all bytes to the total.
     fn add(total: Self::Total, bytes: Self) -> Self::Total;
-    /// Adds |f - g| of all lanes to the total.
     fn add_distance(total: Self::Total, f: Self, g: Self) -> Self::Total;
     fn plus(a: Self::Total, b: Self::Total) -> Self::Total;
     fn times_256(total: Self::Total) -> Self::Total;
@@ -146,12 +140,10 @@ macro_rules! intrinsics {
     };
 }
 
-/// Value of `WHOLE` for any number of whole vectors in a row from one on. Other values are the number itself. `END` is
-/// true if pixels follow the whole vectors.
+/// Value of `WHOLE` for any number of whole vectors from one on. `END` is true if pixels follow the whole vectors.
 pub(crate) const ANY: usize = usize::MAX;
 
-/// Evaluates `$call` with the constants `WHOLE` and `END` of a row of `$width` pixels. Common widths get a loop of
-/// their own, except where code must be small.
+/// Evaluates `$call` with the constants `WHOLE` and `END` for rows of `$width` pixels: reason 7 at the top.
 macro_rules! by_width {
     ($width:expr, $vector:ty, $call:expr) => {{
         use $crate::kernels::generic::{ANY, Vector};
@@ -175,8 +167,7 @@ macro_rules! by_width {
     }};
 }
 
-/// Table entries below the threshold in two byte planes (low and high bytes), in segments that one instruction looks
-/// up.
+/// Table entries below the threshold as two byte planes (low, high), in segments that one instruction looks up.
 pub(crate) struct Lookup<V, const SEGMENT: usize, const SEGMENTS: usize> {
     pub(crate) low: [[u8; SEGMENT]; SEGMENTS],
     pub(crate) high: [[u8; SEGMENT]; SEGMENTS],
@@ -374,8 +365,6 @@ pub(crate) unsafe fn sum_at_least<L: LookUp, const WHOLE: usize, const END: bool
     }
 }
 
-/// Adds the similarities of row `y` to the totals.
-///
 /// # Safety
 /// The row exists, and `end` was made for its width.
 #[inline(always)]
@@ -446,8 +435,6 @@ pub(crate) unsafe fn inside_at_least<V: Vector, const WHOLE: usize, const END: b
     }
 }
 
-/// Counts the pixels of row `y` that are outside their ranges.
-///
 /// # Safety
 /// The row exists, and `end` was made for its width.
 #[inline(always)]
@@ -481,9 +468,8 @@ unsafe fn count_outside<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Bit mask of the offsets, of four neighbours, whose score may reach `floor`: see
-/// [`Scores::candidates`](super::scores::Scores::candidates). Counts the pixels beyond the threshold at each offset. A
-/// vector of the template is loaded and turned into ranges once for all four.
+/// Bit mask of the offsets, of four neighbours, whose score may reach `floor`. Counts the pixels beyond the threshold
+/// at each offset. Vectors of the template are loaded and turned into ranges once for all four.
 ///
 /// # Safety
 /// The patch has three more columns than the template.
@@ -525,8 +511,7 @@ unsafe fn count_of_four<V: Neighbours, const WHOLE: usize, const END: bool>(
     last: V,
     counts: &mut [Count<V>; 4],
 ) {
-    // SAFETY: the row exists. In the template no vector ends beyond the width, in the patch at most three
-    // columns beyond it.
+    // SAFETY: the row exists. No vector ends beyond the width, or in the patch three columns further.
     unsafe {
         let (f, g) = rows.row(y);
         let mut at = 0;
@@ -631,8 +616,6 @@ pub(crate) unsafe fn distance<V: Vector, const WHOLE: usize, const END: bool>(ro
     }
 }
 
-/// Adds the absolute differences of row `y` to `sum`.
-///
 /// # Safety
 /// The row exists, and `end` was made for its width.
 #[inline(always)]
@@ -659,8 +642,7 @@ unsafe fn add_row_distance<V: Vector, const WHOLE: usize, const END: bool>(
     }
 }
 
-/// Vector version of [`plain::scores::spread`](crate::kernels::plain::scores::spread): lowest and highest pixel of 4x4
-/// blocks. Returns false, and does nothing, if there are fewer blocks than lanes.
+/// Lowest and highest pixel of 4x4 blocks. Returns false, and does nothing, if there are fewer blocks than lanes.
 #[inline(always)]
 pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) -> bool {
     let columns = rows.iter().map(|row| row.len().saturating_sub(3)).min().unwrap_or(0).min(low.len()).min(high.len());
@@ -680,8 +662,7 @@ pub(crate) unsafe fn spread<V: Neighbours>(rows: &[&[u8]; 4], low: &mut [u8], hi
             // The last three lanes are incomplete. The next round computes them again.
             at += V::LANES - 3;
         }
-        // Overlaps the vector before it, with the same values. It takes three more loads a row, because no vector fits
-        // to its right.
+        // Overlaps the vector before it, with the same values. Loads each row four times: no vector fits to its right.
         let (mut lowest, mut highest) = (V::splat(u8::MAX), V::splat(0));
         for column in 0..4 {
             let ranges = column_ranges::<V>(&rows, last + column);
@@ -722,12 +703,11 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
     }
 }
 
-/// Computes rows of ranges, as [`widen`] encodes them: see
-/// [`Scores::ranges_of_rows`](super::scores::Scores::ranges_of_rows). Returns false, and does nothing, if a row has
-/// fewer ranges than lanes, or if `to` is too small.
+/// Computes rows of ranges, as [`widen`] encodes them. Returns false, and does nothing, if a row has fewer ranges than
+/// lanes, or if `to` is too small.
 ///
-/// Processes strips as wide as a vector from top to bottom. Each row of a strip is read once, and its minima and maxima
-/// of four neighbours are computed once. Those of each pair of rows serve two ranges.
+/// Processes strips as wide as a vector from top to bottom. Each row of a strip is read once. The minima and maxima of
+/// each pair of rows serve two ranges.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,

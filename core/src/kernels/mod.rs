@@ -1,5 +1,4 @@
-//! The inner loops (kernels) of both trackers, in plain Rust and for each instruction set. All `unsafe` code of the
-//! crate is here.
+//! The inner loops (kernels) of both trackers. All `unsafe` code of the crate is here.
 //!
 //! The plain loops in `plain/` are the specification. Every other version returns the same integers; only an upper
 //! bound of a score may be looser. `check.rs` compares them.
@@ -33,17 +32,14 @@
 //! that it does not accelerate. The other kernels are selected at compile time: `native.rs`.
 //!
 //! `generic.rs` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
-//! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly; `arm/scores.rs` calls
-//! the score loops of DSP and Helium. `scores.rs` defines the trait of score kernels, and decides how often a bound is
-//! worth its time. `rows.rs` has the row addresses of two pictures, `three_sums.rs` saves multiplications,
+//! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly. `scores.rs` defines
+//! the trait of score kernels, and `rows.rs` the row addresses of two pictures. `three_sums.rs` saves multiplications,
 //! `unrolling.rs` prevents unrolling.
 //!
-//! `swar/` computes on words in ordinary registers. Armv6-M and RV32IMAC cannot load words from unaligned addresses,
-//! and assembling a word from bytes costs more than it saves. So only ranges and bounds use words, of 7 bits of each
-//! pixel. The search aligns ranges to four bytes; words of a pixel row are shifted out of aligned words. Scores,
-//! distances and sums of products process single numbers but share loads: Arm and RV32 score four offsets at once, and
-//! up to nine sums share each factor. On Armv6-M these sums are in the high registers, which support only additions.
-//! `examples/README.md` compares the instruction counts with those of the plain loops.
+//! `swar/` computes on words in ordinary registers. Armv6-M and RV32IMAC load words from aligned addresses only, and
+//! assembling a word from bytes costs more than it saves. So only ranges and bounds use words, of 7 bits of each pixel.
+//! All other kernels process single numbers but share loads: four offsets are scored at once, and up to nine sums share
+//! a factor. `examples/README.md` compares instruction counts with the plain loops.
 //!
 //! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, because only
 //! there it compiles to an instruction. So is a function that would pass numbers through memory, because reading them
@@ -52,9 +48,9 @@
 //!
 //! # Where a weight for each pixel would go
 //!
-//! A kernel would multiply each similarity by a weight, a small integer, before adding it. `plain::scores::pixel` would
-//! specify this; `generic::add_row`, `CutTable::of_pixels` and the loops of `arm/` would follow. The lookup and the
-//! tables would stay. Bounds would take the sum of the weights instead of the number of pixels.
+//! A kernel would multiply each similarity by a weight, a small integer, before adding it: in `plain::scores::pixel`
+//! (the specification), `generic::add_row`, `CutTable::of_pixels` and the loops of `arm/`. Lookups and tables would
+//! stay. Bounds would take the sum of the weights instead of the number of pixels.
 
 #![allow(unsafe_code)] // intrinsics and assembly; each block says why it is sound
 

@@ -11,7 +11,6 @@ use heapless::Vec;
 pub(crate) struct Interpolation<const N: usize> {
     /// Byte offset in the row of each column's left sample.
     from: Vec<u16, N>,
-    /// Weights of each column's left and right sample, 256 in sum.
     parts: Vec<Parts, N>,
 }
 
@@ -64,8 +63,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     native::gradients::gradients(lines, sums, energies, across);
 }
 
-/// Computes the features of a row of cells: each gradient sum times the inverse norm of its cell, and the mean gray
-/// level less 128.
+/// Computes the features of a row of cells: channel sum times inverse norm, and mean gray level less 128.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     debug_assert!(sums.len() == CHANNELS && out.len() <= ROW);
@@ -77,8 +75,7 @@ pub(crate) use super::plain::gradients::norms;
 #[cfg(smr_helium)]
 pub(crate) use native::gradients::norms;
 
-/// Returns the sum of absolute differences of `pixels` from `level`, and the number of clipped pixels (0 or 255). The
-/// sum fits for at most 65537 pixels.
+/// The sum of absolute differences from `level`, and the number of clipped pixels (0 or 255), of up to 65537 pixels.
 #[inline(never)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     debug_assert!(pixels.len() <= MAX_PIXELS);
@@ -92,10 +89,8 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     native::levels::replace(old, new, largest)
 }
 
-/// The values `weight * factor / 2^32 + sum * 2^left`, one for each pair of a weight and a sum. The quotient is rounded
-/// down.
-///
-/// A value is more than -2^31 and less than 2^31. Its product or sum alone may be larger.
+/// The values `weight * factor / 2^32 + sum * 2^left`, with the quotient rounded down. A value is more than -2^31 and
+/// less than 2^31; its product or sum alone may be larger.
 #[derive(Clone, Copy)]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],

@@ -12,7 +12,6 @@ use core::arch::aarch64::*;
 pub(crate) use crate::kernels::plain::dense;
 pub(crate) use crate::kernels::plain::products;
 
-/// Returns true: this module is compiled only for processors with NEON.
 pub(crate) const fn is_available() -> bool {
     true
 }
@@ -53,7 +52,6 @@ impl Neighbours for uint8x16_t {
     }
 }
 
-/// Table entries that one instruction looks up.
 const SEGMENT: usize = 64;
 
 pub(crate) type Lookup = generic::Lookup<uint8x16_t, SEGMENT, 4>;

@@ -1,5 +1,4 @@
-//! Sums of products: responses of a correlation filter, the gradient of its error, and layers of a small network.
-//! Selects the loops of a backend.
+//! Sums of products by a backend: filter responses, the gradient of the filter's error, and layers of a small network.
 //!
 //! The DSP extension multiplies two pairs of numbers in an instruction, Helium and SIMD128 eight or more. Other
 //! processors share loads among several offsets. There, and with the DSP extension, responses and gradients need a
@@ -22,8 +21,7 @@ impl Products {
         Self(backend.or_scalar())
     }
 
-    /// Number of pieces of work that [`Products::responses`] is divided into. It depends on the backend. A piece has at
-    /// most 34 multiplications for each weight.
+    /// Number of pieces of work of [`Products::responses`], with up to 34 multiplications for each weight in a piece.
     pub(crate) fn pieces(self, layout: Layout, weights: usize) -> usize {
         if self.takes_rows_of_cells() { layout.rows(weights).div_ceil(2) } else { layout.span }
     }
@@ -51,7 +49,6 @@ impl Products {
         })
     }
 
-    /// Number of pieces of work of [`Products::gather`].
     pub(crate) fn gather_pieces(self, layout: Layout, weights: usize) -> usize {
         by_backend!(self.0, set => set::products::GATHER_PIECES.unwrap_or_else(|| self.pieces(layout, weights)))
     }
@@ -79,10 +76,9 @@ impl Products {
         }
     }
 
-    /// Adds the gradient of the filter's error for some pieces of work, as
-    /// [`plain::gather`](super::plain::products::gather) specifies. Pieces must follow in order, with `room` and
-    /// `spare` (scratch memory) unchanged in between. If `spare` is shorter than the cells of the filter and seven
-    /// more, a slower loop may run.
+    /// Adds the gradient of the filter's error, as [`plain::gather`](super::plain::products::gather) specifies. For
+    /// pieces and scratch memory see [`Products::responses`]. If `spare` is shorter than the cells of the filter and
+    /// seven more, a slower loop may run.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(
@@ -116,7 +112,6 @@ pub(crate) struct Dense(Backend);
 
 #[cfg(feature = "refiner")]
 impl Dense {
-    /// Selects `backend`, or the plain loop if the machine does not support it.
     pub(crate) fn new(backend: Backend) -> Self {
         Self(backend.or_scalar())
     }

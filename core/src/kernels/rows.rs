@@ -4,8 +4,7 @@ use super::cut_table::ONE;
 use super::scores::Blocks;
 use crate::image::Image;
 
-/// Rows of a patch and a template, cropped to their common top left part. Two pictures that bound a patch may replace
-/// it.
+/// Rows of a patch (or of two pictures that bound it) and a template, cropped to their common top left part.
 ///
 /// [`Image::rows`] checks the end of the slice in every row. For a row that fits in one register, the check costs as
 /// much as the row itself. So this holds addresses: a kernel may read `width` bytes of each row and no more.

@@ -115,8 +115,8 @@ impl<'a> Scorer<'a> {
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
     /// Bit mask of the offsets whose score may reach `floor`, among the `wanted` of four neighbours; see
-    /// [`Scores::candidates`]. Returns `wanted` if the template is too large for a score, or the patch does not cover
-    /// it at all four offsets.
+    /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small for the four
+    /// offsets.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();
@@ -126,9 +126,8 @@ impl<'a> Scorer<'a> {
         by_backend!(&self.ready, Ready(kernels) => kernels.candidates(patch, template, floor, wanted))
     }
 
-    /// Computes the ranges of pixels in 4x4 blocks for [`Scorer::bound`], as the backend encodes them. `low` and `high`
-    /// begin at multiples of four bytes, and their length is a multiple of four. The rows have three more pixels than
-    /// there are blocks.
+    /// Computes pixel ranges of 4x4 blocks for [`Scorer::bound`], as the backend encodes them. `low` and `high` begin
+    /// and end at multiples of four bytes. The rows have three more pixels than there are blocks.
     #[inline(always)]
     pub(crate) fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
         debug_assert!(low.len() == high.len() && low.len().is_multiple_of(4));
@@ -143,8 +142,7 @@ impl<'a> Scorer<'a> {
         all(target_arch = "wasm32", target_feature = "simd128")
     ));
 
-    /// Computes the ranges of the 4x4 blocks that begin in every `step`th row of `pixels`; see
-    /// [`Scores::ranges_of_rows`].
+    /// Computes the ranges of the 4x4 blocks in every `step`th row of `pixels`; see [`Scores::ranges_of_rows`].
     #[inline(always)]
     pub(crate) fn ranges_of_rows(&self, pixels: Image<'_>, step: usize, mut to: RowsOfRanges<'_>) -> bool {
         by_backend!(&self.ready, Ready(kernels) => kernels.ranges_of_rows(pixels, step, &mut to))
@@ -194,7 +192,6 @@ impl<'a> Scorer<'a> {
     }
 }
 
-/// A row of the zero padding around the frame.
 #[cfg(not(smr_swar))]
 static BLACK: [u8; BLACK_PIXELS as usize] = [0; BLACK_PIXELS as usize];
 #[cfg(not(smr_swar))]

@@ -6,8 +6,7 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 /// Bit mask of all four neighbouring offsets of [`Scores::candidates`].
 pub(crate) const ALL_FOUR: u8 = 0b1111;
 
-/// Output of [`Scores::ranges_of_rows`]: the lowest and the highest pixel of each 4x4 block, as the backend encodes
-/// them.
+/// Output of [`Scores::ranges_of_rows`]: lowest and highest pixel of 4x4 blocks, as the backend encodes them.
 #[cfg_attr(any(smr_dsp, smr_helium, smr_swar), allow(dead_code))] // for backends that use vectors
 pub(crate) struct RowsOfRanges<'a> {
     pub(crate) low: &'a mut [u8],
@@ -38,8 +37,7 @@ impl<'a> Blocks<'a> {
 
 /// The similarity kernels. Their implementation in `plain/scores.rs` is the specification.
 pub(crate) trait Scores {
-    /// The score without a floor. A separate method, so that a program that never uses a floor does not link the
-    /// bounds.
+    /// The score without a floor. Separate, so that a program that never uses a floor does not link the bounds.
     #[inline(always)]
     fn score(&self, patch: Image<'_>, template: Image<'_>) -> u32 {
         self.score_at_least(patch, template, 0).unwrap_or(0)
@@ -57,8 +55,7 @@ pub(crate) trait Scores {
 
     fn distance(&self, patch: Image<'_>, template: Image<'_>, enough: u32) -> u32;
 
-    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scores::bound`]. A backend may encode them in its
-    /// own form.
+    /// Computes the lowest and the highest pixel of 4x4 blocks for [`Scores::bound`], as the backend encodes them.
     fn ranges(&self, rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]);
 
     /// Computes the ranges of the 4x4 blocks that begin in every `step`th row of `pixels`. Returns false, and does
@@ -73,9 +70,8 @@ pub(crate) trait Scores {
     fn bound(&self, blocks: &Blocks<'_>, template: Image<'_>, floor: u32) -> Option<u32>;
 }
 
-/// Decides how often a bound is computed. While it excludes no offset, it is computed less and less often, at last one
-/// time in 64. So a useless bound costs 1/64 of its time. The fields are atomic, so that a scorer can be shared. No
-/// result depends on them.
+/// Decides how often a bound is computed: less and less often while it excludes no offset, at last one time in 64, so
+/// that a useless bound costs little. Atomic, so that a scorer can be shared. No result depends on it.
 #[allow(dead_code)] // not every target has a backend that bounds four offsets
 pub(crate) struct Effort {
     /// Number of next calls that skip the bound.
@@ -89,7 +85,6 @@ impl Effort {
     #[allow(clippy::declare_interior_mutable_const)] // each use is a new one
     pub(crate) const NEW: Self = Self { without: AtomicU8::new(0), in_vain: AtomicU8::new(0) };
 
-    /// True if the bound should be computed this time.
     #[inline(always)]
     pub(crate) fn is_worth_it(&self) -> bool {
         let left = self.without.load(Relaxed).checked_sub(1);

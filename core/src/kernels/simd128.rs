@@ -13,7 +13,6 @@ use core::arch::wasm32::*;
 #[cfg(feature = "refiner")]
 pub(crate) use crate::kernels::plain::dense;
 
-/// Returns true: this module is compiled only for runtimes with SIMD128.
 pub(crate) const fn is_available() -> bool {
     true
 }
@@ -72,7 +71,6 @@ fn further<const BY: i32>(bytes: v128) -> v128 {
     }
 }
 
-/// Table entries that one swizzle looks up.
 const SEGMENT: usize = 16;
 
 /// Value of `SEGMENTS` for any number of segments from two on. They share a loop, because separate ones would make the

@@ -106,8 +106,7 @@ fn means_are_exact() {
     }
 }
 
-/// Defines a module of tests for each backend. If the machine does not support a backend, its tests report that they
-/// are skipped.
+/// Defines a module of tests for each backend. Without support by the machine, a test reports that it is skipped.
 macro_rules! for_each_backend {
     ($($module:ident: $backend:ident),*; $tests:tt) => {$(
         mod $module {

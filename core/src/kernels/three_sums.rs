@@ -25,7 +25,6 @@ pub(crate) const BOTH: usize = 1;
 /// Sizes for partial sums, which take the rows of a filter and of offsets in pairs.
 #[derive(Clone, Copy)]
 pub(crate) struct Pairs {
-    /// Rows of the filter.
     down: usize,
     span: usize,
 }
@@ -35,8 +34,7 @@ pub(crate) trait Rows {
     /// Selects the cells to multiply: row `first`, minus row `second` if there is one.
     fn take(&mut self, first: usize, second: Option<usize>);
 
-    /// Adds the products of the selected cells with row `number` of factors (see [`Pairs::factors`]) to `sums`, one sum
-    /// for each horizontal offset.
+    /// Adds the products of the selected cells with row `number` of [`Pairs::factors`], for each horizontal offset.
     fn add(&mut self, number: usize, sums: &mut [i32]);
 }
 
@@ -51,7 +49,6 @@ pub(crate) struct Slide<T> {
 }
 
 impl Pairs {
-    /// Sizes for a filter of `down` rows at `span` vertical offsets.
     pub(crate) fn new(down: usize, span: usize) -> Self {
         Self { down, span }
     }
@@ -68,7 +65,6 @@ impl Pairs {
         (first, Some(first + 1).filter(|&row| sum == BOTH && row < self.down))
     }
 
-    /// Number of rows of sums `both`, which the caller stores.
     pub(crate) fn both(self) -> usize {
         self.offsets_of(BOTH)
     }
@@ -84,8 +80,7 @@ impl Pairs {
         half(self.span, sum)
     }
 
-    /// Computes the filter responses for some parts of the cells, two rows each. The caller leaves `both` unchanged
-    /// between parts.
+    /// Computes the filter responses for some parts (two rows of cells each), with `both` unchanged in between.
     #[inline(always)]
     pub(crate) fn responses<const N: usize>(
         self,

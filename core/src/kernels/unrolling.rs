@@ -14,8 +14,7 @@ pub(crate) fn rolled<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> 
     })
 }
 
-/// Like [`rolled`] on targets with a faster loop, where the plain loop hardly ever runs. On other targets the compiler
-/// may unroll it.
+/// Like [`rolled`], but only on targets with a faster loop, where the plain loop hardly ever runs.
 #[inline(always)]
 pub(crate) fn rolled_if_spare<I: Iterator>(iterator: I) -> impl Iterator<Item = I::Item> {
     iterator.inspect(|_| {

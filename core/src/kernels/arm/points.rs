@@ -15,10 +15,9 @@ pub(crate) struct Points {
     pub(super) largest: u8,
     /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
     rate: u32,
-    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold.
-    ///
-    /// It is computed from all d, so it holds for any table. For exp the largest d decides: its chord from p(0) is the
-    /// flattest. It is stored, because every bound needs it and division is slow.
+    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold. Computed from
+    /// all d, so it holds for any table; for exp the largest d decides, whose chord from p(0) is the flattest. Stored,
+    /// because every bound needs it and division is slow.
     chord: u32,
 }
 

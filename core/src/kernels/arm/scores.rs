@@ -1,5 +1,4 @@
-//! Score kernels of Arm's microcontrollers, common to the DSP extension and Helium. Each defines its loops over pixels
-//! ([`Loops`]).
+//! Score kernels common to the DSP extension and Helium, which each define their loops over pixels ([`Loops`]).
 //!
 //! Both sum bytes fast, but look up a table pixel by pixel. So two bounds, which exclude offsets, only sum bytes:
 //!
@@ -16,8 +15,7 @@ use core::marker::PhantomData;
 
 /// Loops of an instruction set over the pixels of two pictures with at least `NARROWEST` columns.
 pub(crate) trait Loops {
-    /// The fewest columns of the pictures. If it is more than one, the loops need a table in which equal pixels score
-    /// [`ONE`].
+    /// The fewest columns of a picture. If it is more than one, the first entry of the table must be [`ONE`].
     const NARROWEST: usize;
     /// (rows, 256 entries, floor): the score if it is at least `floor`, else any number below it.
     const REACHABLE: unsafe fn(&Rows, *const u16, u32) -> u32;

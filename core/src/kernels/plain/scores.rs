@@ -39,16 +39,13 @@ impl Scores for Plain<'_> {
     }
 }
 
-/// The score, the sum of the similarities of all pairs of pixels, if it is at least `floor`. `None` as soon as the
-/// remaining pixels cannot reach `floor`.
-///
-/// If the sizes of `patch` and `template` differ, their common top left part is compared. The sum is exact for up to
+/// The score if it is at least `floor`; `None` as soon as the remaining pixels cannot reach `floor`. It is the sum of
+/// the similarities of all pairs of pixels in the common top left part, exact for up to
 /// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
-        // The plain loop hardly ever runs on this target, so it shares the code of the bound, which is the score if
-        // lower and upper bound of the patch are equal.
+        // Hardly ever runs on this target, so it shares the code of the bound: with equal bounds, that is the score.
         return score_between_at_least(patch, patch, template, table, floor);
     }
     let mut reachable = most(patch, template);

@@ -42,7 +42,7 @@ fn number(weight: i32, factor: i64, sum: i32) -> i32 {
     ((i64::from(weight).wrapping_mul(factor) >> 32) as i32).wrapping_add(sum)
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight. A weight that would overflow an `i32` stays.
 #[inline(always)]
 pub(crate) fn step(weights: &mut [i32], slopes: &[i16], length: i64, back: u32) {
     rolled_if_spare(weights.iter_mut().zip(slopes))

@@ -1,5 +1,4 @@
-//! Sums of products by SIMD128: an instruction multiplies eight pairs of 16-bit numbers and adds the products two by
-//! two.
+//! Sums of products by SIMD128: an instruction multiplies eight pairs of 16-bit numbers and adds them two by two.
 
 use crate::kernels::layout::{Layout, Packed};
 use crate::kernels::plain::products as plain;
@@ -48,8 +47,7 @@ pub(crate) fn responses<const N: usize>(
         let at = |x: usize| cells.as_ptr().wrapping_add(y * stride + x * step);
         let (groups, rest) = out.as_chunks_mut::<AT_ONCE>();
         for (number, group) in groups.iter_mut().enumerate() {
-            // SAFETY: y and all x of the group are below the span, so the filter lies on the cells, as `fits` has
-            // checked.
+            // SAFETY: y and all x of the group are below the span, where the filter lies on the cells (`fits`).
             *group = unsafe { responses_at(at(number * AT_ONCE), layout, weights) };
         }
         for (response, x) in rest.iter_mut().zip(groups.len() * AT_ONCE..) {

@@ -5,8 +5,6 @@ use crate::kernels::unrolling::rolled;
 
 pub(crate) use crate::kernels::plain::levels::{deviation, replace};
 
-/// Samples columns as `plain::levels::mix` does.
-///
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
 #[inline(never)]

@@ -18,7 +18,6 @@ pub(crate) use crate::kernels::plain::products;
 #[cfg(smr_swar)]
 pub(crate) use crate::kernels::plain::weights;
 
-/// Returns true: every processor has 32-bit registers.
 pub(crate) const fn is_available() -> bool {
     true
 }

@@ -16,9 +16,7 @@ use crate::kernels::unrolling::in_order;
 use crate::kernels::unrolling::rolled;
 use core::ops::Range;
 
-/// True: a piece of work of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// Number of pieces of work of [`gather`]: the channels.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
 const STEP: usize = CHANNELS;
@@ -106,8 +104,7 @@ impl Rows for Differences<'_> {
     }
 }
 
-/// Writes one channel of `width` cells: those from `first`, minus those from `second` if there are any, plus
-/// [`MIDDLE`].
+/// Writes one channel of `width` cells: `first`, minus `second` if there is one, plus [`MIDDLE`].
 ///
 /// # Safety
 /// A byte of each of these cells can be read, and as many numbers written.
@@ -215,8 +212,7 @@ pub(crate) fn gather<const N: usize>(
 }
 
 impl Slide<i16> {
-    /// Adds to `sums[i]` the products of all factors with the numbers from index `i` on, over all rows. `total` is the
-    /// sum of all factors.
+    /// Adds to `sums[i]` the products of all rows of factors with the numbers from `i` on. `total` sums the factors.
     ///
     /// # Safety
     /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. Neither `count` nor
@@ -256,9 +252,9 @@ macro_rules! slide {
             #[inline(never)]
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
-                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Nothing but the sums
-                // and the stack is written: it saves r6, r7 and r11, which `asm!` may not name, and what is needed after
-                // each row.
+                // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Only the sums and the
+                // stack are written. The stack keeps r6, r7 and r11, which `asm!` may not name, and what each row
+                // needs.
                 unsafe {
                     core::arch::asm!(
                         "push {{r2, r3, r4, r5, r6, r7}}",

@@ -185,8 +185,7 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
     sums
 }
 
-/// The scores of a row at four neighbouring offsets, for Armv6-M. Sums are in high registers, on which only `add`
-/// works.
+/// The scores of a row at four neighbouring offsets, for Armv6-M. Only `add` works on the high registers of the sums.
 ///
 /// # Safety
 /// `width` pixels can be read at `g`, and three more at `f`.
@@ -206,9 +205,8 @@ unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutT
         };
     }
     let mut sums = [0; OFFSETS];
-    // SAFETY: the rounds end at the last whole group of four columns. Entry 255 of 511 is that of no difference. Nothing
-    // but the sums and the stack is written: it saves r6 and r7, which `asm!` may not name, and the addresses of the
-    // sums and of the end of the rounds.
+    // SAFETY: the rounds end at the last whole group of four columns. Entry 255 of 511 is that of no difference. Only
+    // the sums and the stack are written. The stack keeps two addresses, and r6 and r7, which `asm!` may not name.
     unsafe {
         core::arch::asm!(
             "push {{r4, r5, r6, r7}}",
@@ -354,7 +352,6 @@ fn max(a: u32, b: u32) -> u32 {
     b + beyond(a, b)
 }
 
-/// (minimum, maximum) of each two bytes.
 #[inline(always)]
 fn sorted(a: u32, b: u32) -> (u32, u32) {
     let beyond = beyond(a, b);

@@ -1,5 +1,4 @@
-//! AVX2: 32 pixels in a vector. The plain loops of products and layers are compiled with its instructions, which
-//! compute eight products each.
+//! AVX2: 32 pixels in a vector, and eight products in an instruction of the compiled plain loops.
 
 use super::scores::{self, SEGMENT, Shuffle, narrow, narrow_lanes};
 use crate::kernels::generic::{self, Neighbours, Vector, intrinsics, scores};

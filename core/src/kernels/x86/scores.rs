@@ -57,8 +57,7 @@ fn xor_within_halves(plane: &mut [[u8; SEGMENT]]) {
     }
 }
 
-/// The first `SEGMENTS` table segments of both byte planes, in registers. They exist only if the processor has the
-/// shuffle.
+/// The first `SEGMENTS` table segments of both byte planes in registers. Exists only if the processor has the shuffle.
 pub(super) struct Planes<V, const SEGMENTS: usize> {
     low: [V; 16],
     high: [V; 16],
@@ -93,8 +92,8 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // A signed and saturating subtraction: the top bit stays where it is set, and is set for differences
-                // below this segment.
+                // Signed and saturating: the top bit stays where it is set, and is set for differences below this
+                // segment.
                 let index = V::lowered(moved, V::splat((up + SEGMENT * segment) as u8));
                 planes.0 = V::xor(planes.0, V::shuffle(self.low[first + segment], index));
                 planes.1 = V::xor(planes.1, V::shuffle(self.high[first + segment], index));
@@ -120,10 +119,8 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
     }
 }
 
-/// Mask of the lanes that hold a row narrower than a vector, each pixel once.
-///
-/// Two loads of the same size, one at the start and one at the end of the row, cover up to twice that size. Where they
-/// overlap, only the first is valid.
+/// Mask of the lanes that hold a row narrower than a vector, each pixel once. Two loads, at the start and at the end of
+/// the row, may overlap; there only the first is valid.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.

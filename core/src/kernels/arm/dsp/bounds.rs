@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `ldr` | the pixels f; the pixels g of the template are loaded once for all four offsets |
 //! | `uqsub8`, `uqsub8`, `orr` | d = the absolute difference of f and g |
-//! | `usub8`, `sel` | 255 instead of d if the pixel does not count |
+//! | `usub8`, `sel` | 255 instead of d if d is not below the threshold |
 //! | `usada8` | adds the distances to 255: the points |
 //!
 //! | pixels outside the ranges of a group | what |
@@ -61,8 +61,6 @@ macro_rules! points_of_word {
     };
 }
 
-/// Spare points of four offsets: see [`Loops::SPARE`](super::super::scores::Loops::SPARE).
-///
 /// # Safety
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
@@ -74,8 +72,7 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };
     let mut spare = Points::spare(pair, needed, wanted);
     let [a, b, c, d] = &mut spare;
-    // SAFETY: only words within a row are read, in the patch up to three columns further. The stack pointer is restored
-    // at the end; only the stack is written.
+    // SAFETY: only words within a row are read, in the patch up to three columns further. Only the stack is written.
     unsafe {
         asm!(
             "push {{{x}}}",
@@ -154,8 +151,6 @@ macro_rules! outside_word {
     };
 }
 
-/// Number of pixels outside their ranges: see [`Loops::MISSES`](super::super::scores::Loops::MISSES).
-///
 /// # Safety
 /// The pictures have at least four columns. Patch and upper bound have the same stride.
 #[inline(never)]

@@ -52,8 +52,7 @@ macro_rules! add {
     };
 }
 
-/// Computes the features of a row of cells, as [`plain::features`](crate::kernels::plain::gradients::features)
-/// specifies. Does nothing if channels are missing or `out` is longer than a row.
+/// Computes the features of a row of cells as the plain loop does; none if channels are missing or `out` is too long.
 #[inline(always)]
 pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; ROW], out: &mut [[i8; CHANNELS]]) {
     const { assert!(2 * ROW < 256) };
@@ -103,9 +102,8 @@ macro_rules! sum {
     };
 }
 
-/// Computes channel sums and energies, as [`plain::gradients`](crate::kernels::plain::gradients::gradients) specifies.
-/// A gradient along an axis may be added to a sector or to its mirror image: both give the same votes. Does nothing if
-/// channels are missing.
+/// Computes channel sums and energies as the plain loop does; none if channels are missing. A gradient along an axis
+/// may be added to a sector or to its mirror image: both give the same votes.
 #[inline(never)]
 pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     lines: &[[u8; COLUMNS]; SIDE],
@@ -161,8 +159,7 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
                 add!("r10", 3),
                 "cmp r1, r12",
                 "bne 2b",
-                // Sums 1 to 4 from the sectors, then sums 8 to 5 in the same way from the mirrored sectors. r9 becomes
-                // sum 0.
+                // Sums 1 to 4 from the sectors, then 8 to 5 likewise from the mirrored sectors. r9 becomes sum 0.
                 "ldrd r2, r3, [sp]",
                 "add r1, r0, #128",
                 "mov r8, #{row}",

@@ -10,7 +10,6 @@ pub(crate) mod scores;
 pub(crate) mod weights;
 mod words;
 
-/// Returns true: this module is compiled only for processors with the DSP extension.
 pub(crate) const fn is_available() -> bool {
     true
 }

@@ -226,9 +226,7 @@ unsafe fn pairs_of_rows(to: *mut i32, width: usize, first: [*const i8; 2], secon
     }
 }
 
-/// True: a piece of work of the responses is two rows of cells.
 pub(crate) const TAKES_ROWS_OF_CELLS: bool = true;
-/// Number of pieces of work of [`gather`]: the channels of each of the three sums.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(SUMS * STEP);
 
 /// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel of one of the three sums.
@@ -351,8 +349,7 @@ macro_rules! slide {
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
                 // SAFETY: of each row `count` factors and `count + n - 1` numbers are read. Only the n sums and the
-                // stack are written. The stack keeps r6 and r7, which `asm!` may not name, and what is needed after each
-                // row.
+                // stack are written. The stack keeps r6 and r7, which `asm!` may not name, and what each row needs.
                 unsafe {
                     asm!(
                         "push {{r0, r5, r8, r11}}",

@@ -136,8 +136,6 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// The sum of absolute differences. Stops once it exceeds `enough`.
-///
 /// # Safety
 /// The pictures have at least four columns.
 #[inline(always)]
@@ -155,8 +153,7 @@ unsafe fn distance(pair: &Rows, enough: u32) -> u32 {
     sum.wrapping_sub(start).cast_unsigned()
 }
 
-/// Assembly of the unrolled loop. It does not use `.irp`, because the compiler estimates jump distances from the number
-/// of lines.
+/// Assembly of the unrolled loop, without `.irp`: the compiler estimates jump distances from the number of lines.
 macro_rules! distance_of_words {
     ($($offset:literal)*) => {
         concat!($(
@@ -167,8 +164,7 @@ macro_rules! distance_of_words {
     };
 }
 
-/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on to `sum`, row by row, while the sum is
-/// negative.
+/// Adds the differences in `width` (1..=`STRIP`) columns from `column` on, row by row, while `sum` is negative.
 ///
 /// # Safety
 /// The pair has these columns, and at least four.

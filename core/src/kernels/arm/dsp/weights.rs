@@ -1,5 +1,4 @@
-//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a product of 32 bits. The plain loops are
-//! in `plain/weights.rs`.
+//! Weights of a filter by the DSP extension: `smmla` adds the upper half of a 32x32-bit product.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;

@@ -2,7 +2,6 @@
 
 use crate::kernels::rows::Rows;
 
-/// Pixels in a word.
 pub(super) const LANES: usize = 4;
 
 pub(super) fn in_lanes(byte: u8) -> u32 {

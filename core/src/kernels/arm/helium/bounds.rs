@@ -19,8 +19,6 @@ macro_rules! points {
     };
 }
 
-/// Spare points of four offsets: see [`Loops::SPARE`](super::super::scores::Loops::SPARE).
-///
 /// # Safety
 /// The patch has three more columns than the template.
 #[inline(never)]
@@ -74,8 +72,6 @@ pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8
     spare
 }
 
-/// Number of pixels outside their ranges: see [`Loops::MISSES`](super::super::scores::Loops::MISSES).
-///
 /// # Safety
 /// Patch and upper bound have the same stride.
 #[inline(never)]

@@ -6,8 +6,7 @@ use core::arch::asm;
 #[inline(always)]
 pub(crate) fn deviation(pixels: &[u8], level: u8) -> [u32; 2] {
     let (mut deviation, mut clipped) = (0, 0);
-    // SAFETY: only `pixels` are read. Nothing is written. A pixel is 0 or 255 exactly if pixel + 1, modulo 256, is 0 or
-    // 1.
+    // SAFETY: only `pixels` are read. Nothing is written. A pixel is 0 or 255 if pixel + 1, modulo 256, is 0 or 1.
     unsafe {
         asm!(
             "vdup.8 q1, {level}",
@@ -61,8 +60,6 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     largest.to_le_bytes()[0]
 }
 
-/// Samples columns as `plain::levels::mix` does.
-///
 /// # Safety
 /// Each number in `from` is less than twice [`PLACES`](crate::kernels::plain::levels::PLACES).
 #[inline(always)]

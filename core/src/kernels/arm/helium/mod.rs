@@ -11,12 +11,10 @@ pub(crate) mod weights;
 
 use crate::kernels::rows::Rows;
 
-/// Returns true: this module is compiled only for processors with Helium.
 pub(crate) const fn is_available() -> bool {
     true
 }
 
-/// Pixels in a vector.
 const LANES: usize = 16;
 
 /// Byte offsets of a channel in eight neighbouring cells.

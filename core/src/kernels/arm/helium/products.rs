@@ -77,8 +77,7 @@ macro_rules! sums {
         $($begin:literal)*; $($seventh:literal)*; $($end:literal)*
     ) => {
         /// # Safety
-        /// `down` rows of `width` weights, at least one each, can be read, and the cells under them at all these
-        /// offsets.
+        /// `down` rows of `width` weights (at least one each) can be read, and the cells under them at these offsets.
         #[inline(never)]
         unsafe fn $name<const APART: usize>(&self, cells: *const i8, weights: *const i16, down: usize) -> [i32; MOST] {
             let ($first, $nine): (_, i32);
@@ -288,7 +287,6 @@ impl Rows {
 }
 
 pub(crate) use plain::TAKES_ROWS_OF_CELLS;
-/// Number of pieces of work of [`gather`]: the channels.
 pub(crate) const GATHER_PIECES: Option<usize> = Some(STEP);
 
 /// Adds the gradient, as [`plain::gather`] specifies. A piece of work is a channel, with its sums in `spare`.
@@ -319,8 +317,7 @@ pub(crate) fn gather<const N: usize>(
     let block = if 9 * across.div_ceil(MOST) <= 8 * across.div_ceil(6) { MOST } else { 6 };
     for channel in pieces.start..pieces.end.min(STEP) {
         let plane = room.0.as_mut_ptr().cast::<i8>();
-        // SAFETY: one byte of each cell under the filter is read. `fits` has checked that the cells are there,
-        // `room_for` that the room suffices.
+        // SAFETY: one byte of each cell under the filter is read. `fits` and `room_for` have checked cells and room.
         unsafe { side_by_side(cells.as_ptr().wrapping_add(channel), plane, count(down)) };
         for y in 0..down {
             let mut x = 0;

@@ -1,12 +1,9 @@
-//! Scores by Helium, the vectors of Armv8.1-M (Cortex-M52, M55, M85): 16 pixels in a vector.
+//! Scores by Helium, the vectors of Armv8.1-M: 16 pixels in a vector, by `asm!`, because there are no intrinsics.
 //!
 //! - `vldrh` with a vector of offsets loads an entry of the table for each lane.
 //! - `vabav` adds the absolute differences of two vectors to a register.
 //! - `vpt` compares. The instructions after it work only in the lanes where the comparison holds, or does not hold.
-//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses, loads and stores one lane for each
-//!   remaining pixel.
-//!
-//! There are no intrinsics, so these are `asm!`.
+//! - A loop from `dlstp` to `letp` counts pixels down in `lr`. The last round uses one lane for each remaining pixel.
 
 use super::super::points::{OFFSETS, Points};
 use super::super::scores::{Loops, blocks};
@@ -72,7 +69,6 @@ unsafe fn reachable(pair: &Rows, entries: *const u16, floor: u32) -> u32 {
     reachable
 }
 
-/// The sum of absolute differences. Stops once it exceeds `enough`.
 #[inline(always)]
 fn distance(pair: &Rows, enough: u32) -> u32 {
     let mut sum = 0;
@@ -137,8 +133,7 @@ fn ranges(rows: &[&[u8]; 4], margin: u8, low: &mut [u8], span: &mut [u8]) {
         return;
     }
     let [a, b, c, d] = rows.each_ref().map(|row| row.as_ptr());
-    // SAFETY: `columns + 3` pixels of each row are read, and `columns` written to `low` and `span`: `blocks` has
-    // checked that they are there.
+    // SAFETY: `columns + 3` pixels of each row are read, and `columns` of `low` and `span` written: see `blocks`.
     unsafe {
         asm!(
             "vdup.8 q3, {lanes}",

@@ -1,6 +1,5 @@
-//! Weights of a filter by Helium, four at a time. The plain loops are in `plain/weights.rs`.
-//!
-//! In a loop from `dlstp` to `letp` the last round uses one lane for each remaining number.
+//! Weights of a filter by Helium, four at a time. In a loop from `dlstp` to `letp` the last round uses one lane for
+//! each remaining number.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
