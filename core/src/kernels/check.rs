@@ -29,8 +29,7 @@ pub const ROOM: usize = 64 * 1024;
 /// Miri is thousands of times slower: there only every 29th case is compared.
 const STEP: usize = if cfg!(miri) { 29 } else { 1 };
 
-/// Memory for test pictures, [`ROOM`] bytes each. If accesses beyond the named edge fault, loops that read outside a
-/// picture are detected.
+/// Memory for test pictures. Where accesses beyond the named edge fault, a read outside of a picture is detected.
 #[derive(Debug)]
 pub struct Areas<'a> {
     /// Pictures lie at its end, after which memory is inaccessible.

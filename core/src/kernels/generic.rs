@@ -1,7 +1,6 @@
 //! The score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait.
 //!
-//! The file of an instruction set defines [`Vector`], [`Neighbours`] and [`LookUp`]. `scores!` compiles the loops for
-//! it.
+//! The file of an instruction set defines [`Vector`], [`Neighbours`] and [`LookUp`]; `scores!` compiles its loops.
 //!
 //! The score of a patch f and a template g ([`sum_at_least`]):
 //!
@@ -704,10 +703,8 @@ pub(crate) fn widen_all(low: &mut [u8], high: &mut [u8], last: u8) {
 }
 
 /// Computes rows of ranges, as [`widen`] encodes them. Returns false, and does nothing, if a row has fewer ranges than
-/// lanes, or if `to` is too small.
-///
-/// Processes strips as wide as a vector from top to bottom. Each row of a strip is read once. The minima and maxima of
-/// each pair of rows serve two ranges.
+/// lanes or `to` is too small. Each strip as wide as a vector is read once, from top to bottom. The minima and maxima
+/// of each pair of rows serve two ranges.
 #[inline(always)]
 pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
     pixels: Image<'_>,
@@ -728,9 +725,8 @@ pub(crate) unsafe fn ranges_of_rows<V: Neighbours>(
         let (low, high) = (to.low.as_mut_ptr().wrapping_add(at), to.high.as_mut_ptr().wrapping_add(at));
         let mut row = pixels.as_ptr().wrapping_add(at);
         let mut place = 0;
-        // SAFETY: every row has `columns` pixels and three more, at + LANES
-        // is at most `columns`. The last store ends with the ranges of row `rows` - 1 of `to`: there is room for
-        // `needed` bytes.
+        // SAFETY: every row has `columns` pixels and three more, at + LANES is at most `columns`. The last store ends
+        // with the ranges of row `rows` - 1 of `to`, whose `needed` bytes exist.
         unsafe {
             let last = V::splat(last);
             let (mut before, mut pairs) = (fours::<V>(row), [(V::splat(0), V::splat(0)); 2]);

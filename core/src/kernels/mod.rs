@@ -33,8 +33,7 @@
 //!
 //! `generic.rs` has the score loops of x86-64, AArch64 and WebAssembly, written once over a vector trait; the file of
 //! an instruction set defines its vector and its table lookup. The loops in `arm/` are assembly. `scores.rs` defines
-//! the trait of score kernels, and `rows.rs` the row addresses of two pictures. `three_sums.rs` saves multiplications,
-//! `unrolling.rs` prevents unrolling.
+//! the trait of score kernels, `rows.rs` row addresses. `three_sums.rs` saves multiplications, `unrolling.rs` flash.
 //!
 //! `swar/` computes on words in ordinary registers. Armv6-M and RV32IMAC load words from aligned addresses only, and
 //! assembling a word from bytes costs more than it saves. So only ranges and bounds use words, of 7 bits of each pixel.
@@ -43,8 +42,7 @@
 //!
 //! Inlining: a function with an intrinsic is always inlined into a function with `#[target_feature]`, because only
 //! there it compiles to an instruction. So is a function that would pass numbers through memory, because reading them
-//! back stalls. Never inlined are functions that take less flash in one copy, and loops that need all registers. A
-//! comment gives any other reason.
+//! back stalls. Never inlined are functions that take less flash in one copy, and loops that need all registers.
 //!
 //! # Where a weight for each pixel would go
 //!

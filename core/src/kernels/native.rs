@@ -89,8 +89,8 @@ pub(crate) fn replace(old: &mut [u8], new: &[u8], largest: u8) -> u8 {
     native::levels::replace(old, new, largest)
 }
 
-/// The values `weight * factor / 2^32 + sum * 2^left`, with the quotient rounded down. A value is more than -2^31 and
-/// less than 2^31; its product or sum alone may be larger.
+/// The values `weight * factor / 2^32 + sum * 2^left`; the quotient is rounded down. Each is within
+/// +-(2^31 - 1); its product or its sum alone may be larger.
 #[derive(Clone, Copy)]
 pub(crate) struct ScaledSums<'a> {
     pub(crate) weights: &'a [i32],

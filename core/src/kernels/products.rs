@@ -76,9 +76,8 @@ impl Products {
         }
     }
 
-    /// Adds the gradient of the filter's error, as [`plain::gather`](super::plain::products::gather) specifies. For
-    /// pieces and scratch memory see [`Products::responses`]. If `spare` is shorter than the cells of the filter and
-    /// seven more, a slower loop may run.
+    /// Adds the gradient of the filter's error, as [`plain::gather`](super::plain::products::gather) specifies. Pieces
+    /// and memory: see [`Products::responses`]. `spare` should be as long as the cells of the filter and seven more.
     #[inline(never)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn gather<const N: usize>(

@@ -115,8 +115,7 @@ impl<'a> Scorer<'a> {
         cfg!(any(smr_dsp, smr_helium, target_arch = "riscv32", target_arch = "arm")) || Self::RANGES_OF_ROWS;
 
     /// Bit mask of the offsets whose score may reach `floor`, among the `wanted` of four neighbours; see
-    /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small for the four
-    /// offsets.
+    /// [`Scores::candidates`]. Returns `wanted` if the template is too large or the patch too small.
     #[inline(always)]
     pub(crate) fn candidates(&self, patch: Image<'_>, template: Image<'_>, floor: u32, wanted: u8) -> u8 {
         let fits = u32::from(patch.width()) >= u32::from(template.width()) + 3 && patch.height() >= template.height();

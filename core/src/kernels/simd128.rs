@@ -73,8 +73,7 @@ fn further<const BY: i32>(bytes: v128) -> v128 {
 
 const SEGMENT: usize = 16;
 
-/// Value of `SEGMENTS` for any number of segments from two on. They share a loop, because separate ones would make the
-/// module a third larger.
+/// Value of `SEGMENTS` for two or more. They share a loop, because separate loops would make the module a third larger.
 const MANY: usize = 16;
 
 pub(crate) type Lookup = generic::Lookup<v128, SEGMENT, MANY>;

@@ -15,9 +15,8 @@ pub(crate) struct Points {
     pub(super) largest: u8,
     /// A pixel of similarity p has at least p * `rate` / 2^24 points. 0 disables the bound.
     rate: u32,
-    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold. Computed from
-    /// all d, so it holds for any table; for exp the largest d decides, whose chord from p(0) is the flattest. Stored,
-    /// because every bound needs it and division is slow.
+    /// The largest integer c such that p(d) <= 65535 - c * d for every difference d below the threshold, for any table.
+    /// (For exp the largest d decides: its chord from p(0) is the flattest.) Stored, because division is slow.
     chord: u32,
 }
 
@@ -60,8 +59,7 @@ impl Points {
     }
 
     /// Spare points of four offsets before the first row: the most points that the rows can have, minus those needed. A
-    /// loop over rows subtracts the points that pixels lack, and excludes an offset once its number is negative. An
-    /// offset that is not `wanted` starts negative.
+    /// loop subtracts the points that pixels lack. A negative number excludes the offset; those not `wanted` start so.
     #[inline(always)]
     pub(super) fn spare(rows: &Rows, needed: u32, wanted: u8) -> [i32; OFFSETS] {
         let start = u32::from(Self::MOST).wrapping_mul(rows.pixels_after(0)).wrapping_sub(needed).cast_signed();

@@ -223,15 +223,15 @@ pub(crate) fn root(number: u32) -> u32 {
     root
 }
 
-/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps. Where division is an instruction
-/// they are faster than `isqrt`.
+/// The square root, rounded down, of a number below 2^32 - 2^17, by two Newton steps: faster than `isqrt` with
+/// division.
 #[cfg(not(all(smr_swar, target_arch = "arm")))]
 #[cfg_attr(all(smr_small, not(smr_helium)), inline(never))]
 pub(crate) fn root(number: u32) -> u32 {
     let places = (number | 1).leading_zeros() & !1;
     let scaled = (number | 1) << places;
-    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the relative error; its result
-    // is never too small.
+    // The guess is within 6 % for numbers from 2^30 on. A Newton step squares and halves the error, and is never too
+    // small.
     let mut root = (scaled >> 17) + (scaled >> 18) + 20_400;
     root = (root + scaled / root) / 2;
     root = (root + scaled / root) / 2;

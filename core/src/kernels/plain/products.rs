@@ -40,8 +40,7 @@ fn dot(cells: &[i8], weights: &[i16]) -> i32 {
     rolled_if_spare(cells.iter().zip(weights)).map(|(&cell, &weight)| i32::from(cell) * i32::from(weight)).sum()
 }
 
-/// Adds the gradient of the error to `sums`: for each weight the sum of `e * x` over all offsets, with the feature x
-/// under the weight.
+/// Adds the gradient of the error to `sums`: for each weight the sum of `e * x` over all offsets (x under the weight).
 ///
 /// A piece of work is a row of errors. No sum overflows: 17^2 errors of at most 16383 reach 289 * 16383 * 128 < 2^31.
 #[inline(always)]

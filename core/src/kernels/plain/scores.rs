@@ -39,9 +39,8 @@ impl Scores for Plain<'_> {
     }
 }
 
-/// The score if it is at least `floor`; `None` as soon as the remaining pixels cannot reach `floor`. It is the sum of
-/// the similarities of all pairs of pixels in the common top left part, exact for up to
-/// [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
+/// The score (the sum of the similarities of all pairs of pixels) if it is at least `floor`; `None` as soon as the
+/// remaining pixels cannot reach it. Exact for up to [`MAX_PIXELS`](super::super::cut_table::MAX_PIXELS) pixels.
 #[must_use]
 pub(crate) fn score_at_least(patch: Image<'_>, template: Image<'_>, table: &CutTable, floor: u32) -> Option<u32> {
     if cfg!(any(smr_dsp, smr_helium)) {
@@ -100,8 +99,7 @@ pub(crate) fn distance(patch: Image<'_>, template: Image<'_>, enough: u32) -> u3
     sum
 }
 
-/// Upper bound of the score of every patch with pixels between `low` and `high`. `None` as soon as it cannot reach
-/// `floor`.
+/// Upper bound of the score of every patch between `low` and `high`. `None` as soon as it cannot reach `floor`.
 ///
 /// No pixel of `low` is above that of `high`. The difference of a pixel is its distance to the range between them: no
 /// patch in the range is closer. If `low` equals `high`, the bound is the score.
@@ -143,8 +141,7 @@ pub(crate) fn spread(rows: &[&[u8]; 4], low: &mut [u8], high: &mut [u8]) {
     }
 }
 
-/// The score of the pixels of `template` on the zero padding around the frame. `seen` is the part of the template on
-/// the frame, in its coordinates, or empty.
+/// The score of the pixels of `template` on the zero padding. `seen` is its part on the frame, or empty.
 #[cfg(smr_swar)]
 #[must_use]
 #[cfg_attr(smr_small, inline(never))]

@@ -13,8 +13,8 @@ const LANES: usize = 8;
 /// Filter offsets computed at a time, which share the loads of the weights.
 const AT_ONCE: usize = 4;
 
-/// Start and mask of each vector of a row of numbers. The last vector ends with the row; the mask excludes its lanes
-/// that overlap the vector before it.
+/// Start and mask of each vector of a row. The last vector ends with the row; its mask excludes lanes of the vector
+/// before.
 fn vectors(row: usize) -> impl Iterator<Item = (usize, v128)> {
     let whole = (0..row / LANES).map(|number| (number * LANES, u8x16_splat(u8::MAX)));
     let rest = row % LANES;
@@ -105,8 +105,8 @@ pub(crate) fn gather<const N: usize>(
             let cells = cells.as_ptr().wrapping_add((y + down) * stride);
             for (at, mask) in vectors(row) {
                 let sums = sums.as_mut_ptr().wrapping_add(at);
-                // SAFETY: y and all x are below the span, so the filter lies on the cells, as `fits` has checked; no
-                // vector ends beyond the row.
+                // SAFETY: y and all x are below the span, where the filter lies on the cells (`fits`). No vector ends
+                // beyond its row.
                 unsafe { gather_at(cells.wrapping_add(at), step, mask, errors.get(..span).unwrap_or_default(), sums) }
             }
         }

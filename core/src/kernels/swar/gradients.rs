@@ -22,8 +22,8 @@ pub(crate) fn gradients<const COLUMNS: usize, const ROW: usize>(
     plain::by_cells(lines, sums, energies, across, |lines, at| sectors(lines, at).sums(plain::gray(lines, at)));
 }
 
-/// Adds the gradient of pixel `$at` of a row to its sector. r0 points to the left neighbour of the row's first pixel,
-/// r1 and r2 one line above and below r0, r12 to sector 0.
+/// Adds the gradient of a pixel to its sector. r0 points to the left neighbour of pixel 0 of the row, r1 and r2 one
+/// line above and below, r12 to sector 0.
 macro_rules! add {
     ($at:literal) => {
         concat!(

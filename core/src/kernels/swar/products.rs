@@ -215,8 +215,7 @@ impl Slide<i16> {
     /// Adds to `sums[i]` the products of all rows of factors with the numbers from `i` on. `total` sums the factors.
     ///
     /// # Safety
-    /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. Neither `count` nor
-    /// `rows` is 0.
+    /// `count` factors and `count + sums.len() - 1` numbers of each row can be read. Neither `count` nor `rows` is 0.
     #[inline(never)]
     unsafe fn add(mut self, total: i32, sums: &mut [i32]) {
         if MIDDLE != 0 {
@@ -253,8 +252,7 @@ macro_rules! slide {
             unsafe fn $name(&self, sums: *mut i32) -> usize {
                 let Self { factors, count, numbers, width, rows } = *self;
                 // SAFETY: the factors, and n - 1 more numbers than factors of each row, are read. Only the sums and the
-                // stack are written. The stack keeps r6, r7 and r11, which `asm!` may not name, and what each row
-                // needs.
+                // stack are written. The stack keeps r6, r7 and r11, which `asm!` may not name, and row data.
                 unsafe {
                     core::arch::asm!(
                         "push {{r2, r3, r4, r5, r6, r7}}",

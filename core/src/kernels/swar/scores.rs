@@ -10,8 +10,8 @@
 //! Seven bits suffice for ranges and bounds, because a bound may be too large. Scores and distances need all eight
 //! bits, so they process single bytes.
 //!
-//! These processors load words from multiples of four only. The search aligns ranges so. Words of frames and templates
-//! are shifted together from two aligned words.
+//! These processors load words from multiples of four only, where the search stores ranges. Words of other rows are
+//! shifted together from two aligned words.
 
 use crate::image::Image;
 use crate::kernels::cut_table::{CutTable, ONE};
@@ -192,8 +192,8 @@ unsafe fn four_row_scores(mut f: *const u8, mut g: *const u8, width: usize, tabl
 #[cfg(target_arch = "arm")]
 #[inline(never)]
 unsafe fn four_row_scores(f: *const u8, g: *const u8, width: usize, table: &CutTable) -> [u32; OFFSETS] {
-    /// Adds the entries of four frame pixels, compared with template pixel `$at`. Registers hold twice the gray levels.
-    /// Loads the last of the four.
+    /// Adds the table entries of four frame pixels and template pixel `$at`. `$a` to `$d` are twice the gray levels,
+    /// `$d` new.
     macro_rules! column {
         ($at:literal $a:literal $b:literal $c:literal $d:literal) => {
             concat!(
@@ -293,8 +293,8 @@ unsafe fn row_sum(mut f: *const u8, mut g: *const u8, width: usize, of: impl Fn(
     sum
 }
 
-/// Computes for each 4x4 block half its lowest pixel, and 127 minus half its highest pixel, both minus the threshold
-/// (half of it in each byte), but at least 0.
+/// Computes for each 4x4 block half its lowest pixel, and 127 minus half its highest pixel, both minus `threshold`
+/// (which is half of the threshold in each byte), but at least 0.
 ///
 /// Takes the minimum and maximum of four rows in each column, then of two and of four columns.
 #[inline(never)]

@@ -92,8 +92,7 @@ impl<V: Shuffle, const SEGMENTS: usize> Planes<V, SEGMENTS> {
             let mut planes = (V::shuffle(self.low[first], moved), V::shuffle(self.high[first], moved));
             let mut segment = 1;
             while segment < COUNT {
-                // Signed and saturating: the top bit stays where it is set, and is set for differences below this
-                // segment.
+                // Signed and saturating: the top bit stays if set, and is set for differences below this segment.
                 let index = V::lowered(moved, V::splat((up + SEGMENT * segment) as u8));
                 planes.0 = V::xor(planes.0, V::shuffle(self.low[first + segment], index));
                 planes.1 = V::xor(planes.1, V::shuffle(self.high[first + segment], index));
@@ -119,8 +118,8 @@ impl<V: Shuffle, const SEGMENTS: usize> LookUp for Planes<V, SEGMENTS> {
     }
 }
 
-/// Mask of the lanes that hold a row narrower than a vector, each pixel once. Two loads, at the start and at the end of
-/// the row, may overlap; there only the first is valid.
+/// Mask of the lanes of a row narrower than a vector, each pixel once. Its two loads may overlap; there only one
+/// counts.
 ///
 /// # Safety
 /// The processor has the instruction set of `V`.
@@ -137,8 +136,8 @@ pub(super) unsafe fn narrow_lanes<V: Vector>(width: usize) -> V {
     unsafe { V::is_above(V::load(lanes.as_ptr()), V::splat(31 - new)) }
 }
 
-/// The numbers that [`narrow_lanes`] compares: 127 in the first `first` lanes (always valid), then `second` numbers
-/// that end at 31, then 0 (never valid).
+/// What [`narrow_lanes`] compares: 127 in `first` lanes (always valid), `second` numbers up to 31, then 0 (never
+/// valid).
 #[allow(clippy::indexing_slicing, clippy::cast_possible_truncation)] // all below 32
 const fn lanes(first: usize, second: usize) -> [u8; 32] {
     let mut lanes = [0; 32];

@@ -65,8 +65,7 @@ macro_rules! points_of_word {
 /// The template has at least four columns, the patch as many and three more.
 #[inline(never)]
 pub(super) unsafe fn spare(pair: &Rows, points: &Points, needed: u32, wanted: u8) -> [i32; OFFSETS] {
-    // `none` is a mask here, not a number of bits: 255 in each byte of the last word that belongs to an earlier column,
-    // so that the column does not get points again.
+    // Here a mask, not a number of bits: 255 in bytes of the last word whose columns already have their points.
     let mut row = Row::of(pair);
     row.none = u32::MAX >> (8 * (pair.width % LANES));
     let memory = Memory { row, words: words(pair), own: Points::of_row(pair) as usize };

@@ -59,8 +59,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     if sums.len() < CHANNELS || out.is_empty() || out.len() > ROW {
         return;
     }
-    // SAFETY: ten sums and an inverse are read for each cell in `out`, and ten features written. No product of 16 and
-    // 32 bits overflows.
+    // SAFETY: ten sums and an inverse are read for each cell in `out`, ten features written. No 16x32-bit product
+    // overflows.
     unsafe {
         asm!(
             "2:",
@@ -89,8 +89,8 @@ pub(crate) fn features<const ROW: usize>(sums: &[[u16; ROW]], inverses: &[u32; R
     }
 }
 
-/// Computes a channel sum of a cell from two or three sectors, each with the index of its direction in `TABLE`. Stores
-/// it, moves r3 to the next channel, and adds its square to r10.
+/// Computes a channel sum from two or three sectors, each with the index of its direction in `TABLE`. Stores it, moves
+/// r3 to the next channel, and adds its square to r10.
 macro_rules! sum {
     ($first:literal $at:literal, $second:literal $to:literal $(, $third:literal $by:literal)?) => {
         concat!(

@@ -87,8 +87,8 @@ macro_rules! columns {
 #[inline(always)]
 pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mut [u8]) {
     let count = out.len().min(from.len()).min(parts.len());
-    // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair in the row, which need not
-    // be aligned. Parts are aligned words.
+    // SAFETY: each slice has `count` numbers. Each number in `from` is the place of a pair, at any alignment. Parts are
+    // words.
     unsafe {
         asm!(
             "subs r5, #4",

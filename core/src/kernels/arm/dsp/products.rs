@@ -1,12 +1,11 @@
 //! Sums of products by the DSP extension: `smlad` adds two products of 16-bit numbers.
 //!
-//! Both kernels slide rows of factors along rows of numbers. Up to five neighbouring sums share each factor. Numbers
-//! move from the register of one sum to that of the next, so each is loaded once for all sums. A factor is a pair of
-//! 16-bit numbers:
+//! Both kernels slide rows of factors along rows of numbers. Up to five neighbouring sums share a factor. Numbers move
+//! from the registers of one sum to the next, so each is loaded once. A factor is a pair of 16-bit numbers:
 //!
 //! - Responses: two channels of a cell. Rows of cells are unpacked, channels side by side.
-//! - Gradient: the errors of two rows of offsets. The features of a channel are unpacked as pairs of two rows of cells,
-//!   or of differences of rows.
+//! - Gradient: the errors of two rows of offsets. A channel is unpacked as pairs of two rows of cells, or of
+//!   differences.
 //!
 //! Both compute three sums of products instead of four (`three_sums.rs`). In the gradient, rows of errors take the role
 //! of filter rows, and filter rows that of rows of offsets.
@@ -90,8 +89,7 @@ impl Rows for Unpacked {
 /// cells, then the next pair. The pairs are the channels 0 and 2, 1 and 3, 4 and 6, 5 and 7, 8 and 9.
 ///
 /// # Safety
-/// `width` cells of ten bytes can be read from `first` and `second`, and five times as many words written. `width` is
-/// not 0.
+/// `width` cells of ten bytes can be read from `first` and `second`, and five words for each written. `width` is not 0.
 #[inline(never)]
 unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second: Option<*const i8>) {
     static ZEROES: [i8; STEP] = [0; STEP];
@@ -148,8 +146,8 @@ unsafe fn cells_by_channels(to: *mut i32, width: usize, first: *const i8, second
 /// Unpacks the pairs of channels of the weights from `first`, plus those from `second` unless it is the same row.
 ///
 /// # Safety
-/// `width` cells of ten weights can be read from `first` and `second`, and five times as many words written. `width` is
-/// not 0.
+/// `width` cells of ten weights can be read from `first` and `second`, and five words for each written. `width` is not
+/// 0.
 #[inline(never)]
 unsafe fn weights_by_channels(to: *mut i32, width: usize, first: *const i16, second: *const i16) {
     // SAFETY: a round takes ten weights and writes five words, for each of the `width` cells. Words need not be aligned.
@@ -306,8 +304,7 @@ impl Slide<i32> {
     /// Adds to `sums[i]` the products of all factors with the numbers from index `i` on, over all rows.
     ///
     /// # Safety
-    /// `count` factors of each row can be read, and `count + sums.len() - 1` numbers of each row. `count` is at least
-    /// `LEAST`, and `rows` is not 0.
+    /// `count` factors and `count + sums.len() - 1` numbers of each row can be read; `count >= LEAST`, `rows` is not 0.
     #[inline(never)]
     unsafe fn add(mut self, sums: &mut [i32]) {
         let (mut to, mut left) = (sums.as_mut_ptr(), sums.len());

@@ -275,8 +275,7 @@ struct Spread {
 #[inline(always)]
 unsafe fn spread(from: &Spread, low: *mut u8, span: *mut u8) {
     // SAFETY: a round takes four blocks and reads words at `at` and at `at + 4`. The last round takes the last four
-    // blocks, perhaps some of them again. It reads its second word at `last + 3`, the last word of a row, and drops the
-    // first byte of that.
+    // blocks, reads its second word at `last + 3`, the last word of a row, and drops the first byte of that.
     unsafe {
         asm!(
             "1:",

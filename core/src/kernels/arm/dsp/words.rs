@@ -43,8 +43,8 @@ pub(super) fn words(pair: &Rows) -> usize {
     pair.width - pair.width % LANES
 }
 
-/// Offset in the code of the loop over a row where the loop is entered: the first round processes 1 to 4 words, all
-/// others 4. A word has `bytes` bytes of code.
+/// Code offset where the loop over a row is entered: the first round has 1 to 4 words of `bytes` bytes of code, others
+/// 4.
 #[inline(always)]
 pub(super) fn entry(pair: &Rows, bytes: usize) -> usize {
     (pair.width / LANES).wrapping_neg() % 4 * bytes

@@ -20,8 +20,7 @@ static TABLES: Tables = Tables(
         [191; 16],
         [79; 16],
         [105; 16],
-        // The sum of the indices of a sector and its mirror image: minus one index, it is the other. Then the offset of
-        // each pixel in `Memory::pixels`.
+        // The index of a sector plus that of its mirror image. Then the offset of each pixel in `Memory::pixels`.
         [36, 36, 36, 36, 38, 38, 38, 38, 40, 40, 40, 40, 42, 42, 42, 42],
         [0, 16, 32, 48, 2, 18, 34, 50, 4, 20, 36, 52, 6, 22, 38, 54],
     ],
@@ -50,11 +49,10 @@ static FACTORS: [[[i32; 2]; 2]; SECTORS - 1] = {
 #[repr(C, align(4))]
 #[allow(dead_code)] // the assembly reads it
 struct Memory {
-    /// Gradients of a row of pixels: |y| and |x| for the first pixel of each of four cells, their sector indices, then
-    /// the same for the next pixels.
+    /// Gradients of a row of pixels: |y| and |x| of the first pixel in each cell, their sector indices; then the next
+    /// pixels.
     pixels: [[[[u8; 2]; LANES]; 2]; CELL as usize],
-    /// Sums of |y| and |x| of four cells, in the mirrored sectors 4 to 0, then the sectors 0 to 4. So two neighbouring
-    /// sectors share a direction.
+    /// Sums of |y| and |x| in the mirrored sectors 4 to 0, then the sectors 0 to 4: neighbours share a direction.
     sectors: [[[u16; 2]; LANES]; SECTORS],
 }
 

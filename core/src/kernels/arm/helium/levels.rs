@@ -68,9 +68,8 @@ pub(crate) unsafe fn mix(from: &[u16], parts: &[Parts], row: &MixedRow, out: &mu
     if count == 0 {
         return;
     }
-    // SAFETY: each slice has `count` numbers, and the last round uses only the lanes that are left. Each number in
-    // `from` is the place of a pair in the row, which need not be aligned. The product is twice the level, less 256,
-    // rounded down.
+    // SAFETY: each slice has `count` numbers; the last round uses only the lanes left. Each number in `from` is the
+    // place of a pair in the row, which need not be aligned. The product is twice the level, less 256, rounded down.
     unsafe {
         asm!(
             "vmov.i16 q3, #256",

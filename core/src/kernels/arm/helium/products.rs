@@ -191,8 +191,8 @@ impl Rows {
             return;
         }
         let (mut a, mut b, mut c, mut d, mut e, mut f, mut g);
-        // SAFETY: of a row all errors but the last are read, then those as a column. Nothing but the stack is
-        // written; it saves r6, which `asm!` may not name.
+        // SAFETY: of a row all errors but the last are read, then those as a column. Only the stack is written; it
+        // saves r6, which `asm!` may not name.
         unsafe {
             asm!(
                 "push {{r6}}",
@@ -324,9 +324,8 @@ pub(crate) fn gather<const N: usize>(
             while x < across {
                 let from = plane.cast_const().wrapping_add(y * width + x);
                 let to = of_channel.as_mut_ptr().wrapping_add(y * across + x).cast();
-                // SAFETY: the errors lie on the bytes that were copied, or, at offsets beyond the last weight, on the
-                // room after them. The sums at these offsets are overwritten by those of the next row, or lie after all
-                // others.
+                // SAFETY: the errors lie on the copied bytes, or, beyond the last weight, on the room after them. Sums
+                // at such offsets are overwritten by those of the next row, or lie after all others.
                 unsafe {
                     if block == MOST {
                         rows.errors_at::<N, 1>(from, errors.as_ptr().cast(), width, to);

@@ -1,5 +1,5 @@
-//! Weights of a filter by Helium, four at a time. In a loop from `dlstp` to `letp` the last round uses one lane for
-//! each remaining number.
+//! Weights of a filter by Helium, four at a time. From `dlstp` to `letp` the last round uses one lane for each number
+//! left.
 
 use crate::kernels::plain::weights as plain;
 use core::arch::asm;
@@ -77,11 +77,10 @@ pub(crate) fn code(weights: &[i32], factor: i64, sums: &[i32], left: u32, shift:
     }
 }
 
-/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`. The plain loop
-/// runs outside of the limits below.
+/// Subtracts `slope * length / 2^back`, rounded, from each weight, except where that overflows an `i32`.
 ///
-/// A slope times the length takes three products, one for each 16 bits of the length. The bits of a product above the
-/// lowest 16 are added to the next one.
+/// Three products compute a slope times the length, one for each 16 bits of the length: bits above the lowest 16 are
+/// added to the next one. Beyond these limits the plain loop runs:
 ///
 /// - The first two products fit in an `i32` for any slope, the third if the length is below 2^47.
 /// - The changes fit in an `i32` if the length is below 2^(15 + back).
